@@ -6,7 +6,7 @@ import csv
 import difflib
 import io
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -58,23 +58,8 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None]) -> 
     """Plan of an import from a map file and options; an option takes precedence over the map."""
     if section not in PARTS:
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
-    file = read(path) if path else YamlSource("{}", "")
+    file, known = read(path) if path else YamlSource("{}", ""), columns_of(section)
     given = _mapping(file, file.data, (), _KEYS)
-    stated = _stated(file, given, options)
-    return Plan(
-        section=section,
-        columns=_columns(file, section, given.get("columns")),
-        manufacturer=stated["manufacturer"],
-        family=stated["family"],
-        source_name=stated["name"] or "table",
-        source={key: stated[key] for key in ("document", "date", "confidence", "url")},
-        unknown=_unknown(file, given.get("unknown")),
-        common=_common(file, section, given.get("common")),
-    )
-
-
-def _stated(file: YamlSource, given: dict[str, Any], options: Mapping[str, str | None]) -> dict[str, str]:
-    """Maker, family and source, from an option where it is given, else from the map."""
     source = _mapping(file, given.get("source"), ("source",), _SOURCE)
     stated = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
     stated |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
@@ -83,7 +68,30 @@ def _stated(file: YamlSource, given: dict[str, Any], options: Mapping[str, str |
         raise InputError("--document: the source of the figures is missing; expected e.g. 'data sheet, 2024-05'")
     if stated["confidence"] not in CONFIDENCE:
         raise InputError(f"--confidence: {quoted(stated['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
-    return stated
+    columns = _mapping(file, given.get("columns"), ("columns",))
+    for theirs, ours in columns.items():
+        if ours is not None and (not isinstance(ours, str) or ours not in known):
+            hint = nearest(str(ours), known) or f"; expected one such as {', '.join(list(known)[:4])}"
+            raise InputError(f"{file.where(('columns', theirs))}: {section} have no column {quoted(ours)}{hint}")
+    unknown = given.get("unknown")
+    if unknown is not None and not isinstance(unknown, list):
+        raise InputError(f'{file.where(("unknown",))}: expected a list, e.g. ["-", n/a]')
+    common = _mapping(file, given.get("common"), ("common",))
+    for name, figure in common.items():
+        if name not in known or name in ("part", "family", "manufacturer"):
+            raise InputError(f"{file.where(('common', name))}: not a figure that parts have in common")
+        if isinstance(figure, dict | list | bool):
+            raise InputError(f"{file.where(('common', name))}: expected a figure with its unit, or text")
+    return Plan(
+        section=section,
+        columns=columns,
+        manufacturer=stated["manufacturer"],
+        family=stated["family"],
+        source_name=stated["name"] or "table",
+        source={key: stated[key] for key in ("document", "date", "confidence", "url")},
+        unknown=tuple(_text(file, cell, ("unknown", place)) for place, cell in enumerate(unknown or [])),
+        common=common,
+    )
 
 
 def _mapping(file: YamlSource, value: Any, path: Path_, allowed: tuple[str, ...] = ()) -> dict[str, Any]:
@@ -103,34 +111,6 @@ def _text(file: YamlSource, value: Any, path: Path_) -> str:
     if isinstance(value, bool) or not isinstance(value, str | int | float):
         raise InputError(f"{file.where(path)}: expected text")
     return str(value)
-
-
-def _columns(file: YamlSource, section: str, value: Any) -> dict[str, str | None]:
-    known = columns_of(section)
-    found: dict[str, str | None] = {}
-    for theirs, ours in _mapping(file, value, ("columns",)).items():
-        if ours is not None and (not isinstance(ours, str) or ours not in known):
-            hint = nearest(str(ours), known) or f"; expected one such as {', '.join(list(known)[:4])}"
-            raise InputError(f"{file.where(('columns', theirs))}: {section} have no column {quoted(ours)}{hint}")
-        found[theirs] = ours
-    return found
-
-
-def _common(file: YamlSource, section: str, value: Any) -> dict[str, Any]:
-    found = _mapping(file, value, ("common",))
-    for name, given in found.items():
-        path: Path_ = ("common", name)
-        if name not in columns_of(section) or name in ("part", "family", "manufacturer"):
-            raise InputError(f"{file.where(path)}: not a figure that parts have in common")
-        if isinstance(given, dict | list | bool):
-            raise InputError(f"{file.where(path)}: expected a figure with its unit, or text")
-    return found
-
-
-def _unknown(file: YamlSource, value: Any) -> tuple[str, ...]:
-    if value is not None and not isinstance(value, list):
-        raise InputError(f'{file.where(("unknown",))}: expected a list, e.g. ["-", n/a]')
-    return tuple(_text(file, cell, ("unknown", place)) for place, cell in enumerate(value or []))
 
 
 # -- Prices of a table in their currency: euros, francs, or any other, kept as it is.
@@ -221,7 +201,9 @@ def guessed(header: Sequence[str], units: Sequence[str], section: str) -> dict[s
     for place, theirs in enumerate(header):
         unit = units[place] if place < len(units) else ""
         for name, column in columns.items() if theirs not in own else ():
-            near = _likeness(theirs, name)
+            words = [name.replace("_", " "), *_WORDS.get(name, "").split("; ")]
+            ratios = (difflib.SequenceMatcher(None, _plain(theirs), word).ratio() for word in words if word)
+            near = max(ratios, default=0.0)
             if near >= _NEAR and name not in own and _fits(unit, column):
                 found.append((-near, place, theirs, name))
     chosen: dict[str, str] = {}
@@ -229,13 +211,6 @@ def guessed(header: Sequence[str], units: Sequence[str], section: str) -> dict[s
         if theirs not in chosen and name not in chosen.values():
             chosen[theirs] = name
     return {theirs: chosen[theirs] for theirs in header if theirs in chosen}
-
-
-def _likeness(theirs: str, name: str) -> float:
-    """Likeness of a header to a column's name or to one of its words, 0 to 1."""
-    given = _plain(theirs)
-    words = [name.replace("_", " "), *_WORDS.get(name, "").split("; ")]
-    return max((difflib.SequenceMatcher(None, given, word).ratio() for word in words if word), default=0.0)
 
 
 def _plain(text: str) -> str:
@@ -285,6 +260,7 @@ def map_text(columns: Mapping[str, str], header: Sequence[str], stated: Mapping[
 
 _BARE = re.compile(r"[A-Za-z][A-Za-z0-9_ ()*/^.%+-]*[A-Za-z0-9_)%]|[A-Za-z]")
 _YAML_WORDS = {"null", "true", "false"}
+_QUOTE = '"'  # of tokens, left out in messages
 
 
 class Imported(NamedTuple):
@@ -306,54 +282,59 @@ class _Sheet(NamedTuple):
     rows: list[tuple[int, list[str]]]  # line and cells
 
 
-def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
-    """Make the text of a catalogue file from a table."""
-    sheet = _sheet(text, path)
-    taken = _places_of_columns(sheet, plan)
-    units, plan, taken = foreign_prices(sheet.units, plan, taken)
-    sheet = sheet._replace(units=units)
-    heads = {name: _head(sheet, place, columns_of(plan.section)[name]) for name, place in taken.items()}
-    rows, skipped = _rows(sheet, taken, plan)
-    used = {name for _, row in rows for name in row}
-    groups: dict[str, list[dict[str, str]]] = {}
-    for line, row in rows:
-        groups.setdefault(_family(sheet, line, row, plan), []).append(row)
-    imported = Imported(
-        text=_written(plan, _maker(sheet, plan, groups), groups, heads),
-        parts=len(rows),
-        families={_untoken(name): len(some) for name, some in groups.items()},
-        columns={sheet.header[place]: name for name, place in taken.items()},
-        unknown=tuple(h for h in sheet.header if h and h not in plan.columns and h not in columns_of(plan.section)),
-        empty=tuple(name for name in taken if name not in used),
-        skipped=skipped,
-    )
-    _loads(imported.text, target)
-    return imported
-
-
 def heads_of(text: str, path: Path) -> tuple[list[str], list[str]]:
     """Header and units of a table."""
     sheet = _sheet(text, path)
     return sheet.header, sheet.units
 
 
-def _rows(
-    sheet: _Sheet, taken: Mapping[str, int], plan: Plan
-) -> tuple[list[tuple[int, dict[str, str]]], tuple[str, ...]]:
-    """Rows with a part number, each with its line, and the reasons why others were skipped."""
-    found: dict[str, tuple[int, dict[str, str]]] = {}
+def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
+    """Make the text of a catalogue file from a table."""
+    sheet = _sheet(text, path)
+    taken = _places_of_columns(sheet, plan)
+    units, plan, taken = foreign_prices(sheet.units, plan, taken)
+    sheet = sheet._replace(units=units)
+    schema = columns_of(plan.section)
+    heads = {name: _head(sheet, place, schema[name]) for name, place in taken.items()}
+    rows: dict[str, tuple[int, dict[str, str]]] = {}
     skipped: list[str] = []
     for line, cells in sheet.rows:
         row = _row(sheet, line, cells, taken, plan)
         if "part" not in row:
             skipped.append(f"line {line}: no part number" if any(cells) else f"line {line}: empty")
             continue
-        first, _ = found.setdefault(row["part"], (line, row))
+        first, _ = rows.setdefault(row["part"], (line, row))
         if first != line:
-            raise InputError(f"{sheet.path}:{line}: part: {quoted(_untoken(row['part']))} is in line {first} too")
-    if not found:
-        raise InputError(f"{sheet.path}: rows: no part found below the header and the row of units")
-    return list(found.values()), tuple(skipped)
+            raise InputError(f"{path}:{line}: part: {quoted(row['part'].strip(_QUOTE))} is in line {first} too")
+    if not rows:
+        raise InputError(f"{path}: rows: no part found below the header and the row of units")
+    used = {name for _, row in rows.values() for name in row}
+    groups: dict[str, list[dict[str, str]]] = {}
+    makers: set[str] = set()
+    for line, row in rows.values():
+        makers |= {row.pop("manufacturer")} if "manufacturer" in row else set()
+        family = row.pop("family", _token(plan.family) if plan.family else "")
+        if not family:
+            raise InputError(f"{path}:{line}: family: unknown; give one with --family or in the map")
+        groups.setdefault(family, []).append(row)
+    makers = makers or ({_token(plan.manufacturer)} if plan.manufacturer else set())
+    if len(makers) != 1:
+        names = " and ".join([maker.strip(_QUOTE) for maker in sorted(makers)][:3]) or "none"
+        raise InputError(f"{path}: manufacturer: {names} found; a catalogue has one (--manufacturer, or in the map)")
+    made = _written(plan, makers.pop(), groups, heads)
+    try:
+        parse(YamlSource(made, str(target)), target.stem, "")
+    except (CatalogError, InputError) as error:
+        raise InputError(f"{error} (nothing was written)") from None
+    return Imported(
+        text=made,
+        parts=len(rows),
+        families={name.strip(_QUOTE): len(some) for name, some in groups.items()},
+        columns={sheet.header[place]: name for name, place in taken.items()},
+        unknown=tuple(h for h in sheet.header if h and h not in plan.columns and h not in schema),
+        empty=tuple(name for name in taken if name not in used),
+        skipped=tuple(skipped),
+    )
 
 
 def _sheet(text: str, path: Path) -> _Sheet:
@@ -377,9 +358,10 @@ def _sheet(text: str, path: Path) -> _Sheet:
 
 def _places_of_columns(sheet: _Sheet, plan: Plan) -> dict[str, int]:
     """Place of each column in the table."""
+    where = f"{sheet.path}:1: header"
     for theirs in (name for name in plan.columns if name not in sheet.header):
         near = nearest(theirs, sheet.header)
-        raise InputError(f"{sheet.path}:1: header: the map's column {quoted(theirs)} is not there{near}")
+        raise InputError(f"{where}: the map's column {quoted(theirs)} is not there{near}")
     found: dict[str, int] = {}
     own = columns_of(plan.section)
     for place, theirs in enumerate(sheet.header):
@@ -387,14 +369,12 @@ def _places_of_columns(sheet: _Sheet, plan: Plan) -> dict[str, int]:
         if name is None:
             continue
         if name in found:
-            raise InputError(f"{sheet.path}:1: header: {quoted(theirs)} and another column are both {name}")
+            raise InputError(f"{where}: {quoted(theirs)} and another column are both {name}")
         if name in plan.common:
-            raise InputError(f"{sheet.path}:1: header: {quoted(theirs)} is {name}, which the map gives in common too")
+            raise InputError(f"{where}: {quoted(theirs)} is {name}, which the map gives in common too")
         found[name] = place
     if "part" not in found:
-        raise InputError(
-            f"{sheet.path}:1: header: no column is the part number; name it in the map, e.g. Order no.: part"
-        )
+        raise InputError(f"{where}: no column is the part number; name it in the map, e.g. Order no.: part")
     return found
 
 
@@ -418,34 +398,29 @@ def _head(sheet: _Sheet, place: int, column: Column) -> str:
 
 
 def _row(sheet: _Sheet, line: int, cells: list[str], taken: Mapping[str, int], plan: Plan) -> dict[str, str]:
-    """Known cells of a row as YAML, by column."""
+    """Known cells of a row as YAML, by column; numbers as printed, checked."""
     found: dict[str, str] = {}
-    schema = columns_of(plan.section)
     for name, place in taken.items() if any(cells) else ():
-        cell = plain(cells[place])
-        if cell == "" or cell == "~" or cell in plan.unknown:
+        column, cell = columns_of(plan.section)[name], plain(cells[place])
+        if cell in ("", "~", *plan.unknown):
             continue
-        unit = sheet.units[place] if place < len(sheet.units) else ""
+        if column.kind == "text" or (column.kind == "ratio" and RATIO.fullmatch(cell)):
+            found[name] = _token(cell) if column.kind == "text" else cell.removesuffix(":1")
+            continue
         where = f"{sheet.path}:{line}: {sheet.header[place]}"
-        found[name] = _token(cell) if schema[name].kind == "text" else _number(cell, unit, schema[name], where)
+        try:
+            value, rest = number(cell)
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from None
+        if rest:
+            raise InputError(f"{where}: {quoted(cell)} is not a plain number; the unit belongs in the second row")
+        unit = sheet.units[place] if place < len(sheet.units) else ""
+        factor, offset = scale(unit or "1", column.kind)
+        if value * factor + offset < column.least or (column.kind == "ratio" and value <= 0.0):
+            least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
+            raise InputError(f"{where}: {column.name} {quoted(cell)} is {least}")
+        found[name] = str(int(cell)) if re.fullmatch(r"[+-]?0[0-9]+", cell) else cell
     return found
-
-
-def _number(cell: str, unit: str, column: Column, where: str) -> str:
-    """A number as printed, checked."""
-    if column.kind == "ratio" and RATIO.fullmatch(cell):
-        return cell.removesuffix(":1")
-    try:
-        value, rest = number(cell)
-    except InputError as error:
-        raise InputError(f"{where}: {error}") from None
-    if rest:
-        raise InputError(f"{where}: {quoted(cell)} is not a plain number; the unit belongs in the second row")
-    factor, offset = scale(unit or "1", column.kind)
-    if value * factor + offset < column.least or (column.kind == "ratio" and value <= 0.0):
-        least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
-        raise InputError(f"{where}: {column.name} {quoted(cell)} is {least}")
-    return str(int(cell)) if re.fullmatch(r"[+-]?0[0-9]+", cell) else cell
 
 
 def _token(text: str) -> str:
@@ -462,63 +437,20 @@ def _token(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else "\\U" + f"{ord(c):08x}" for c in escaped) + '"'
 
 
-def _untoken(token: str) -> str:
-    """The text of a token, for messages."""
-    return token.strip('"')
-
-
-def _family(sheet: _Sheet, line: int, row: dict[str, str], plan: Plan) -> str:
-    """The family of a row as YAML; removed from the row."""
-    family = row.pop("family", _token(plan.family) if plan.family else "")
-    if not family:
-        raise InputError(f"{sheet.path}:{line}: family: unknown; give one with --family or in the map")
-    return family
-
-
-def _maker(sheet: _Sheet, plan: Plan, groups: Mapping[str, list[dict[str, str]]]) -> str:
-    """The one maker of all rows as YAML; removed from the rows."""
-    found = {row.pop("manufacturer") for rows in groups.values() for row in rows if "manufacturer" in row}
-    found |= {_token(plan.manufacturer)} if plan.manufacturer and not found else set()
-    if len(found) != 1:
-        names = " and ".join(sorted(map(_untoken, found))[:3]) or "none"
-        raise InputError(
-            f"{sheet.path}: manufacturer: {names} found; a catalogue has one (--manufacturer, or in the map)"
-        )
-    return found.pop()
-
-
 def _written(plan: Plan, maker: str, groups: dict[str, list[dict[str, str]]], heads: Mapping[str, str]) -> str:
-    """The catalogue file."""
-    source = ", ".join(f"{key}: {_token(value)}" for key, value in plan.source.items() if value)
-    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:", f"  {_token(plan.source_name)}: {{{source}}}"]
-    lines += ["", f"{plan.section}:"]
+    """The catalogue file: a table of each family, without columns that have no value."""
+    source, name = ", ".join(f"{key}: {_token(value)}" for key, value in plan.source.items() if value), plan.source_name
+    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:", f"  {_token(name)}: {{{source}}}", ""]
+    lines.append(f"{plan.section}:")
+    common = ", ".join(
+        f"{figure}: {'~' if value is None else value if isinstance(value, int | float) else _token(value)}"
+        for figure, value in plan.common.items()
+    )
     for family, rows in groups.items():
-        lines += _block(family, rows, heads, plan)
+        names = [head for head in heads if any(head in row for row in rows)]
+        lines += [f"- family: {family}", f"  source: {_token(name)}"]
+        lines += [f"  common: {{{common}}}"] if common else []
+        lines += [f"  columns: [{', '.join(_token(heads[head]) for head in names)}]", "  rows:"]
+        lines += [f"  - [{', '.join(row.get(head, '~') for head in names)}]" for row in rows]
+        lines.append("")
     return "\n".join(lines).rstrip("\n") + "\n"
-
-
-def _block(family: str, rows: list[dict[str, str]], heads: Mapping[str, str], plan: Plan) -> Iterator[str]:
-    """The table of one family, without columns that have no value."""
-    names = [name for name in heads if any(name in row for row in rows)]
-    common = ", ".join(f"{name}: {_common_text(value)}" for name, value in plan.common.items())
-    yield f"- family: {family}"
-    yield f"  source: {_token(plan.source_name)}"
-    if common:
-        yield f"  common: {{{common}}}"
-    yield f"  columns: [{', '.join(_token(heads[name]) for name in names)}]"
-    yield "  rows:"
-    for row in rows:
-        yield f"  - [{', '.join(row.get(name, '~') for name in names)}]"
-    yield ""
-
-
-def _common_text(value: Any) -> str:
-    return "~" if value is None else str(value) if isinstance(value, int | float) else _token(value)
-
-
-def _loads(text: str, target: Path) -> None:
-    """Check that the text loads as a catalogue."""
-    try:
-        parse(YamlSource(text, str(target)), target.stem, "")
-    except (CatalogError, InputError) as error:
-        raise InputError(f"{error} (nothing was written)") from None

@@ -16,6 +16,16 @@ from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import EngineMemory, Piece, StoppedError
+from drivesizer.output.derivation import margin
+from drivesizer.output.json import documents
+from drivesizer.output.json.documents import number
+from drivesizer.output.words import meeting
+from drivesizer.results.check import gravest, worst
+from drivesizer.results.sizing import objective_figure
+from drivesizer.sizing import explained, load_parts, size
+from drivesizer.spec.any_spec import is_machine, read_any
+from drivesizer.spec.robot import read_spec
+from drivesizer.units import show
 
 __all__ = ["named", "whole"]
 
@@ -36,19 +46,20 @@ def text_of(held: EngineMemory, request: Piece) -> str:
 
 def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
     """The sizing of a text, made once."""
-    from drivesizer.spec.any_spec import read_any
-    from drivesizer.spec.machine import MachineSpec
 
     def sized() -> Any:
-        spec = read_any(YamlSource(text, held.name))
-        if isinstance(spec, MachineSpec):
+        source = YamlSource(text, held.name)
+        spec: Any = read_any(source)
+        if is_machine(source):
             from drivesizer.multi_axis.sizing import size_machine
 
             return size_machine(spec, top=top, brief=brief, progress=held.go_on)
-        from drivesizer.sizing import size
-
-        more = (_front(spec), _CHOICES) if front else ((), 0)
-        return size(spec, top=top, pareto=more[0], choices=more[1], brief=brief, progress=held.go_on)
+        objectives: tuple[str, ...] = ()
+        # no front where each of its drives would be weighed in the whole machine, for minutes
+        if front and not (spec.platform or spec.battery or spec.budget or spec.limits_the_bus):
+            objectives = FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
+        choices = _CHOICES if front else 0
+        return size(spec, top=top, pareto=objectives, choices=choices, brief=brief, progress=held.go_on)
 
     return held.keep(json.dumps([top, front, brief, text]), sized)
 
@@ -56,44 +67,28 @@ def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False,
 def named(text: str, file: str) -> list[Path]:
     """Files that a text may name: each text in it as a path from its folder, whether there is one or not."""
     try:
-        data = YamlSource(text, file).data
+        below, texts = [YamlSource(text, file).data], list[str]()
     except InputError:
         return []
-    return [Path(file).parent / name for name in _texts(data)]
-
-
-def _texts(data: Any) -> Iterator[str]:
-    if isinstance(data, dict | list):
-        for below in data.values() if isinstance(data, dict) else data:
-            yield from _texts(below)
-    elif isinstance(data, str):
-        yield data
-
-
-def _front(spec: Any) -> tuple[str, ...]:
-    """Objectives of the front; none where each of its drives would be weighed in the whole machine, for minutes."""
-    if spec.platform or spec.battery or spec.budget or spec.limits_the_bus:
-        return ()
-    return FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
+    for data in below:  # grows by what is inside
+        if isinstance(data, dict | list):
+            below += data.values() if isinstance(data, dict) else data
+        elif isinstance(data, str):
+            texts.append(data)
+    return [Path(file).parent / name for name in texts]
 
 
 def faults(error: InputError, name: str) -> list[Piece]:
-    """Each line of an error with the place that it names."""
-    return [{"said": line.replace(name, Path(name).name), **_fault(line, name)} for line in error.lines]
-
-
-def _fault(text: str, name: str) -> Piece:
-    found = re.match(rf"{re.escape(name)}:(\d+): (?:([^\s:]+): )?(.*)", text, re.DOTALL)
-    if not found:
-        return {"text": text.removeprefix(f"{name}: "), "line": None, "path": []}
-    line, field, said = found.groups()
-    return {"text": said, "line": int(line), "path": _path(field or "")}
-
-
-def _path(field: str) -> list[str | int]:
-    """Path of a field as messages print it: ``transmission[2].ratio``."""
-    steps = re.findall(r"\[(\d+)\]|([^.\[\]]+)", field)
-    return [int(number) - 1 if number else key for number, key in steps]
+    """Each line of an error with the place that it names, a field as messages print it: ``transmission[2].ratio``."""
+    found = []
+    for line in error.lines:
+        fault: Piece = {"text": line.removeprefix(f"{name}: "), "line": None, "path": []}
+        if place := re.match(rf"{re.escape(name)}:(\d+): (?:([^\s:]+): )?(.*)", line, re.DOTALL):
+            steps = re.findall(r"\[(\d+)\]|([^.\[\]]+)", place[2] or "")
+            path = [int(index) - 1 if index else key for index, key in steps]
+            fault = {"text": place[3], "line": int(place[1]), "path": path}
+        found.append({"said": line.replace(name, Path(name).name), **fault})
+    return found
 
 
 # -- The answer to a spec: the ranking first, then the sections of its report, then the figures.
@@ -123,49 +118,31 @@ def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterator[Piece]:
-    """Pieces of a sizing: sections, figures, still figures."""
-    from drivesizer.output.json.documents import plain_data
-    from drivesizer.output.report.html.page import image
+    """Pieces of a sizing: sections, figures that can be moved, still figures; as of the HTML report."""
+    from drivesizer.output.report.html.page import image, machine_parts, page_parts
     from drivesizer.output.report.html.templates import section_html
+    from drivesizer.output.report.machine import MachineContent
+    from drivesizer.output.report.sections.section import Content
 
-    document, figures, still = _parts(result, proofs)
+    several = hasattr(result, "axes")
+    parts = machine_parts(MachineContent(result, proofs or {})) if several else page_parts(Content(result, proofs))
+    document, figures, still = parts
     printed = [one for one in document["sections"] if one["name"] not in _NOT_LIVE]
     made = section_html(printed, figures, dict.fromkeys(still, _LATER))
-    heads = ({name: one[name] for name in ("name", "title", "level")} for one in printed)
-    sections = [head | {"html": html} for head, html in zip(heads, made, strict=True)]
-    yield {"kind": "sections", "sections": sections, "drives": _listed(result)}
+    sections = [{name: one[name] for name in ("name", "title", "level")} | {"html": html}
+                for one, html in zip(printed, made, strict=True)]  # fmt: skip
+    # of the table of candidates, of which some can be compared; those of a machine are of several searches
+    listed = () if several else (*result.sets, *result.unsure, *result.misses)
+    yield {"kind": "sections", "sections": sections, "drives": [_named(one) for one in listed]}
     held.go_on()
-    yield {"kind": "figures", "figures": plain_data(figures)}
+    yield {"kind": "figures", "figures": documents.plain_data(figures)}
     for name, draw in still.items():
         held.go_on()
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}
 
 
-def _listed(result: Any) -> list[Piece]:
-    """Drives of the table of candidates, of which some can be compared; those of a machine are of several searches."""
-    if hasattr(result, "axes"):
-        return []
-    return [_named(one) for one in (*result.sets, *result.unsure, *result.misses)]
-
-
-def _parts(result: Any, proofs: Any) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """Document, figures that can be moved and still ones, as of the HTML report."""
-    if hasattr(result, "axes"):
-        from drivesizer.output.report.html.page import machine_parts
-        from drivesizer.output.report.machine import MachineContent
-
-        return machine_parts(MachineContent(result, proofs or {}))
-    from drivesizer.output.report.html.page import page_parts
-    from drivesizer.output.report.sections.section import Content
-
-    return page_parts(Content(result, proofs))
-
-
 def ranking(result: Any, proofs: Any = None) -> Piece:
     """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
-    from drivesizer.output.words import meeting
-    from drivesizer.results.check import gravest, worst
-
     found = proofs if isinstance(proofs, dict) else {proofs.loop: proofs} if proofs else {}
     loops = [[name, f"{one.status}: {one.failed}".removesuffix(": ")] for name, one in found.items()]
     made = [one.status for one in found.values()]
@@ -184,14 +161,15 @@ def ranking(result: Any, proofs: Any = None) -> Piece:
 
 
 def _set(one: Any) -> Piece:
-    from drivesizer.output.json.documents import number
-    from drivesizer.results.check import worst
-    from drivesizer.results.sizing import objective_figure
-
+    """A drive with the figures that a reader wants first; unknown ones are left out of the texts."""
+    energy, figures = objective_figure(one, "energy").value, list[tuple[str, str]]()
+    each = [show(one.mass, "g", "mass")] if one.mass == one.mass else []
+    each += [one.price_text] if one.price_of else []
+    figures += [("a drive", ", ".join(each))] if each else []
+    figures += [("energy per cycle", show(energy, "J", "energy"))] if energy == energy else []
     return {
         **_named(one), "status": one.status, "mass": number(one.mass), "price": number(one.price),
-        "energy": number(objective_figure(one, "energy").value), "tight": _tight(worst(one.deciding)),
-        "figures": list(_figures(one)),
+        "energy": number(energy), "tight": _tight(worst(one.deciding)), "figures": figures,
     }  # fmt: skip
 
 
@@ -199,24 +177,7 @@ def _named(one: Any) -> Piece:
     return {"rank": one.rank, "label": one.label, "motor": one.motor.part, "gearhead": one.gearhead.part}
 
 
-def _figures(one: Any) -> Iterator[tuple[str, str]]:
-    """The figures that a reader wants first of a drive; unknown ones are left out."""
-    from drivesizer.results.sizing import objective_figure
-    from drivesizer.units import show
-
-    energy = objective_figure(one, "energy").value
-    each = [show(one.mass, "g", "mass")] if one.mass == one.mass else []
-    each += [one.price_text] if one.price_of else []
-    if each:
-        yield "a drive", ", ".join(each)
-    if energy == energy:
-        yield "energy per cycle", show(energy, "J", "energy")
-
-
 def _tight(check: Any) -> Piece | None:
-    from drivesizer.output.derivation import margin
-    from drivesizer.output.json.documents import number
-
     if check is None:
         return None
     return {"title": check.title, "margin": number(check.margin), "said": margin(check.margin), "status": check.status}
@@ -228,21 +189,14 @@ def _tight(check: Any) -> Piece | None:
 def sweep(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``point`` for each value, in the order of the request."""
     text, path = text_of(held, request), tuple(request["path"])
-    for number, value in enumerate(request["values"]):
+    for place, value in enumerate(request["values"]):
         held.go_on()
-        yield {
-            "kind": "point",
-            "number": number,
-            "value": value,
-            **_best(held, edited(text, [Edit(path, value)], held.name)),
-        }
+        best = _best(held, edited(text, [Edit(path, value)], held.name))
+        yield {"kind": "point", "number": place, "value": value, **best}
 
 
 def _best(held: EngineMemory, text: str) -> Piece:
     """The best drive of a spec, or why there is none."""
-    from drivesizer.output.json.documents import number
-    from drivesizer.results.check import worst
-
     try:
         result = whole(held, text, top=1, brief=True)
     except StoppedError:
@@ -255,21 +209,17 @@ def _best(held: EngineMemory, text: str) -> Piece:
         parts = [[one.motor.part, one.gearhead.part] if one else [] for one in best]
         return {"status": result.status, "label": "; ".join(labels), "parts": parts}
     one = result.shown
-    tight = worst(one.deciding) if one else None
+    if not one:
+        return {"status": "fail", "label": "", "parts": [], "mass": None, "price": None}
+    tight = worst(one.deciding)
     said = {"tight": tight.title, "margin": number(tight.margin)} if tight else {}
-    found = bool(result.sets)
-    label, parts = (one.label, [one.motor.part, one.gearhead.part]) if one else ("", [])
-    return {"status": one.status if found and one else "fail", "label": label, "parts": parts, **said,
-            "mass": number(one.mass) if one else None, "price": number(one.price) if one else None}  # fmt: skip
+    return {"status": one.status if result.sets else "fail", "label": one.label,
+            "parts": [one.motor.part, one.gearhead.part], **said,
+            "mass": number(one.mass), "price": number(one.price)}  # fmt: skip
 
 
 def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``rejected``: whether a set still passes, and its check of the smallest margin."""
-    from drivesizer.output.derivation import margin
-    from drivesizer.results.check import worst
-    from drivesizer.sizing import explained
-    from drivesizer.spec.robot import read_spec
-
     spec = read_spec(YamlSource(text_of(held, request), held.name))
     found = explained(spec, request["motor"], request["gearhead"]).sets
     tight = worst(found[0].deciding) if found else None
@@ -282,52 +232,32 @@ def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``compared``: rows of texts, a column for each drive."""
-    from drivesizer.sizing import explained, load_parts
-    from drivesizer.spec.robot import read_spec
-
     spec = read_spec(YamlSource(text_of(held, request), held.name))
-    catalog, found = load_parts(spec), []
+    catalog, drives = load_parts(spec), []
     for motor, gearhead in request["sets"]:
         held.go_on()
         sets = explained(spec, motor, gearhead, catalog=catalog).sets
         if not sets:
             raise InputError(f"{motor} with {gearhead}: no belt of the spec goes with it")
-        found.append(min(sets, key=lambda one: one.rank))
-    yield {"kind": "compared", "heads": [one.label for one in found], "status": [one.status for one in found],
-           "rows": [*_parts_beside(found), *_figures_beside(found), *_checks(found)]}  # fmt: skip
-
-
-def _parts_beside(sets: list[Any]) -> Iterator[Piece]:
-    for role in dict.fromkeys(role for one in sets for role in one.parts):
-        parts = [one.parts.get(role) for one in sets]
-        yield {"title": role, "group": "parts", "cells": [_part_name(part) for part in parts]}
-
-
-def _part_name(part: Any) -> str:
-    named = dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"]  # some are named by family
-    return " ".join(filter(None, named))
-
-
-def _figures_beside(sets: list[Any]) -> Iterator[Piece]:
-    from drivesizer.units import show
-
-    yield {"title": "mass of a drive", "group": "figures", "cells": [show(one.mass, "g", "mass") for one in sets]}
-    yield {"title": "price of a drive", "group": "figures", "cells": [one.price_text for one in sets]}
-    named = dict.fromkeys(figure.name for one in sets for figure in one.figures)
-    for name in named:
-        each = [{figure.name: figure for figure in one.figures}.get(name) for one in sets]
+        drives.append(min(sets, key=lambda one: one.rank))
+    rows: list[Piece] = []
+    for role in dict.fromkeys(role for one in drives for role in one.parts):
+        parts = [one.parts.get(role) for one in drives]
+        names = [dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"] for part in parts]
+        rows.append({"title": role, "group": "parts", "cells": [" ".join(filter(None, each)) for each in names]})
+    rows.append({"title": "mass of a drive", "group": "figures", "cells": [show(d.mass, "g", "mass") for d in drives]})
+    rows.append({"title": "price of a drive", "group": "figures", "cells": [d.price_text for d in drives]})
+    for name in dict.fromkeys(figure.name for one in drives for figure in one.figures):
+        each = [{figure.name: figure for figure in one.figures}.get(name) for one in drives]
         title = next(figure.title for figure in each if figure)
-        yield {"title": title, "group": "figures", "cells": [figure.text if figure else "" for figure in each]}
-
-
-def _checks(sets: list[Any]) -> Iterator[Piece]:
-    from drivesizer.output.derivation import margin
-
-    for name in dict.fromkeys(check.name for one in sets for check in one.checks):
-        each = [{check.name: check for check in one.checks}.get(name) for one in sets]
-        title = next(check.title for check in each if check)
-        cells, status = zip(*((margin(c.margin), c.status) if c else ("", "") for c in each), strict=True)
-        yield {"title": title, "group": "checks", "cells": cells, "status": status}
+        rows.append({"title": title, "group": "figures", "cells": [one.text if one else "" for one in each]})
+    for name in dict.fromkeys(check.name for one in drives for check in one.checks):
+        checks = [{check.name: check for check in one.checks}.get(name) for one in drives]
+        title = next(check.title for check in checks if check)
+        rows.append({"title": title, "group": "checks", "cells": [margin(c.margin) if c else "" for c in checks],
+                     "status": [c.status if c else "" for c in checks]})  # fmt: skip
+    yield {"kind": "compared", "heads": [one.label for one in drives], "status": [one.status for one in drives],
+           "rows": rows}  # fmt: skip
 
 
 # -- Jobs that take longer than an answer: the closed loop, reports and exports, as the command line makes them.
@@ -338,16 +268,9 @@ def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
     A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
     """
-    from drivesizer.output.json import documents
-
     result = whole(held, text_of(held, request), front=True)
-    if hasattr(result, "axes"):
-        from drivesizer.output.json.documents import machine_document
-
-        text = documents.as_text(machine_document(result))
-    else:
-        text = documents.as_text(documents.sizing(result))
-    yield _file("drive.json", f"{text}\n".encode())
+    made = documents.machine_document(result) if hasattr(result, "axes") else documents.sizing(result)
+    yield _file("drive.json", f"{documents.as_text(made)}\n".encode())
 
 
 def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
@@ -367,10 +290,7 @@ def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     result, proofs = _proven(held, request)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"report{suffix}"
-        if hasattr(result, "axes"):
-            write_machine(result, proofs, [path])
-        else:
-            write(result, proofs, [path])
+        (write_machine if hasattr(result, "axes") else write)(result, proofs, [path])
         yield _file(path.name, path.read_bytes())
 
 

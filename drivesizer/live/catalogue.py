@@ -1,24 +1,30 @@
-"""The catalogues on the page: which there are, and the parts that meet conditions, as ``drivesizer catalog list``."""
+"""The catalogues on the page: parts that meet conditions, one with its curves, several side by side; a choice."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, columns_of, load, shipped, singular
+from drivesizer.catalog.conditions import OPTIONS, Condition, option, where
+from drivesizer.catalog.law_check import check as findings
+from drivesizer.catalog.parts import printed
+from drivesizer.catalog.query import Hit, origins, select, side_by_side
+from drivesizer.errors import DrivesizerError, InputError, quoted
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import EngineMemory, Piece
-
-if TYPE_CHECKING:
-    from drivesizer.catalog import Catalog
-    from drivesizer.catalog.conditions import Condition
-    from drivesizer.catalog.query import Hit
+from drivesizer.output import part as tables
+from drivesizer.output.words import FIRST_NOTES, figure, first_columns
+from drivesizer.spec.drive import Select
+from drivesizer.units import label
 
 __all__ = ["ALL", "PAGE", "catalogues", "counts", "hit_of", "listed_names", "named_by", "parts", "shelf"]
 
 PAGE = 200  # rows that are sent at once
+_LINES = 500  # findings that are sent
 ALL = "all"  # of the shipped catalogues, as a spec names them
+_DEFAULT: list[str] = Select.model_fields["catalogs"].default
 
 
 # -- the catalogues
@@ -26,83 +32,53 @@ ALL = "all"  # of the shipped catalogues, as a spec names them
 
 def catalogues(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``catalogues``: all that ship, the spec's and the user's, with their parts; and the sections' columns."""
-    from drivesizer.catalog import shipped
-
     chosen = listed_names(named_by(held, str(request["text"])))
     names = dict.fromkeys([*held.own, *(name for name in chosen if name not in shipped()), *shipped()])
-    yield {"kind": "catalogues", "catalogues": [_described(held, name, name in chosen) for name in names],
-           "sections": _sections()}  # fmt: skip
-
-
-def _described(held: EngineMemory, name: str, chosen: bool) -> Piece:
-    from drivesizer.catalog import PARTS
-
-    found = {"name": name, "chosen": chosen, "own": name in held.own}
-    try:
-        catalog = shelf(held, [name])[name]
-    except DrivesizerError as error:
-        return found | {"wrong": str(error), "parts": {}, "makers": ""}
-    makers = {maker: None for section in PARTS for maker in catalog.table(section)["manufacturer"].tolist() if maker}
-    return found | {"parts": counts(catalog), "makers": ", ".join(makers)}
+    found = []
+    for name in names:
+        one: Piece = {"name": name, "chosen": name in chosen, "own": name in held.own}
+        try:
+            catalog = shelf(held, [name])[name]
+        except DrivesizerError as error:
+            found.append(one | {"wrong": str(error), "parts": {}, "makers": ""})
+            continue
+        makers = dict.fromkeys(m for s in PARTS for m in catalog.table(s)["manufacturer"].tolist() if m)
+        found.append(one | {"parts": counts(catalog), "makers": ", ".join(makers)})
+    sections = [
+        {"name": section, "options": [name for name, columns in OPTIONS.items() if section in columns],
+         "columns": [[name, label(column.unit), "" if column.unit == "1" else column.unit, column.kind == "text"]
+                     for name, column in printed(section).items()]}
+        for section in PARTS
+    ]  # fmt: skip
+    yield {"kind": "catalogues", "catalogues": found, "sections": sections}
 
 
 def counts(catalog: Catalog) -> dict[str, int]:
     """Number of parts of each section that a catalogue has."""
-    from drivesizer.catalog import DIRECT, PARTS
-
     found = {section: int((catalog.table(section)["part"] != DIRECT).sum()) for section in PARTS}
     return {section: number for section, number in found.items() if number}
 
 
-def _sections() -> list[Piece]:
-    from drivesizer.catalog import PARTS
-    from drivesizer.catalog.conditions import OPTIONS
-    from drivesizer.catalog.parts import printed
-    from drivesizer.units import label
-
-    return [
-        {
-            "name": section,
-            "options": [name for name, columns in OPTIONS.items() if section in columns],
-            "columns": [[name, label(column.unit), "" if column.unit == "1" else column.unit, column.kind == "text"]
-                        for name, column in printed(section).items()],
-        }
-        for section in PARTS
-    ]  # fmt: skip
-
-
 def named_by(held: EngineMemory, text: str) -> list[str]:
     """Catalogues that a spec names, those of all axes together; those of a spec without any where it is no YAML."""
-    from drivesizer.files.yaml_source import YamlSource
-    from drivesizer.spec.drive import Select
-
     try:
         data = YamlSource(text, held.name).data
     except InputError:
         data = {}
     axes = data.get("axes") if isinstance(data, dict) else None
-    found = [_catalogs(one) for one in (data, *(axes.values() if isinstance(axes, dict) else ()))]
-    given = [name for names in found for name in names]
-    return list(dict.fromkeys(given)) or list(Select.model_fields["catalogs"].default)
-
-
-def _catalogs(data: Any) -> list[str]:
-    select = data.get("select") if isinstance(data, dict) else None
-    given = select.get("catalogs") if isinstance(select, dict) else None
-    return [str(name) for name in (given if isinstance(given, list) else [given]) if isinstance(name, str | int)]
+    each = (data, *(axes.values() if isinstance(axes, dict) else ()))
+    given = [_value_at(one, ("select", "catalogs")) for one in each]
+    names = [name for one in given for name in (one if isinstance(one, list) else [one])]
+    return list(dict.fromkeys(str(name) for name in names if isinstance(name, str | int))) or list(_DEFAULT)
 
 
 def listed_names(names: Sequence[str]) -> list[str]:
     """Names of catalogues with ``all`` as those that ship."""
-    from drivesizer.catalog import shipped
-
     return list(dict.fromkeys(each for name in names for each in (shipped() if name == ALL else [name])))
 
 
 def shelf(held: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
     """Catalogues by name, each by itself; a file is read as it is now."""
-    from drivesizer.catalog import load, shipped
-
     if not held.shelf and set(names) & set(shipped()):  # all at once: a list mostly names many
         held.shelf = {name: load([name]) for name in shipped()}
     others = {name: load([name], beside=Path(held.name).parent) for name in names if name not in held.shelf}
@@ -111,10 +87,6 @@ def shelf(held: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
 
 def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
     """A part by its catalogue, section and number."""
-    from drivesizer.catalog import DIRECT, PARTS
-    from drivesizer.catalog.query import Hit
-    from drivesizer.errors import quoted
-
     catalog = shelf(held, [name])[name]
     rows = catalog.table(section).rows if section in PARTS else {}
     if part not in rows or part == DIRECT:
@@ -127,60 +99,171 @@ def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
 
 def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``parts`` with at most ``PAGE`` rows, or ``unmet`` with the conditions that cannot be read."""
-    from drivesizer.catalog.conditions import OPTIONS
-    from drivesizer.catalog.query import select
-
     section = str(request["section"])
-    wanted, faults = _conditions(section, request["options"], request["where"])
+    wanted: list[Condition] = []
+    faults = []
+    options = [(name, name, text) for name, text in request["options"].items() if text.strip()]
+    for field, name, text in [*options, *((f"where.{n}", "where", one) for n, one in enumerate(request["where"]))]:
+        try:
+            wanted += [where(section, text)] if name == "where" else option(section, name, text) or []
+        except InputError as error:
+            faults.append({"field": field, "text": str(error).removeprefix(f"--{name}: ")})
     if faults:
         yield {"kind": "unmet", "faults": faults}
         return
-    text = request["piece"], ("part", "family", "manufacturer", OPTIONS["kind"][section])
+    piece = request["piece"], ("part", "family", "manufacturer", OPTIONS["kind"][section])
     found = select(shelf(held, listed_names(request["catalogues"])), section, wanted, sort=request["sort"],
-                   excluded=request["excluded"], piece=text)  # fmt: skip
+                   excluded=request["excluded"], piece=piece)  # fmt: skip
     start = request["start"] if request["start"] < len(found.hits) else 0
-    yield {"kind": "parts", "section": section, "found": len(found.hits), "start": start,
-           "undecided": found.undecided, "excluded": found.excluded, "sort": request["sort"],
-           **_table(section, found.hits[start : start + PAGE], [one.column.name for one in wanted])}  # fmt: skip
-
-
-def _conditions(section: str, options: Mapping[str, str], where: Sequence[str]) -> tuple[list[Condition], list[Piece]]:
-    """Conditions as read, and those that cannot be, each with its field."""
-    from drivesizer.catalog.conditions import option
-    from drivesizer.catalog.conditions import where as condition
-
-    reading: dict[str, Callable[[], list[Condition] | None]]
-    reading = {name: partial(option, section, name, text) for name, text in options.items() if text.strip()}
-    reading |= {f"where.{n}": partial(_one, condition, section, text) for n, text in enumerate(where)}
-    found: list[Condition] = []
-    faults = []
-    for field, read in reading.items():
-        try:
-            found += read() or []
-        except InputError as error:
-            faults.append({"field": field, "text": str(error).removeprefix(f"--{field.partition('.')[0]}: ")})
-    return found, faults
-
-
-def _one(read: Callable[[str, str], Condition], section: str, text: str) -> list[Condition]:
-    return [read(section, text)]
-
-
-def _table(section: str, hits: Sequence[Hit], named: Sequence[str]) -> Piece:
-    """Heads and rows of a list: the columns that one looks for first, and those that conditions name."""
-    from drivesizer.catalog import columns_of
-    from drivesizer.output.words import FIRST_NOTES, figure, first_columns
-    from drivesizer.units import label
-
-    shown = first_columns(section)
+    shown, columns = first_columns(section), columns_of(section)
     there = {"part", "family", "manufacturer", *(column.name for _, column in shown)}
-    schema = columns_of(section)
-    shown += [(name.replace("_", " "), schema[name]) for name in dict.fromkeys(named) if name not in there]
+    named = dict.fromkeys(one.column.name for one in wanted)
+    shown += [(name.replace("_", " "), columns[name]) for name in named if name not in there]
     heads = [{"name": c.name, "head": head, "unit": label(c.unit), "text": c.kind == "text"} for head, c in shown]
     rows = [
         {"catalogue": hit.catalogue, "part": hit.part, "family": hit["family"], "maker": hit["manufacturer"],
          "excluded": bool(hit.table.excluded[hit.row]),
-         "cells": ["" if (text := figure(hit[c.name], c, unit=False)) == "unknown" else text for _, c in shown]}
-        for hit in hits
+         "cells": ["" if (cell := figure(hit[c.name], c, unit=False)) == "unknown" else cell for _, c in shown]}
+        for hit in found.hits[start : start + PAGE]
     ]  # fmt: skip
-    return {"columns": heads, "rows": rows, "note": FIRST_NOTES[section]}
+    yield {"kind": "parts", "section": section, "found": len(found.hits), "start": start,
+           "undecided": found.undecided, "excluded": found.excluded, "sort": request["sort"],
+           "columns": heads, "rows": rows, "note": FIRST_NOTES[section]}  # fmt: skip
+
+
+# -- A catalogue of the user
+
+
+def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """The findings of ``drivesizer catalog check`` on one catalogue."""
+    catalog = catalog_of_text(Path(request["name"]), request["content"])
+    held.go_on()
+    found = findings(catalog)
+    lines = [one.text() for one in found if one.unexplained]
+    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": counts(catalog),
+           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0)}  # fmt: skip
+
+
+# -- One part on the page as ``drivesizer catalog show`` prints it, with its curves, and several side by side.
+
+
+def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``part``: figures with confidence and document of each, tables, remarks and curves."""
+    from drivesizer.output.report.html.curves import part_plots
+
+    hit = hit_of(held, request["catalogue"], request["section"], request["part"])
+    sheet = tables.datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
+    origin = {name.replace("_", " "): source for name, source in origins(hit).items()}
+    documents = list({source.document: source for source in origin.values()}.values())
+    named = [source.document for source in documents]
+    rows = [[row["name"], row["text"], origin[row["name"]].confidence, named.index(origin[row["name"]].document) + 1]
+            for row in sheet["rows"]]  # fmt: skip
+    partners = [words + ", ".join(f"{name or 'no family'} ({n})" for name, n in families.items())
+                for words, families in tables.partner_lines(hit)]  # fmt: skip
+    yield {
+        "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
+        "head": tables.head(hit), "role": singular(hit.section),
+        "tables": [{"title": one.title, "heads": [list(head) for head in one.heads], "closing": one.closing,
+                    "rows": [list(row) for row in one.rows]} for one in _tables(hit)],
+        "figures": part_plots(hit), "rows": rows,
+        "documents": [[source.document, source.date, source.url] for source in documents],
+        "remarks": [*([tables.EXCLUDED] if hit.table.excluded[hit.row] else []), *partners,
+                    *(f"tolerances: {line}" for line in tables.tolerance_lines(hit)),
+                    *(f"note: {tables.note_line(note)}" for note in sheet["notes"])],
+    }  # fmt: skip
+
+
+def _tables(hit: Hit) -> Iterator[tables.PartTable]:
+    """Tables in the order of ``catalog show``."""
+    if hit.section in ("motors", "actuators"):
+        warmth = tables.heat(hit)
+        yield tables.torque_and_speed(hit)
+        yield from warmth.tables
+        said = "; ".join((*warmth.notes, *([warmth.missing] if warmth.missing else [])))
+        if said:
+            yield tables.PartTable((), (), closing=said)
+    if hit.section == "batteries":
+        yield from tables.discharges(hit)
+    if hit.section == "steppers":
+        yield from tables.pull_outs(hit)
+    yield from (table for table in (tables.estimates(hit), tables.limits_of_family(hit)) if table)
+
+
+def beside(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``."""
+    hits = [hit_of(held, name, request["section"], number) for name, number in request["parts"]]
+    rows = side_by_side(hits)
+    cells: list[Any] = [
+        [row.column.name.replace("_", " "), tables.DIFFERS[row.differs], [figure(v, row.column) for v in row.values]]
+        for row in rows
+    ]
+    yield {"kind": "beside", "heads": [[hit.part, hit.catalogue] for hit in hits], "rows": cells,
+           "closing": tables.closing(rows)}  # fmt: skip
+
+
+# -- Choices in the catalogues as edits of the spec: a part, a family, the catalogues themselves.
+
+
+_Edit = list[Any]  # path, value, whether it is a text
+
+# Section of the catalogue: where a spec names a part of it, and whether it may name a family there. What is of the
+# whole machine has the same place where there are several axes.
+PLACES: dict[str, tuple[tuple[str, ...], bool]] = {
+    "motors": (("select", "motor"), True), "actuators": (("select", "motor"), True),
+    "steppers": (("select", "motor"), True), "gearheads": (("select", "gearhead"), True),
+    "encoders": (("select", "encoder"), True), "controllers": (("select", "controller"), True),
+    "brakes": (("select", "brake"), True), "screws": (("load", "screw"), True), "batteries": (("battery",), False),
+    "power_supplies": (("supply",), False), "brake_resistors": (("brake_resistor",), True),
+}  # fmt: skip
+_WHOLE = ("battery", "supply", "brake_resistor")
+
+
+def choose(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``edits``, by which a spec chooses what the page names."""
+    data = YamlSource(str(request["text"]), held.name).data
+    above = ("axes", request["axis"]) if request["axis"] else ()
+    place, names = next(  # whose catalogues count, of an axis or of the whole
+        ((place, given) for place in dict.fromkeys((above, ()))
+         if (given := _value_at(data, (*place, "select", "catalogs"))) is not None), ((), _DEFAULT),
+    )  # fmt: skip
+    names = [str(name) for name in (names if isinstance(names, list) else [names])]
+    edits: list[_Edit] = []
+    if request["part"] is None:
+        chosen = list(dict.fromkeys([*(names if request["add"] else ()), *request["catalogues"]]))
+        if set(listed_names(chosen)) >= set(shipped()):
+            chosen = [ALL, *(name for name in chosen if name != ALL and name not in shipped())]
+        edits.append([[*place, "select", "catalogs"], chosen, True])
+    else:
+        hit = hit_of(held, *request["part"])
+        edits += _part_edits(data, above, hit, "family" if request["family"] else "part")
+        if hit.catalogue not in listed_names(names):
+            edits.append([[*place, "select", "catalogs"], [*names, hit.catalogue], True])
+    yield {"kind": "edits", "edits": edits}
+
+
+def _part_edits(data: Any, above: tuple[str, ...], hit: Hit, by: str) -> Iterator[_Edit]:
+    """Edits that name a part or its family, and nothing else of its kind."""
+    place, families = PLACES.get(hit.section, ((), False))
+    if not place or (by == "family" and not families):
+        raise InputError(f"a spec names no {by} of {hit.section.replace('_', ' ')}")
+    if place[0] == "load" and not str((_value_at(data, (*above, "load")) or {}).get("kind", "")).endswith("_screw"):
+        raise InputError("the load of the spec is no screw; expected load: {kind: ball_screw}")
+    path = place if place[0] in _WHOLE else (*above, *place)
+    known = _value_at(data, path)
+    yield [[*path, by], hit[by], True] if isinstance(known, dict) else [path, {by: hit[by]}, True]
+    known = known if isinstance(known, dict) else {}
+    other = "part" if by == "family" else "family"
+    if other in known:
+        yield [[*path, other], None, False]
+    if place == ("select", "motor"):  # steppers are searched where they are named as the kind, and only then
+        kind = "stepper" if hit.section == "steppers" else hit["kind"]
+        if kind == "stepper" or known.get("kind") not in (None, kind):
+            yield [[*path, "kind"], kind if kind == "stepper" else None, kind == "stepper"]
+    if place[0] == "load" and _value_at(data, (*above, "load", "lead")) is not None:  # it comes with the screw
+        yield [[*above, "load", "lead"], None, False]
+
+
+def _value_at(data: Any, path: tuple[str, ...]) -> Any:
+    for step in path:
+        data = data.get(step) if isinstance(data, dict) else None
+    return data

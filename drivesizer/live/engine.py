@@ -32,10 +32,10 @@ OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 JOBS = {
     "answer": "answer", "sweep": "answer", "rejected": "answer", "compare": "answer",
     "loop": "answer", "report": "answer", "export": "answer", "document": "answer",
-    "catalogues": "catalogue", "parts": "catalogue", "part": "catalogue_part", "beside": "catalogue_part",
-    "choose": "catalogue_part",
+    "catalogues": "catalogue", "parts": "catalogue", "part": "catalogue", "beside": "catalogue",
+    "choose": "catalogue",
 }  # fmt: skip
-INSIDE = {"check": "own_catalogues"}  # jobs of the server alone
+INSIDE = {"check": "catalogue"}  # jobs of the server alone
 
 
 def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:

@@ -6,22 +6,18 @@ import base64
 import binascii
 import json
 import re
-from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drivesizer.live.catalogue import counts
-from drivesizer.live.held import EngineMemory, Piece
+from drivesizer.live.held import Piece
 
 if TYPE_CHECKING:
     from drivesizer.live.worker import Worker
 
-__all__ = ["FOLDER", "MOST", "check", "taken"]
+__all__ = ["FOLDER", "MOST", "taken"]
 
 FOLDER = "dropped"  # of the names by which a spec finds them
 MOST = 4  # of them
 _LARGEST = 16_000_000  # bytes of each, as of any catalogue
-_LINES = 500  # findings that are sent
 _UNUSUAL = re.compile(r"[^A-Za-z0-9._-]+")
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.]ya?ml")
 
@@ -64,16 +60,3 @@ async def _checked(name: str, content: bytes, worker: Worker) -> Piece:
     async for line in worker.answer(f"check {name}", "check", {"name": name, "content": content}):
         found = json.loads(line)
     return found
-
-
-def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """The findings of ``drivesizer catalog check`` on one catalogue."""
-    from drivesizer.catalog import catalog_of_text
-    from drivesizer.catalog.law_check import check as findings
-
-    catalog = catalog_of_text(Path(request["name"]), request["content"])
-    held.go_on()
-    found = findings(catalog)
-    lines = [one.text() for one in found if one.unexplained]
-    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": counts(catalog),
-           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0)}  # fmt: skip

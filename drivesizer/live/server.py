@@ -8,7 +8,7 @@ import re
 import signal
 import socket
 import stat
-from collections.abc import AsyncGenerator, Awaitable, Callable, Iterable, Iterator, Mapping
+from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import blake2b
@@ -131,33 +131,24 @@ class _Connection(H11Protocol):
 
 def form_schema() -> str:
     """JSON with the schemas of spec and machine, along or about which axis a kind of load moves, and how one begins."""
-    path = folder() / f"schema-{_sources()}.json"
+    package = Path(__file__).resolve().parents[1]  # the program as it is: for those who change it, by its files' dates
+    dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
+    path = folder() / f"schema-{digest_of(__version__.encode(), *(date.encode() for date in dates))}.json"
     found = cached_bytes(path)
     if found is None:
-        found = _made().encode()
+        from drivesizer.commands.setup import KINDS, starter
+        from drivesizer.loads.kinds import AXES
+        from drivesizer.spec.machine import machine_schema
+        from drivesizer.spec.robot import RobotSpec
+
+        axes = {**AXES, "recorded": None}  # which brings its own motion
+        starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
+        begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
+        made = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
+        found = json.dumps(made, ensure_ascii=False).encode()
         with suppress(OSError):
             keep(path, found)
     return found.decode()
-
-
-def _sources() -> str:
-    """Digest of the program as it is: its version, and the dates of its files, for those who change them."""
-    package = Path(__file__).resolve().parents[1]
-    dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
-    return digest_of(__version__.encode(), *(date.encode() for date in dates))
-
-
-def _made() -> str:
-    from drivesizer.commands.setup import KINDS, starter
-    from drivesizer.loads.kinds import AXES
-    from drivesizer.spec.machine import machine_schema
-    from drivesizer.spec.robot import RobotSpec
-
-    axes = {**AXES, "recorded": None}  # which brings its own motion
-    starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
-    begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
-    found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
-    return json.dumps(found, ensure_ascii=False)
 
 
 # -- The file of the page: read, and written where the user saves it, unless another program has changed it.
@@ -171,10 +162,11 @@ def content(path: Path) -> Piece:
     """Text of the file, with line feeds alone, and its mark."""
     try:
         raw = _raw(path)
-        text = None if raw is None else decoded(raw, path).replace("\r\n", "\n")
+        if raw is None:
+            return {"text": None, "mark": None}
+        return {"text": decoded(raw, path).replace("\r\n", "\n"), "mark": _mark(raw)}
     except InputError as error:
         return {"text": None, "mark": None, "wrong": str(error).removeprefix(f"{path}").lstrip(": ")}
-    return {"text": text, "mark": None if raw is None else _mark(raw)}
 
 
 def fields(text: str) -> Any:
@@ -207,24 +199,22 @@ def _mark(raw: bytes) -> str:
 
 
 def saved(path: Path, request: Piece) -> Piece:
-    """Write the file, unless it is another one than the page has read: then the user decides."""
+    """Write the file, unless it is another one than the page has read: then the user decides.
+
+    It keeps the byte-order mark and the line ends of the file that it replaces.
+    """
     try:
         there = _raw(path)
         if there is not None and _mark(there) != request["mark"] and not request["anyway"]:
             return {"kind": "changed", "lines": [f"{path.name} has been changed by another program since it was read"]}
-        raw = _written(request["text"], there or b"")
+        before, plain = there or b"", request["text"].replace("\r\n", "\n")
+        ends = b"\r\n" in before and before.count(b"\r\n") == before.count(b"\n")
+        mark = _MARK if before.startswith(_MARK.encode()) else ""
+        raw = (mark + (plain.replace("\n", "\r\n") if ends else plain)).encode()
         write_files({path: raw})
     except InputError as error:
         return {"kind": "wrong", "lines": list(error.lines)}
     return {"kind": "saved", "mark": _mark(raw)}
-
-
-def _written(text: str, before: bytes) -> bytes:
-    """The text with the byte-order mark and the line ends of the file that it replaces."""
-    plain = text.replace("\r\n", "\n")
-    ends = b"\r\n" in before and before.count(b"\r\n") == before.count(b"\n")
-    mark = _MARK if before.startswith(_MARK.encode()) else ""
-    return (mark + (plain.replace("\n", "\r\n") if ends else plain)).encode()
 
 
 _PAGE = resources.files("drivesizer.live") / "page"
@@ -247,7 +237,16 @@ def application(
     """The page of one file."""
 
     async def job(request: Request) -> Response:
-        return await _job(request, workers)
+        """A job of the engine: its pieces, a line of JSON each, as they come."""
+        name = request.path_params["job"]
+        if name not in REQUESTS:
+            return _refused(404, "there is no such job")
+        wanted = request_of(REQUESTS[name], await request.body())
+        worker = workers["quick" if name in _AT_ONCE else "slow"]
+        if worker.full:
+            return _refused(503, "the server has too much to do; try again")
+        tab = f"{name} {wanted['tab']} {wanted['slider']}" if name in _NEWEST else ""
+        return _Stream(worker.answer(tab, name, wanted))
 
     async def spec(_: Request) -> Response:
         found = await asyncio.to_thread(content, path)
@@ -256,21 +255,16 @@ def application(
         return JSONResponse({"name": path.name, "version": __version__, **found, "text": text, "data": data})
 
     async def save(request: Request) -> Response:
-        try:
-            wanted = request_of(SaveRequest, await request.body())
-        except InputError as error:
-            return _refused(400, str(error))
-        return JSONResponse(saved(path, wanted))  # not in a thread: of two tabs one is first
+        return JSONResponse(saved(path, request_of(SaveRequest, await request.body())))  # of two tabs one is first
 
     async def catalogue(request: Request) -> Response:
-        try:
-            wanted = request_of(CatalogueRequest, await request.body())
-        except InputError as error:
-            return _refused(400, str(error))
-        return JSONResponse(await taken(wanted, own, workers["slow"]))
+        return JSONResponse(await taken(request_of(CatalogueRequest, await request.body()), own, workers["slow"]))
+
+    async def malformed(_: Request, error: Exception) -> Response:
+        return _refused(400, str(error))
 
     routes = [
-        Route("/", _file_named("index.html")),
+        Route("/", _index),
         Route("/page/{name}", _page_file),
         Route("/plotly.js", _plotly),
         Route("/schema.json", _schema),
@@ -280,25 +274,9 @@ def application(
         Route("/do/{job}", job, methods=["POST"]),
         Route(CATALOGUE, catalogue, methods=["POST"]),
     ]
-    app = Starlette(routes=routes)
+    app = Starlette(routes=routes, exception_handlers={InputError: malformed})
     app.router.redirect_slashes = False  # an address is known as it is, or not
     return Guard(app, token, port, _styles_inside(_plotly_script()))
-
-
-async def _job(request: Request, workers: Mapping[str, Worker]) -> Response:
-    """A job of the engine: its pieces, a line of JSON each, as they come."""
-    name = request.path_params["job"]
-    if name not in REQUESTS:
-        return _refused(404, "there is no such job")
-    try:
-        wanted = request_of(REQUESTS[name], await request.body())
-    except InputError as error:
-        return _refused(400, str(error))
-    worker = workers["quick" if name in _AT_ONCE else "slow"]
-    if worker.full:
-        return _refused(503, "the server has too much to do; try again")
-    tab = f"{name} {wanted['tab']} {wanted['slider']}" if name in _NEWEST else ""
-    return _Stream(worker.answer(tab, name, wanted))
 
 
 class _Stream(StreamingResponse):
@@ -324,11 +302,8 @@ def _refused(status: int, reason: str) -> Response:
 # -- files of the page
 
 
-def _file_named(name: str) -> Callable[[Request], Awaitable[Response]]:
-    async def found(_: Request) -> Response:
-        return _response(name, (_PAGE / name).read_text(encoding="utf-8"))
-
-    return found
+async def _index(_: Request) -> Response:
+    return _response("index.html", (_PAGE / "index.html").read_text(encoding="utf-8"))
 
 
 def _response(name: str, text: str) -> Response:
