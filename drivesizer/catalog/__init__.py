@@ -45,35 +45,9 @@ from drivesizer.units.kinds import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [
-    "DIRECT",
-    "EDGES",
-    "PARTS",
-    "RELATIONS",
-    "Actuator",
-    "Battery",
-    "Belt",
-    "Brake",
-    "BrakeResistor",
-    "CacheWarning",
-    "Catalog",
-    "Controller",
-    "Encoder",
-    "Gearhead",
-    "Motor",
-    "Note",
-    "Pairs",
-    "PowerSupply",
-    "Pulley",
-    "Source",
-    "Stepper",
-    "Table",
-    "catalog_of_text",
-    "columns_of",
-    "lines",
-    "load",
-    "path_of",
-    "shipped",
-    "singular",
+    "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "CacheWarning",
+    "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "PowerSupply", "Pulley", "Source",
+    "Stepper", "Table", "catalog_of_text", "columns_of", "lines", "load", "path_of", "shipped", "singular",
 ]  # fmt: skip
 
 

@@ -67,61 +67,42 @@ def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
     writer.writerow([*columns, *ORIGIN])
     writer.writerow(["" if c.unit == "1" else c.unit for c in columns.values()] + [""] * len(ORIGIN))
     for hit in hits:
-        source = hit.catalog.sources[hit.table.source[hit.row]]
-        origin = (safe(hit.catalogue), safe(source.document), source.confidence, _excluded(hit))
-        writer.writerow([_cell(hit[name], column) for name, column in columns.items()] + list(origin))
+        source, excluded = hit.catalog.sources[hit.table.source[hit.row]], bool(hit.table.excluded[hit.row])
+        cells = [safe(hit[name]) if c.kind == "text" else digits(hit[name], c) for name, c in columns.items()]
+        writer.writerow([*cells, safe(hit.catalogue), safe(source.document), source.confidence, str(excluded).lower()])
     return text.getvalue().encode()
 
 
-def _cell(value: Any, column: Column) -> str:
-    return safe(value) if isinstance(value, str) else digits(value, column)
-
-
-def _excluded(hit: Hit) -> str:
-    return "true" if hit.table.excluded[hit.row] else "false"
-
-
-def as_part(hit: Hit) -> dict[str, Any]:
-    """A part with all its figures in SI, null where one is unknown."""
-    values = {name: _known(hit[name]) for name in printed(hit.section)}
-    return {"section": hit.section, "catalog": hit.catalogue, **values, "excluded": _excluded(hit) == "true"}
+def _known(value: Any) -> Any:
+    """A figure or a text; None where it is unknown."""
+    if isinstance(value, str):
+        return value or None
+    return value if not isinstance(value, float) or math.isfinite(value) else None
 
 
 def as_finding(finding: Finding) -> dict[str, Any]:
     """A finding with its numbers in SI, null where there is none."""
-    values = {f.name: getattr(finding, f.name) for f in fields(finding)}
-    known = {name: _known(value) if isinstance(value, str | float) else value for name, value in values.items()}
-    return known | {"unexplained": finding.unexplained}
-
-
-def _known(value: Any) -> Any:
-    if isinstance(value, str):
-        return value or None
-    return value if math.isfinite(value) else None
+    values = {f.name: _known(getattr(finding, f.name)) for f in fields(finding)}
+    return values | {"unexplained": finding.unexplained}
 
 
 def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: bool = False) -> dict[str, Any]:
-    """Parts as one JSON document with their catalogues and units."""
-    sections = [section for section in PARTS if any(hit.section == section for hit in hits)]
+    """Parts as one JSON document with their catalogues and units, figures in SI, null where one is unknown."""
     parts = []
     for hit in hits:
-        parts.append(as_part(hit) | (_sources(hit) if sources else {}))
-    return {
-        "catalogs": {name: digest for c in shelf.values() for name, digest in c.digests.items()},
-        "units": {section: _units(section) for section in sections},
-        "parts": parts,
-    }
-
-
-def _sources(hit: Hit) -> dict[str, Any]:
-    """Sources of a part's figures, and the tolerances that its maker states."""
-    stated = [
-        {"part": one.part, "figure": one.figure, "tolerance": one.tolerance, "text": one.text or None,
-         "source": hit.catalog.sources[one.source]._asdict()}
-        for one in tolerances(hit)
-    ]  # fmt: skip
-    return {"sources": {name: one._asdict() for name, one in origins(hit).items()}, "tolerances": stated}
-
-
-def _units(section: str) -> dict[str, str]:
-    return {name: KINDS[c.kind].si for name, c in columns_of(section).items() if c.kind != "text"}
+        part = {"section": hit.section, "catalog": hit.catalogue}
+        part |= {name: _known(hit[name]) for name in printed(hit.section)}
+        part |= {"excluded": bool(hit.table.excluded[hit.row])}
+        if sources:  # of its figures, and the tolerances that its maker states
+            part["sources"] = {name: one._asdict() for name, one in origins(hit).items()}
+            part["tolerances"] = [
+                {"part": one.part, "figure": one.figure, "tolerance": one.tolerance, "text": one.text or None,
+                 "source": hit.catalog.sources[one.source]._asdict()}
+                for one in tolerances(hit)
+            ]  # fmt: skip
+        parts.append(part)
+    sections = [section for section in PARTS if any(hit.section == section for hit in hits)]
+    units = {section: {name: KINDS[c.kind].si for name, c in columns_of(section).items() if c.kind != "text"}
+             for section in sections}  # fmt: skip
+    digests = {name: digest for c in shelf.values() for name, digest in c.digests.items()}
+    return {"catalogs": digests, "units": units, "parts": parts}

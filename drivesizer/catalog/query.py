@@ -129,13 +129,14 @@ def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
     if column is None:
         hint = nearest(name, columns_of(section))
         raise InputError(f"--sort: {section} have no column {quoted(name)}; expected e.g. mass{hint}")
-    known = [hit for hit in hits if not _missing(hit[column.name])]
-    unknown = [hit for hit in hits if _missing(hit[column.name])]
+    known = [hit for hit in hits if is_known(hit[column.name])]
+    unknown = [hit for hit in hits if not is_known(hit[column.name])]
     return sorted(known, key=lambda hit: hit[column.name], reverse=name.startswith("-")) + unknown
 
 
-def _missing(value: Any) -> bool:
-    return value == "" if isinstance(value, str) else math.isnan(value)
+def is_known(value: Any) -> bool:
+    """Whether a figure or a text is known."""
+    return value != "" if isinstance(value, str) else not math.isnan(value)
 
 
 # -- A part by its number, a text anywhere in numbers and names, and the sources of one part's figures.
@@ -143,15 +144,12 @@ def _missing(value: Any) -> bool:
 
 def find(shelf: Shelf, part: str) -> list[Hit]:
     """The parts with a number or another name, in whatever section or catalogue."""
-    exact, other = (
-        [
-            Hit(name, catalog, section, row)
-            for name, catalog in shelf.items()
-            for section in PARTS
-            for row in rows(catalog.table(section))
-        ]
-        for rows in (lambda table: [table.rows[part]] if part in table.rows else [], lambda table: table.called(part))
-    )
+    exact, other = list[Hit](), list[Hit]()
+    for name, catalog in shelf.items():
+        for section in PARTS:
+            table = catalog.table(section)
+            exact += [Hit(name, catalog, section, table.rows[part])] if part in table.rows else []
+            other += [Hit(name, catalog, section, row) for row in table.called(part)]
     if part != DIRECT and (exact or other):
         return exact or other
     for section, names in families(shelf).items():
@@ -243,24 +241,16 @@ def side_by_side(hits: Sequence[Hit]) -> list[Row]:
     if len(sections) > 1:
         kinds = ", ".join(f"{hit.part} of {hit.section}" for hit in hits)
         raise InputError(f"parts of one kind can be compared; found {kinds}")
-    rows = (_row(column, tuple(hit[name] for hit in hits)) for name, column in columns_of(sections[0]).items())
-    return [row for row in rows if row is not None and row.column.name != "part"]
-
-
-def _row(column: Column, values: tuple[Any, ...]) -> Row | None:
-    known = [value for value in values if _known(value)]
-    if not known:
-        return None
-    differs = any(not _same_text(value, known[0]) for value in known)
-    return Row(column, values, True if differs else None if len(known) < len(values) else False)
-
-
-def _known(value: Any) -> bool:
-    return value != "" if isinstance(value, str) else not math.isnan(value)
-
-
-def _same_text(one: Any, other: Any) -> bool:
-    return one == other if isinstance(one, str) else math.isclose(one, other, rel_tol=1e-9)
+    rows = []
+    for name, column in columns_of(sections[0]).items():
+        values = tuple(hit[name] for hit in hits)
+        known = [value for value in values if is_known(value)]
+        if not known or name == "part":
+            continue
+        text = column.kind == "text"
+        differs = any(value != known[0] if text else not math.isclose(value, known[0], rel_tol=1e-9) for value in known)
+        rows.append(Row(column, values, True if differs else None if len(known) < len(values) else False))
+    return rows
 
 
 # -- Coverage of catalogues: parts, pairs, number of known figures of each column, and their confidence.
@@ -283,8 +273,14 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
     known = {name: (table[name] != "" if c.kind == "text" else ~np.isnan(table[name])) & real
              for name, c in printed(section).items()}  # fmt: skip
     figures = [name for name, column in printed(section).items() if column.kind != "text"]
+    # the confidence of each figure as its place in CONFIDENCE: as Catalog.confidence, for all rows at once
+    of_source = np.array([CONFIDENCE.index(source.confidence) for source in catalog.sources])
+    level = np.tile(of_source[table.source], (len(figures), 1))
+    for note in (note for note in catalog.notes if note.section == section and note.confidence):
+        rows = [table.rows[part] for part in note.parts if part in table.rows]
+        columns = [place for place, name in enumerate(figures) if not note.fields or name in note.fields]
+        level[np.ix_(columns, rows)] = CONFIDENCE.index(note.confidence)
     there = np.array([known[name] for name in figures])
-    level = _levels(catalog, section, figures)
     return Coverage(
         parts=int(real.sum()),
         families=len(np.unique(table["family"][real])),
@@ -292,19 +288,6 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
         known={name: int(mask.sum()) for name, mask in known.items()},
         sure={name: int((there & (level == place)).sum()) for place, name in enumerate(CONFIDENCE)},
     )
-
-
-def _levels(catalog: Catalog, section: str, figures: list[str]) -> NDArray[Any]:
-    """The confidence of each figure as its place in CONFIDENCE: as Catalog.confidence, for all rows at once."""
-    table = catalog.table(section)
-    of_source = np.array([CONFIDENCE.index(source.confidence) for source in catalog.sources])
-    level = np.tile(of_source[table.source], (len(figures), 1))
-    for note in catalog.notes:
-        if note.section == section and note.confidence:
-            rows = [table.rows[part] for part in note.parts if part in table.rows]
-            columns = [place for place, name in enumerate(figures) if not note.fields or name in note.fields]
-            level[np.ix_(columns, rows)] = CONFIDENCE.index(note.confidence)
-    return level
 
 
 def pairs_of(catalog: Catalog) -> dict[str, int]:

@@ -25,54 +25,29 @@ __all__ = [
 ]  # fmt: skip
 
 
-# -- Rows of numbers of a CSV file, read in one go where all of them are plain: to columns, without a text of each.
-
-
 Array = NDArray[np.float64]
 _PLAIN = b"0123456789+-.eE, \r\n"  # of numbers that need no closer look
-_PIECE = 1 << 21  # bytes that are read at a time
 
 
 def plain_columns(text: bytes, below: int, rising: int, factors: list[float], most: int) -> list[Array] | None:
-    """Numbers of a text in SI; None where anything needs a closer look.
+    """Numbers of a text in SI, where all rows are plain ones; None where anything needs a closer look.
 
-    The same bits as those of ``csv_columns.values_of``, which says what is wrong and where: all round as the
-    processor's doubles.
+    The same bits as those of ``values_of``, which says what is wrong and where.
     """
-    lines = text.count(b"\n", below) + (not text.endswith(b"\n"))
-    if not 2 <= lines <= most:
-        return None
-    columns = [np.empty(lines) for _ in factors]
-    start, read = below, 0
-    while start < len(text):
-        end = text.find(b"\n", start + _PIECE) + 1 or len(text)
-        found = _values(text[start:end], len(factors))
-        if found is None:
-            return None
-        for column, values in zip(columns, found, strict=True):
-            column[read : read + len(values)] = values
-        start, read = end, read + found.shape[1]
-    return columns if read == lines and _in_si(columns, rising, factors) else None  # else a blank line was left out
-
-
-def _values(piece: bytes, width: int) -> Array | None:
-    """Values of some rows: (columns, rows)."""
-    if not piece.strip() or piece.translate(None, _PLAIN):
+    body = text[below:]
+    lines = body.count(b"\n") + (not body.endswith(b"\n"))
+    if not 2 <= lines <= most or not body.strip() or body.translate(None, _PLAIN):
         return None
     try:
-        found = np.loadtxt(StringIO(piece.decode("ascii")), delimiter=",", comments=None, ndmin=2)
+        found = np.loadtxt(StringIO(body.decode("ascii")), delimiter=",", comments=None, ndmin=2)
     except ValueError:
         return None
-    return found.T if found.shape[1] == width else None
-
-
-def _in_si(columns: list[Array], rising: int, factors: list[float]) -> bool:
-    """Convert to SI; whether all are finite, and the one column rises."""
+    if found.shape != (lines, len(factors)):  # a blank line was left out
+        return None
     with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
-        for column, factor in zip(columns, factors, strict=True):
-            column *= factor
-    finite = all(np.isfinite(column).all() for column in columns)
-    return finite and bool((columns[rising][1:] > columns[rising][:-1]).all())
+        columns = [column * factor for column, factor in zip(found.T, factors, strict=True)]
+    right = all(np.isfinite(column).all() for column in columns) and np.diff(columns[rising]).min() > 0.0
+    return columns if right else None
 
 
 Form = Mapping[str, str]  # name of each column -> kind of its quantity
@@ -96,28 +71,22 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, NDAr
     """Columns of a recording in SI, with rising times, or of a table with a first column that rises."""
     most = _MOST_ROWS if most is None else most
     raw = read_bytes(path, most * _ROW)
-    head = _head(raw)
-    rows = rows_of(path, decoded(head, path), len(forms[0]))
+    below = raw.find(b"\n", raw.find(b"\n") + 1) + 1
+    head = raw[:below]
+    text = head.removeprefix(codecs.BOM_UTF8)  # two lines without quotes, else a closer look says where the rows begin
+    plain = below and text.isascii() and b'"' not in text and len(text.decode("ascii").splitlines()) == 2
+    rows = rows_of(path, decoded(head if plain else raw, path), len(forms[0]))
     header, form = _header(path, next(rows, None), forms)
     factors = factors_of(path, header, form, next(rows, None))
     rising = "time" if "time" in form else next(iter(form))
-    found = None if head is raw else plain_columns(raw, len(head), header.index(rising), factors, most)
+    found = plain_columns(raw, below, header.index(rising), factors, most) if plain else None
     if found is None:
-        text = decoded(raw, path)
-        rows = islice(rows_of(path, text, len(forms[0])), 2, None)
-        convert = float if text.isascii() and "_" not in text else plain_number
+        whole = decoded(raw, path)
+        rows = islice(rows_of(path, whole, len(forms[0])), 2, None)
+        convert = float if whole.isascii() and "_" not in whole else plain_number
         found = [column.copy() for column in values_of(path, rows, header, factors, convert, rising, most).T]
     refuse_impossible(path, found, header, form, factors)
     return {name: found[header.index(name)] for name in form}
-
-
-def _head(raw: bytes) -> bytes:
-    """Header and units where these are two lines without quotes; all of it where only a closer look says where."""
-    below = raw.find(b"\n", raw.find(b"\n") + 1) + 1
-    head = raw[:below]
-    text = head.removeprefix(codecs.BOM_UTF8)
-    plain = below and text.isascii() and b'"' not in text and len(text.decode("ascii").splitlines()) == 2
-    return head if plain else raw
 
 
 def refuse_impossible(
@@ -125,17 +94,12 @@ def refuse_impossible(
 ) -> None:
     """Refuse figures above the range of their kind; arbitrarily small ones are allowed as steps towards 0."""
     most = [RANGES[form[name]][1] for name in header]
-    beyond = [k for k, (column, limit) in enumerate(zip(values, most, strict=True)) if _beyond(column, limit)]
+    beyond = [k for k, values_of_one in enumerate(values) if np.abs(values_of_one).max(initial=0.0) > most[k]]
     if beyond:
         row, column = min((int((np.abs(values[k]) > most[k]).argmax()), k) for k in beyond)
         kind, found = form[header[column]], values[column][row] / factors[column]
         reason = f'"{found:g}" is no {noun(kind)} of a machine; {possible(kind)}'
         raise InputError(f"{path}:{row + _ABOVE}: {header[column]}: {reason}")
-
-
-def _beyond(column: NDArray[np.float64], limit: float) -> bool:
-    """Whether any amount is above a limit; without an array of these, for a long recording's takes room."""
-    return bool(len(column)) and max(float(column.max()), -float(column.min())) > limit
 
 
 def _example(width: int) -> str:

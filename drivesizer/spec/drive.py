@@ -123,11 +123,6 @@ class GearStage(fields.Section):
             self.pinion_friction * behind, self.wheel_friction * behind,
         )  # fmt: skip
 
-    @property
-    def has_own_torque(self) -> bool:
-        """Whether inertia or friction at any load is given."""
-        return any((self.pinion_inertia, self.wheel_inertia, self.pinion_friction, self.wheel_friction))
-
 
 Stage = Annotated[GearheadStage | DirectStage | BeltStage | GearStage, Field(discriminator="kind")]
 

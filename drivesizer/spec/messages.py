@@ -247,43 +247,43 @@ def _named(field: str, data: Any) -> list[str | int]:
     return path
 
 
+# type of a fault: message, with what was found and the figures of the rule
+_MESSAGES = dict.fromkeys(("int_type", "int_from_float"), "{found} is not a whole number; expected one, e.g. 2") | {
+    "bool_type": "{found} is neither true nor false; expected one of both",
+    "bool_parsing": "{found} is neither true nor false; expected one of both",
+    "list_type": "{found} is not a list; expected entries between [ and ]{default}",
+    "greater_than_equal": "{found} must be at least {ge}", "less_than_equal": "{found} must be at most {le}",
+    "too_short": "{found} is too short; expected at least {min_length}{default}",
+    "too_long": "{found} is too long; expected at most {max_length} entries",
+    "string_too_short": "is empty; expected text", "union_tag_not_found": "kind is missing",
+    "string_too_long": "{found} is too long; expected at most {max_length} characters",
+}  # fmt: skip
+
+
 def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseModel]) -> str:
-    found = quoted(_brief(fault.get("input")))
+    found, rule = quoted(_brief(fault.get("input"))), fault.get("ctx", {})
+    owners = models_at(model, path[:-1], data) if path else []
+    field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
+    if fault["type"] in _MESSAGES:
+        example = field.default if field and isinstance(field.default, list) and field.default else None
+        default = f", e.g. {str(example).replace(chr(39), '')}" if example else ""
+        return _MESSAGES[fault["type"]].format(found=found, default=default, **rule)
     match fault["type"]:
         case "missing":
-            return f"is missing; expected {_example(model, path, data)}"
-        case "int_type" | "int_from_float":
-            return f"{found} is not a whole number; expected one, e.g. 2"
-        case "bool_type" | "bool_parsing":
-            return f"{found} is neither true nor false; expected one of both"
-        case "list_type":
-            return f"{found} is not a list; expected entries between [ and ]{_default(model, path, data)}"
+            return f"is missing; expected {_example(field)}"
         case "string_type":
             return "is empty; expected text" if fault["input"] is None else f"{found} is not text; put it in quotes"
-        case "greater_than_equal":
-            return f"{found} must be at least {fault['ctx']['ge']}"
-        case "less_than_equal":
-            return f"{found} must be at most {fault['ctx']['le']}"
         case "extra_forbidden":
             return f"unknown key; {meant(model, path, data)}"
-        case "too_short":
-            return f"{found} is too short; expected at least {fault['ctx']['min_length']}{_default(model, path, data)}"
-        case "too_long":
-            return f"{found} is too long; expected at most {fault['ctx']['max_length']} entries"
-        case "string_too_short":
-            return "is empty; expected text"
-        case "string_too_long":
-            return f"{found} is too long; expected at most {fault['ctx']['max_length']} characters"
         case "value_error":
-            return _validator_text(str(fault["ctx"]["error"]), fault["input"], path)
+            return _validator_text(str(rule["error"]), fault["input"], path)
         case "literal_error":
-            return _not_known(fault.get("input"), fault["ctx"]["expected"])
+            return _not_known(fault.get("input"), rule["expected"])
         case "union_tag_invalid":
-            return _not_known(fault["ctx"]["tag"], fault["ctx"]["expected_tags"])
-        case "union_tag_not_found":
-            return "kind is missing"
+            return _not_known(rule["tag"], rule["expected_tags"])
         case "model_type" | "model_attributes_type" | "dict_type":
-            return f"{found} is not a group of fields; expected fields such as {_some(model, path)}"
+            some = ", ".join(known_keys(model, path, None)[:4])
+            return f"{found} is not a group of fields; expected fields such as {some}"
         case _:
             text = fault["msg"][0].lower() + fault["msg"][1:]
             return f"{found}: {text.replace('input ', '')}"
@@ -319,29 +319,14 @@ def _brief(value: Any) -> Any:
     return "nothing" if value is None else value
 
 
-def _example(model: type[BaseModel], path: Path_, data: Any) -> str:
+def _example(field: FieldInfo | None) -> str:
     """Example for a missing field."""
-    owners = models_at(model, path[:-1], data)
-    field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
-    kinds = [part.kind for part in (field.metadata if field else []) if hasattr(part, "kind")]
-    inner = models_of(field) if field else []
+    if field is None:
+        return "a value"
+    kinds, inner = [part.kind for part in field.metadata if hasattr(part, "kind")], models_of(field)
     if inner:
         return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
-    if kinds:
-        return f"{noun(kinds[0])}, e.g. {KINDS[kinds[0]].example}"
-    return field.description if field and field.description else "a value"
-
-
-def _default(model: type[BaseModel], path: Path_, data: Any) -> str:
-    """The default of a list as an example."""
-    owners = models_at(model, path[:-1], data)
-    field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
-    example = field.default if field and isinstance(field.default, list) and field.default else None
-    return f", e.g. {str(example).replace(chr(39), '')}" if example else ""
-
-
-def _some(model: type[BaseModel], path: Path_) -> str:
-    return ", ".join(known_keys(model, path, None)[:4])
+    return f"{noun(kinds[0])}, e.g. {KINDS[kinds[0]].example}" if kinds else field.description or "a value"
 
 
 # -- Sections of a spec that contradict each other: what is refused where each of them by itself is right.
@@ -358,14 +343,14 @@ _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw
 def refuse_contradictions(spec: Any) -> None:
     """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
     for agree in (
-        _chained, _mounted, _moved, _motor_kind_conflicts, _wheel_conflicts,
-        _burning, _overhung, _lasting, _equipped, _braked, _alternating, _required,
+        _chained, _mounted, _moved, _motor_kind_conflicts, _wheel_conflicts, _burning, _overhung, _lasting, _equipped,
+        _alternating,
     ):  # fmt: skip
         agree(spec)
 
 
 def _chained(spec: Any) -> None:
-    """Stages behind each other as machines have them."""
+    """Stages behind each other as machines have them; a gear where what is behind it knows of it."""
     kinds = [stage.kind for stage in spec.transmission]
     behind = ["belt" if kind == "belt" else "gear" for kind in kinds[1:]]
     if (
@@ -376,31 +361,24 @@ def _chained(spec: Any) -> None:
         raise ValueError(
             "transmission must be a gearhead or direct, or one of them and then a belt, a gear, or one of each"
         )
-    _check_gear(spec)
+    gear, belt = spec.gear, spec.belt
+    if gear is not None and spec.platform is not None:
+        raise ValueError(f"transmission: a {gear.kind} drives no wheel of a platform; expected a gearhead or belt")
+    if gear is not None and spec.gear_before_belt and belt is not None:
+        own = any((gear.pinion_inertia, gear.wheel_inertia, gear.pinion_friction, gear.wheel_friction))
+        if own and belt.ratio is None:
+            raise ValueError(
+                f"transmission: inertia and friction of a {gear.kind} before a belt need the one ratio of the belt; "
+                "expected ratio, or the belt before it"
+            )
+        if belt.pulleys is not None and (belt.max_tension or belt.max_speed):
+            raise ValueError(
+                f"transmission: max_tension and max_speed of pulleys behind a {gear.kind} are not checked; expected "
+                "the belt before it, or ratio with pulley_diameter"
+            )
     named = spec.select.gearhead.named.values()
     if spec.is_direct and {name for names in named for name in names} - {DIRECT}:
         raise ValueError(f"select: with kind: {DIRECT} as transmission there is none; leave gearhead out")
-
-
-def _check_gear(spec: Any) -> None:
-    """Refuse a gear where nothing behind it would know of it."""
-    gear, belt = spec.gear, spec.belt
-    if gear is None:
-        return
-    if spec.platform is not None:
-        raise ValueError(f"transmission: a {gear.kind} drives no wheel of a platform; expected a gearhead or belt")
-    if not spec.gear_before_belt or belt is None:
-        return
-    if gear.has_own_torque and belt.ratio is None:
-        raise ValueError(
-            f"transmission: inertia and friction of a {gear.kind} before a belt need the one ratio of the belt; "
-            "expected ratio, or the belt before it"
-        )
-    if belt.pulleys is not None and (belt.max_tension or belt.max_speed):
-        raise ValueError(
-            f"transmission: max_tension and max_speed of pulleys behind a {gear.kind} are not checked; expected "
-            "the belt before it, or ratio with pulley_diameter"
-        )
 
 
 def _mounted(spec: Any) -> None:
@@ -505,7 +483,7 @@ def _lasting(spec: Any) -> None:
 
 
 def _equipped(spec: Any) -> None:
-    """Equipment on a battery."""
+    """Equipment on a battery; one brake, and one that closes at rest where there is one; a distance of what travels."""
     if spec.equipment and spec.battery is None:
         raise ValueError("equipment: it draws from a battery; expected a section battery")
     for one in spec.equipment:
@@ -513,14 +491,12 @@ def _equipped(spec: Any) -> None:
             one.share(spec.mission.duration if spec.mission else None)
         except ValueError as error:
             raise ValueError(f"equipment: {error}") from None
-
-
-def _braked(spec: Any) -> None:
-    """One brake, and one that closes at rest where there is one."""
     if spec.control.at_rest == "brake" and not spec.wants_brake:
         raise ValueError("control.at_rest: there is no brake; expected needs: {hold_unpowered: true}, or a brake")
     if spec.brake and spec.select.brake.named:
         raise ValueError("brake: it has figures of its own; expected brake or select.brake, not both")
+    if spec.requirements and spec.requirements.travel and not isinstance(spec.load, WheeledVehicle):
+        raise ValueError(f"requirements.travel: a {spec.load.kind} does not travel; leave it out, or give speed")
 
 
 def _alternating(spec: Any) -> None:
@@ -533,9 +509,3 @@ def _alternating(spec: Any) -> None:
     motions = [motion for case in spec.cases if case.share is not None for motion in case.motion]
     if isinstance(spec.motion, Track | Waypoints) or {"trajectory", "waypoints"} & {*motions}:
         raise ValueError("cases: wheels of a platform on a trajectory do not alternate; leave share out")
-
-
-def _required(spec: Any) -> None:
-    """A distance of what travels."""
-    if spec.requirements and spec.requirements.travel and not isinstance(spec.load, WheeledVehicle):
-        raise ValueError(f"requirements.travel: a {spec.load.kind} does not travel; leave it out, or give speed")

@@ -118,57 +118,35 @@ def _estimates(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
 
 
 OWN = "of the spec"  # family of that brake
-_SECTION = "brakes"
 
 
 def with_own_brake(catalog: Catalog, figures: Mapping[str, float | str]) -> Catalog:
     """The catalogue with a brake of these figures; what is not given is estimated."""
-    one = _row(figures, len(catalog.sources))
-    source = Source("section brake of the spec", "quoted")
+    given = {"part": "brake", "family": OWN, **figures}
+    columns: dict[str, NDArray[Any]] = {
+        name: np.array([given.get(name, "")], str)
+        if column.kind == "text"
+        else np.array([given.get(name, np.nan)], float)
+        for name, column in columns_of("brakes").items()
+    }
+    one: Table[Any] = Table("brakes", columns, np.array([len(catalog.sources)], np.int32), np.zeros(1, bool))
     found = estimates(one) if catalog.ends else {}
-    middle, *ends = (
-        replace(given, brakes=_with_brake(given.brakes, _brake_at(one, found, place)), sources=(*given.sources, source))
-        for given, place in zip((catalog, *catalog.ends), ("value", "low", "high"), strict=False)
-    )
+    made = []
+    for view, place in zip((catalog, *catalog.ends), ("value", "low", "high"), strict=False):
+        known, own = view.brakes, dict(columns) | {name: getattr(each, place) for name, each in found.items()}
+        both = {name: np.concatenate([known[name], own[name]]) for name in known.columns}
+        source, excluded = np.append(known.source, one.source), np.append(known.excluded, one.excluded)
+        table: Table[Any] = Table("brakes", both, source, excluded)
+        made.append(replace(view, brakes=table, sources=(*view.sources, Source("section brake of the spec", "quoted"))))
     if not found:
-        return middle
-    known = dict(catalog.estimates)
-    known[_SECTION] = _joined(known.get(_SECTION, {}), found, len(catalog.brakes))
-    return replace(middle, estimates=known, ends=tuple(ends))
-
-
-def _row(figures: Mapping[str, float | str], source: int) -> Table[Any]:
-    """A table of one brake."""
-    texts = {"part": "brake", "family": OWN}
-    columns = {
-        name: np.array([figures.get(name, texts.get(name, ""))], str) if column.kind == "text"
-        else np.array([figures.get(name, np.nan)], float)
-        for name, column in columns_of(_SECTION).items()
-    }  # fmt: skip
-    return Table(_SECTION, columns, np.array([source], np.int32), np.zeros(1, bool))
-
-
-def _brake_at(one: Table[Any], found: Mapping[str, Estimates], place: str) -> Table[Any]:
-    """The brake with estimated figures at the middle or an end of their bands."""
-    columns = dict(one.columns) | {name: getattr(each, place) for name, each in found.items()}
-    return Table(_SECTION, columns, one.source, one.excluded)
-
-
-def _with_brake(table: Table[Any], one: Table[Any]) -> Table[Any]:
-    columns = {name: np.concatenate([table[name], one[name]]) for name in table.columns}
-    source, excluded = np.append(table.source, one.source), np.append(table.excluded, one.excluded)
-    return Table(_SECTION, columns, source, excluded)
-
-
-def _joined(known: Mapping[str, Estimates], own: Mapping[str, Estimates], row: int) -> dict[str, Estimates]:
-    """Estimates of the catalogue's brakes and of one in a row behind them."""
-    found = dict(known)
-    for name, one in own.items():
-        sides: tuple[Any, ...] = one._replace(rows=one.rows + row)
-        if name in known:
-            sides = tuple(np.concatenate(pair) for pair in zip(known[name], sides, strict=True))
-        found[name] = Estimates(*sides)
-    return found
+        return made[0]
+    together = dict(catalog.estimates.get("brakes", {}))
+    for name, each in found.items():  # of a row behind those of the catalogue
+        sides: tuple[Any, ...] = each._replace(rows=each.rows + len(catalog.brakes))
+        if name in together:
+            sides = tuple(np.concatenate(pair) for pair in zip(together[name], sides, strict=True))
+        together[name] = Estimates(*sides)
+    return replace(made[0], estimates={**catalog.estimates, "brakes": together}, ends=tuple(made[1:]))
 
 
 # -- The catalogue as a search for steppers takes it: its steppers in the place of the motors.
@@ -206,46 +184,19 @@ def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float 
     if not estimates:
         return _viewed(catalog, phase_current)
     own = estimates_of(catalog.steppers)
-    if "pull_out_share" in own:  # a printed curve needs none
-        own["pull_out_share"] = _without_rows(own["pull_out_share"], catalog.pull_outs.stepper)
+    if share := own.get("pull_out_share"):  # a printed curve needs none
+        keep = ~np.isin(share.rows, catalog.pull_outs.stepper)
+        own["pull_out_share"] = Estimates(*(column[keep] for column in share))
     found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
-    middle, *ends = (_viewed(found.with_tables(completed(found, end), {}), phase_current) for end in (MIDDLE, *ENDS))
+    middle, *ends = (_viewed(replace(found, **completed(found, end)), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
 
 
-def _without_rows(one: Estimates, rows: NDArray[np.int32]) -> Estimates:
-    keep = ~np.isin(one.rows, rows)
-    return Estimates(one.rows[keep], one.value[keep], one.low[keep], one.high[keep], one.fit[keep])
-
-
 def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
-    steppers, curves = catalog.steppers, catalog.pull_outs
-    less = np.ones(len(steppers))
+    steppers, curves, count = catalog.steppers, catalog.pull_outs, len(catalog.steppers)
+    less = np.ones(count)
     if phase_current is not None:
         less = np.minimum(phase_current / steppers["phase_current"], 1.0)
-    alone = dict.fromkeys(("motor_gearhead", "motor_encoder", "motor_brake"), _NO_PAIRS)
-    moved = replace(
-        catalog.with_tables({"motors": _as_motors(steppers, phase_current, less)}, alone),
-        pull_outs=curves._replace(torque=curves.torque * less[curves.stepper]),
-        estimates=_renamed(catalog.estimates),
-        notes=tuple(
-            note._replace(section="motors", fields=tuple(_NAMES.get(name, name) for name in note.fields))
-            for note in catalog.notes
-            if note.section == "steppers"
-        )
-        + tuple(note for note in catalog.notes if note.section not in ("motors", "steppers")),
-    )
-    fitted = with_direct_drive(with_clamping_hubs(moved))
-    none, hubs = fitted.gearheads.rows[DIRECT], fitted.motor_gearhead
-    every = np.arange(len(steppers))
-    direct: tuple[NDArray[Any], ...] = (every, np.full(len(every), none), steppers.source)
-    pairs = unique_pairs(*(np.concatenate([a, b]) for a, b in zip(hubs, direct, strict=True)))
-    return fitted.with_tables({}, {"motor_gearhead": pairs})
-
-
-def _as_motors(steppers: Table[Any], phase_current: float | None, less: NDArray[np.float64]) -> Table[Any]:
-    """The steppers as a table of motors; what a stepper has not is unknown."""
-    count = len(steppers)
     figures: dict[str, Any] = {name: steppers[name] for name in _ALIKE}
     figures |= {
         "kind": STEPPER, "commutation": steppers["wiring"], "phases": 2.0,
@@ -254,15 +205,23 @@ def _as_motors(steppers: Table[Any], phase_current: float | None, less: NDArray[
         "pole_pairs": rotor_teeth(steppers["full_steps"]),
     }  # fmt: skip
     columns: dict[str, NDArray[Any]] = {}
-    for name, column in columns_of("motors").items():
+    for name, column in columns_of("motors").items():  # what a stepper has not is unknown
         unknown: Any = "" if column.kind == "text" else np.nan
         columns[name] = np.array(np.broadcast_to(figures.get(name, unknown), (count,)))
     columns[STEPPER] = np.arange(count)
-    return Table("motors", columns, steppers.source, steppers.excluded)
-
-
-def _renamed(estimates: Mapping[str, Mapping[str, Estimates]]) -> dict[str, Mapping[str, Estimates]]:
-    """Estimates with those of the steppers as those of the motors."""
-    return {name: one for name, one in estimates.items() if name not in ("motors", "actuators", "steppers")} | {
-        "motors": {_NAMES.get(name, name): one for name, one in estimates.get("steppers", {}).items()}
-    }
+    others = {s: one for s, one in catalog.estimates.items() if s not in ("motors", "actuators", "steppers")}
+    own = {_NAMES.get(name, name): one for name, one in catalog.estimates.get("steppers", {}).items()}
+    noted = [note._replace(section="motors", fields=tuple(_NAMES.get(name, name) for name in note.fields))
+             for note in catalog.notes if note.section == "steppers"]  # fmt: skip
+    moved = replace(
+        catalog,
+        motors=Table("motors", columns, steppers.source, steppers.excluded),
+        motor_gearhead=_NO_PAIRS, motor_encoder=_NO_PAIRS, motor_brake=_NO_PAIRS,
+        pull_outs=curves._replace(torque=curves.torque * less[curves.stepper]),
+        estimates=others | {"motors": own},
+        notes=(*noted, *(note for note in catalog.notes if note.section not in ("motors", "steppers"))),
+    )  # fmt: skip
+    fitted = with_direct_drive(with_clamping_hubs(moved))
+    direct = np.arange(count), np.full(count, fitted.gearheads.rows[DIRECT]), steppers.source
+    pairs = unique_pairs(*(np.concatenate([a, b]) for a, b in zip(fitted.motor_gearhead, direct, strict=True)))
+    return replace(fitted, motor_gearhead=pairs)

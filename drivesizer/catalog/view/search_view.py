@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,34 +141,21 @@ def printed_field(role: str, field: str) -> str:
     return _PRINTED_AS.get((role, field), field)
 
 
-class _Inside(NamedTuple):
-    """One kind of part inside actuators."""
-
-    of: NDArray[np.int64]  # rows of the actuators that have such a part
-    columns: Mapping[str, Any]
-
-
 def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
     """The catalogue as the search takes it: actuators split, clamping hubs paired, direct drive added."""
     if catalog.ends:
         return catalog
     if not estimates:
-        return _viewed(_without_rules(catalog))
+        columns = dict(catalog.actuators.columns)  # without figures that are a rule of thumb
+        for name in ("nominal_torque", "nominal_current"):
+            columns[name] = columns[name].copy()
+            columns[name][catalog.by_rule("actuators", name)] = np.nan
+        return _viewed(replace(catalog, actuators=replace(catalog.actuators, columns=columns)))
     found = replace(catalog, estimates=estimates_of_catalog(catalog))
     if not found.estimates:
         return _viewed(catalog)
-    middle, *ends = (_viewed(found.with_tables(completed(found, end), {})) for end in (MIDDLE, *ENDS))
+    middle, *ends = (_viewed(replace(found, **completed(found, end))) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
-
-
-def _without_rules(catalog: Catalog) -> Catalog:
-    """The catalogue with figures unknown that are a rule of thumb."""
-    columns = dict(catalog.actuators.columns)
-    for name in ("nominal_torque", "nominal_current"):
-        if len(rows := catalog.by_rule("actuators", name)):
-            columns[name] = columns[name].copy()
-            columns[name][rows] = np.nan
-    return catalog.with_tables({"actuators": replace(catalog.actuators, columns=columns)}, {})
 
 
 def _viewed(catalog: Catalog) -> Catalog:
@@ -189,38 +176,39 @@ def split_actuators(catalog: Catalog) -> Catalog:
             raise CatalogError(f"part {quoted(twice[0])} is an actuator and a {singular(section)} as well; rename one")
     inside = {"motors": _motor(actuators), "gearheads": _gearhead(actuators), "encoders": _encoder(actuators),
               "controllers": _controller(actuators)}  # fmt: skip
-    tables: dict[str, Any] = {
-        name: _with_actuators(catalog.table(name), actuators, rows) for name, rows in inside.items()
+    having = {
+        "encoders": np.flatnonzero(~np.isnan(actuators["steps_per_turn"])),
+        "controllers": np.flatnonzero(actuators["controller"] != ""),
     }
-    first = len(catalog.motors)
-    pairs: dict[str, Any] = {
-        name: _paired(getattr(catalog, name), actuators, inside[right].of, first, len(catalog.table(right)))
-        for name, right in RELATIONS.items()
-        if right in inside
-    }  # fmt: skip
-    return catalog.with_tables(tables, pairs)
+    rows = {section: having.get(section, np.arange(len(actuators))) for section in inside}
+    made: dict[str, Any] = {
+        section: _with_parts_inside(catalog.table(section), actuators, rows[section], figures)
+        for section, figures in inside.items()
+    }
+    for name, right in RELATIONS.items():
+        if right in inside:  # each actuator's motor with the part inside the same actuator
+            of, others = rows[right], np.arange(len(rows[right])) + len(catalog.table(right))
+            added = of + len(catalog.motors), others, actuators.source[of]
+            pairs = zip(getattr(catalog, name), added, strict=True)
+            made[name] = Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in pairs))
+    return replace(catalog, **made)
 
 
-def _with_actuators(table: Table[Any], actuators: Table[Any], inside: _Inside) -> Table[Any]:
-    """A table followed by the rows of the parts inside actuators."""
-    columns: Columns = {}
-    of = inside.of
-    figures = {name: actuators[name] for name in _NAMES} | dict(inside.columns) | {"inside": actuators["part"]}
+def _with_parts_inside(
+    table: Table[Any], units: Table[Any], of: NDArray[np.int64], columns: Mapping[str, Any]
+) -> Table[Any]:
+    """A table followed by the rows of the parts inside some actuators, or motors."""
+    figures = {name: units[name] for name in _NAMES} | {"inside": units["part"]} | dict(columns)
+    both: Columns = {}
     for name, column in columns_of(table.section).items():
         unknown: Any = "" if column.kind == "text" else np.nan
-        values: NDArray[Any] = np.broadcast_to(figures.get(name, unknown), (len(actuators),))[of]
-        columns[name] = np.concatenate([table[name], values])
-    source = np.concatenate([table.source, actuators.source[of]])
-    return Table(table.section, columns, source, np.concatenate([table.excluded, actuators.excluded[of]]))
+        values: NDArray[Any] = np.broadcast_to(figures.get(name, unknown), (len(units),))[of]
+        both[name] = np.concatenate([table[name], values])
+    source, excluded = np.append(table.source, units.source[of]), np.append(table.excluded, units.excluded[of])
+    return Table(table.section, both, source.astype(np.int32), excluded)
 
 
-def _paired(pairs: Pairs, actuators: Table[Any], of: NDArray[np.int64], motors: int, others: int) -> Pairs:
-    """The pairs followed by each actuator's motor with the part inside the same actuator."""
-    added: tuple[NDArray[Any], ...] = (of + motors, np.arange(len(of)) + others, actuators.source[of])
-    return Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in zip(pairs, added, strict=True)))
-
-
-def _motor(actuators: Table[Any]) -> _Inside:
+def _motor(actuators: Table[Any]) -> Columns:
     i, e, loaded = _ratio(actuators), _efficiency(actuators), _loaded_efficiency(actuators)
     own = actuators["motor_torque_constant"] * _inner(actuators)
     k_t = np.where(np.isnan(own), actuators["torque_constant"] / (i * e), own)
@@ -236,7 +224,7 @@ def _motor(actuators: Table[Any]) -> _Inside:
     figures["commutation"] = np.where(actuators["controller"] != "", ELECTRONICS, "")
     inertia = actuators["rotor_inertia"] * _inner(actuators)
     figures["rotor_inertia"] = np.where(np.isnan(inertia), actuators["output_inertia"] / i**2, inertia)
-    return _Inside(np.arange(len(actuators)), figures)
+    return figures
 
 
 def _ratio(actuators: Table[Any]) -> NDArray[np.float64]:
@@ -269,26 +257,31 @@ def _top_speed(actuators: Table[Any]) -> NDArray[np.float64]:
     return np.where(np.isnan(actuators["max_speed"]), actuators["no_load_speed"], actuators["max_speed"])
 
 
-def _gearhead(actuators: Table[Any]) -> _Inside:
+def _gearhead(actuators: Table[Any]) -> dict[str, Any]:
     speed = _ratio(actuators) * _top_speed(actuators)
     # Size, mass, price and inertia are counted with the motor.
     own = dict.fromkeys(("inertia", "diameter", "length", "mass", "price"), 0.0)
     free = dict.fromkeys(("continuous_power", "intermittent_power"), np.inf)
     figures: dict[str, Any] = {name: actuators[name] for name in _GEARHEAD}
-    return _Inside(np.arange(len(actuators)), figures | own | free | {
-        "ratio": _ratio(actuators),
-        "kind": actuators["gearing"],
-        "efficiency": _loaded_efficiency(actuators),
-        "continuous_torque": actuators["nominal_torque"],
-        "intermittent_torque": np.maximum(actuators["peak_torque"], np.nan_to_num(actuators["nominal_torque"])),
-        "continuous_input_speed": speed,
-        "intermittent_input_speed": speed,
-        "temperature_min": actuators["ambient_min"],
-        "temperature_max": actuators["ambient_max"],
-    })  # fmt: skip
+    return (
+        figures
+        | own
+        | free
+        | {
+            "ratio": _ratio(actuators),
+            "kind": actuators["gearing"],
+            "efficiency": _loaded_efficiency(actuators),
+            "continuous_torque": actuators["nominal_torque"],
+            "intermittent_torque": np.maximum(actuators["peak_torque"], np.nan_to_num(actuators["nominal_torque"])),
+            "continuous_input_speed": speed,
+            "intermittent_input_speed": speed,
+            "temperature_min": actuators["ambient_min"],
+            "temperature_max": actuators["ambient_max"],
+        }
+    )
 
 
-def _encoder(actuators: Table[Any]) -> _Inside:
+def _encoder(actuators: Table[Any]) -> dict[str, Any]:
     """The encoder as one at the motor shaft, with four edges per line and no limit of speed of its own."""
     free = dict.fromkeys(("max_frequency", "max_speed", "max_mechanical_speed"), np.inf)
     own = dict.fromkeys(("inertia", "diameter", "length", "added_length", "mass", "price"), 0.0)
@@ -296,13 +289,13 @@ def _encoder(actuators: Table[Any]) -> _Inside:
         "counts_per_turn": actuators["steps_per_turn"] / (EDGES * _ratio(actuators)),
         "kind": "integrated",
     }
-    return _Inside(np.flatnonzero(~np.isnan(actuators["steps_per_turn"])), figures | free | own)
+    return figures | free | own
 
 
-def _controller(actuators: Table[Any]) -> _Inside:
+def _controller(actuators: Table[Any]) -> dict[str, Any]:
     figures = {name: actuators[name] for name in ("buses", "peak_current", "standby_current")}
     figures |= {"drives": actuators["kind"], "continuous_current": actuators["nominal_current"]}
-    return _Inside(np.flatnonzero(actuators["controller"] != ""), _UNIT | figures | _supply(actuators))
+    return _UNIT | figures | _supply(actuators)
 
 
 # A unit is rated as one: its peak torque lasts as long as its winding permits, its figures hold the controller's losses
@@ -328,14 +321,10 @@ def _with_controllers_inside(catalog: Catalog) -> Catalog:
     names = [f"{name} in {part}" for name, part in zip(motors["controller"][of], motors["part"][of], strict=True)]
     part = motors["part"].astype(object)
     part[of] = names
-    figures = {
-        "drives": motors["kind"],
-        "peak_current": motors["stall_current"],
-        "family": motors["controller"],
-        "buses": "",
-    }
-    rows = _Inside(of, _UNIT | figures | _supply(motors) | {"part": part.astype(str)})
-    return catalog.with_tables({"controllers": _with_actuators(catalog.controllers, motors, rows)}, {})
+    figures: dict[str, Any] = {"drives": motors["kind"], "peak_current": motors["stall_current"],
+                               "family": motors["controller"], "buses": "", "inside": motors["part"]}  # fmt: skip
+    figures |= _UNIT | _supply(motors) | {"part": part.astype(str)}
+    return replace(catalog, controllers=_with_parts_inside(catalog.controllers, motors, of, figures))
 
 
 def with_clamping_hubs(catalog: Catalog) -> Catalog:
@@ -354,7 +343,7 @@ def with_clamping_hubs(catalog: Catalog) -> Catalog:
     left, right = single[fits[0]], hubs[fits[1]]
     sides: tuple[Any, ...] = (left, right, gearheads.source[right])
     both = (np.concatenate([a, b]) for a, b in zip(catalog.motor_gearhead, sides, strict=True))
-    return catalog.with_tables({}, {"motor_gearhead": unique_pairs(*both)})
+    return replace(catalog, motor_gearhead=unique_pairs(*both))
 
 
 def with_direct_drive(catalog: Catalog) -> Catalog:
@@ -362,4 +351,4 @@ def with_direct_drive(catalog: Catalog) -> Catalog:
     if DIRECT in catalog.gearheads.rows:
         return catalog
     table = with_no_gearhead(catalog.gearheads, len(catalog.sources))
-    return catalog.with_tables({"gearheads": table, "sources": (*catalog.sources, NO_GEARHEAD_SOURCE)}, {})
+    return replace(catalog, gearheads=table, sources=(*catalog.sources, NO_GEARHEAD_SOURCE))
