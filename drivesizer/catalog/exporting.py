@@ -90,7 +90,7 @@ def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: b
     """Parts as one JSON document with their catalogues and units, figures in SI, null where one is unknown."""
     parts = []
     for hit in hits:
-        part = {"section": hit.section, "catalog": hit.catalogue}
+        part: dict[str, Any] = {"section": hit.section, "catalog": hit.catalogue}
         part |= {name: _known(hit[name]) for name in printed(hit.section)}
         part |= {"excluded": bool(hit.table.excluded[hit.row])}
         if sources:  # of its figures, and the tolerances that its maker states

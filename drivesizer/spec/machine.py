@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field, ValidationError, field_validator
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.fields import Allowance, Duration, Pause, Place, Section, all_defaults, default, no_entries
+from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource, overlay, read, written
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.kinds import Load
@@ -187,20 +187,19 @@ Both = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, 
 _NAME = re.compile(r"[^\W_][\w .-]{0,59}")  # of an axis, which names files of exports too
 
 
-class CarriedPlace(Section):
+class CarriedPlace(fields.Section):
     """Place of a carried drive."""
 
-    at: Place | None = Field(
-        default=None,
-        description="distance of its drive from the carrying axis, where that turns; distances add along the chain",
+    at: fields.Place | None = fields.optional(
+        "distance of its drive from the carrying axis, where that turns; distances add along the chain"
     )
 
 
-class AxisFields(Section):
+class AxisFields(fields.Section):
     """Fields of an axis that a robot.yaml lacks."""
 
-    carries: list[str] | dict[str, CarriedPlace] = no_entries(
-        description="axes whose drives ride on this one; where it turns, each with its distance"
+    carries: list[str] | dict[str, CarriedPlace] = fields.no_entries(
+        "axes whose drives ride on this one; where it turns, each with its distance"
     )
 
     @field_validator("carries", mode="before")
@@ -213,44 +212,40 @@ class AxisFields(Section):
             raise ValueError(f"{quoted(twice)} is there twice; expected each axis once")
         return given
 
-    start: Pause = default("0 s", description="of its motion, after that of the machine's cycle")
-    repeats: bool | None = Field(
-        default=None,
-        description="its motion at once, with a period of its own; false: it waits at rest until the machine's cycle "
-        "is over, as by default all do that begin and end at rest, but for harmonic and cam",
+    start: fields.Pause = fields.default("0 s", "of its motion, after that of the machine's cycle")
+    repeats: bool | None = fields.optional(
+        "its motion at once, with a period of its own; false: it waits at rest until the machine's cycle "
+        "is over, as by default all do that begin and end at rest, but for harmonic and cam"
     )
 
 
-class MachineFields(Section):
+class MachineFields(fields.Section):
     """Fields of a machine beside the sections that are defaults of its axes."""
 
     name: str = Field(min_length=1, max_length=200)
-    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = all_defaults(
-        description="by name, each with sections of a robot.yaml over those of the machine"
+    axes: Annotated[dict[str, dict[str, Any]], Field(max_length=100)] = fields.all_defaults(
+        "by name, each with sections of a robot.yaml over those of the machine"
     )
-    robot: RobotSection | None = Field(default=None, description="joints of a description, each an axis by its name")
-    timing: Literal["synchronised", "independent"] = Field(
-        default="synchronised", description="common start of the axes' motions; or each at any time"
+    robot: RobotSection | None = fields.optional("joints of a description, each an axis by its name")
+    timing: Literal["synchronised", "independent"] = fields.default(
+        "synchronised", "common start of the axes' motions; or each at any time"
     )
-    cycle_time: Duration | None = Field(
-        default=None, description="of the machine; that of its longest axis if not given"
+    cycle_time: fields.Duration | None = fields.optional("of the machine; that of its longest axis if not given")
+    total: Literal["best", "axis_by_axis"] = fields.default(
+        "best", "whether carried drives are chosen so that the sum over all axes is best"
     )
-    total: Literal["best", "axis_by_axis"] = Field(
-        default="best", description="whether carried drives are chosen so that the sum over all axes is best"
-    )
-    few_kinds: Allowance | None = Field(
-        default=None,
-        description="by how much the sum of the objective may grow for common motors and gearheads",
+    few_kinds: fields.Allowance | None = fields.optional(
+        "by how much the sum of the objective may grow for common motors and gearheads"
     )
     supply: Supply
-    environment: Environment = all_defaults()
-    margins: Margins = all_defaults()
+    environment: Environment = fields.all_defaults()
+    margins: Margins = fields.all_defaults()
     mission: Mission | None = None
     battery: Battery | None = None
-    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries()
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = fields.no_entries()
     budget: Budget | None = None
     brake_resistor: BrakeResistor | None = None
-    report: TitleBlock = all_defaults()
+    report: TitleBlock = fields.all_defaults()
 
     @field_validator("axes", mode="before")
     @classmethod

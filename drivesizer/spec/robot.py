@@ -15,7 +15,7 @@ from pydantic import Field, PrivateAttr, ValidationError, field_validator, model
 
 from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.fields import Section, all_defaults, default, left_out_before, no_entries, read_before
+from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -59,7 +59,7 @@ __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
 # -- A model that knows the file of which it was read: its text, its data as they were written, and lines of fields.
 
 
-class OfFile(Section):
+class OfFile(fields.Section):
     """A group of fields that was read of a file, or of a dict, which has no name."""
 
     _source: YamlSource | None = PrivateAttr(default=None)
@@ -118,44 +118,38 @@ class RobotSpec(OfFile):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
     name: str = Field(min_length=1, max_length=200)
-    method: Literal["paper", "physics"] = Field(
-        default="physics", description="what ranks: the whole load cycle, or the paper's equations and rule"
+    method: Literal["paper", "physics"] = fields.default(
+        "physics", "what ranks: the whole load cycle, or the paper's equations and rule"
     )
     load: Load
-    motion: Motion | None = Field(default=None, description="one cycle, repeated; a recorded load brings its own")
-    transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = default(
-        [{"kind": "gearhead"}], description="from the motor to the load"
+    motion: Motion | None = fields.optional("one cycle, repeated; a recorded load brings its own")
+    transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = fields.default(
+        [{"kind": "gearhead"}], "from the motor to the load"
     )
-    paper_factors: PaperFactors = all_defaults()
-    margins: Margins = all_defaults()
+    paper_factors: PaperFactors = fields.all_defaults()
+    margins: Margins = fields.all_defaults()
     supply: Supply
-    brake_resistor: BrakeResistor | None = Field(
-        default=None,
-        description="that burns what is regenerated; none where not given",
-        json_schema_extra=or_any,
+    brake_resistor: BrakeResistor | None = fields.optional(
+        "that burns what is regenerated; none where not given", json_schema_extra=or_any
     )
-    power_stage: PowerStage = all_defaults()
-    shaft: Shaft | None = Field(default=None, description="output shaft of the gearhead, or motor, and what it carries")
-    environment: Environment = all_defaults()
-    mounting: Mounting | None = Field(default=None, description="of the motor; as printed where not given")
-    needs: Needs = all_defaults()
-    requirements: Requirements | None = Field(default=None, description="of the machine, for a table of its own")
-    brake: OwnBrake | None = Field(default=None, description="out of the catalogues where not given")
-    mission: Mission | None = Field(default=None, description="for the closed loop; one cycle where not given")
-    battery: Battery | None = Field(default=None, description="that feeds the machine; only the supply where not given")
-    equipment: Annotated[list[Consumer], Field(max_length=100)] = no_entries(
-        description="further consumers on the battery"
-    )
-    platform: Platform | None = Field(default=None, description="of a wheeled vehicle: wheels, mass, room, limits")
-    budget: Budget | None = Field(default=None, description="of the machine's mass")
-    control: Control = all_defaults()
-    plant: Plant = all_defaults()
-    select: Select = all_defaults()
-    tolerances: Tolerances = all_defaults()
-    report: TitleBlock = all_defaults(description="for the head of reports")
-    cases: Annotated[list[Case], Field(max_length=100)] = no_entries(
-        description="further load cases; a drive must pass all"
-    )
+    power_stage: PowerStage = fields.all_defaults()
+    shaft: Shaft | None = fields.optional("output shaft of the gearhead, or motor, and what it carries")
+    environment: Environment = fields.all_defaults()
+    mounting: Mounting | None = fields.optional("of the motor; as printed where not given")
+    needs: Needs = fields.all_defaults()
+    requirements: Requirements | None = fields.optional("of the machine, for a table of its own")
+    brake: OwnBrake | None = fields.optional("out of the catalogues where not given")
+    mission: Mission | None = fields.optional("for the closed loop; one cycle where not given")
+    battery: Battery | None = fields.optional("that feeds the machine; only the supply where not given")
+    equipment: Annotated[list[Consumer], Field(max_length=100)] = fields.no_entries("further consumers on the battery")
+    platform: Platform | None = fields.optional("of a wheeled vehicle: wheels, mass, room, limits")
+    budget: Budget | None = fields.optional("of the machine's mass")
+    control: Control = fields.all_defaults()
+    plant: Plant = fields.all_defaults()
+    select: Select = fields.all_defaults()
+    tolerances: Tolerances = fields.all_defaults()
+    report: TitleBlock = fields.all_defaults("for the head of reports")
+    cases: Annotated[list[Case], Field(max_length=100)] = fields.no_entries("further load cases; a drive must pass all")
 
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
@@ -491,7 +485,7 @@ def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dic
     source = None if before is None else before._source
     if before is None or source is None or _axis(source.data) != axis:
         return {}
-    return {**left_out_before(data, source.data, before), **read_before(data, source.data, before)}
+    return {**fields.left_out_before(data, source.data, before), **fields.read_before(data, source.data, before)}
 
 
 def _axis(data: Mapping[str, Any]) -> str:

@@ -6,13 +6,13 @@ import math
 import re
 from collections.abc import Iterator
 from copy import deepcopy
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, Field
 
 from drivesizer.catalog.tolerances import CUT, NOT_OF_STEPPERS, OF_STEPPERS, Distribution, share
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.fields import Section, Share, all_defaults
+from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import KINDS, from_si, kind_of_unit, noun, number, scale, show
 
@@ -41,21 +41,10 @@ _WIDTH = re.compile(r"(?P<nominal>.*?)\s*(?:\+\s?/?\s?[-−]|±)\s*(?P<width>.*)
 _ENDS = re.compile(r"(?P<nominal>.+)\s+in\s+(?P<low>.+?)\s*\.\.\s*(?P<high>.+)")
 _SHAPE = re.compile(r"(?P<shape>[A-Za-z_]\w*)\s*\(\s*(?P<arguments>[-+.]?[0-9].*?)\s*\)")
 _MARKS = ("+", "±", "..", "(")  # of which each of these forms has one
-_NAMES = {
-    "name",
-    "file",
-    "part",
-    "trajectory",
-    "chemistry",
-    "profile",
-    "family",
-    "title",
-    "note",
-    "customer",
-    "project",
-    "author",
-    "revision",
-}
+_NAMES = {  # fields that are texts
+    "name", "file", "part", "trajectory", "chemistry", "profile", "family", "title", "note", "customer", "project",
+    "author", "revision",
+}  # fmt: skip
 
 
 class Toleranced(NamedTuple):
@@ -164,35 +153,54 @@ def tolerance(text: str, path: Path_ = ()) -> Toleranced:
     ('45 kg', 42.75, 47.25)
     """
     bare = text.strip()
-    for pattern, read in ((_SHAPE, _distribution), (_ENDS, _range_ends), (_WIDTH, _plus_minus)):
-        match = pattern.fullmatch(bare)
-        if match:
-            nominal, distribution, kind, unit = read(match, bare)
-            return Toleranced(path, bare, *_nominal(nominal, kind), distribution, kind, unit)
-    raise InputError(
-        f"{quoted(text)} is no figure with a tolerance; expected 45 kg +- 3 kg, 0.02 in 0.015..0.03, {SHAPES}"
-    )
+    if match := _SHAPE.fullmatch(bare):
+        shape, parts = match["shape"].casefold(), re.split(r"[,;]", match["arguments"])
+        count = {"normal": 2, "uniform": 2, "triangular": 3}.get(shape)
+        if count is None:
+            raise InputError(f"{quoted(match['shape'])} is no distribution that is known here; expected {SHAPES}")
+        if len(parts) != count:
+            raise InputError(f"{quoted(bare)}: {shape} takes {count} figures; expected {SHAPES}")
+    elif match := _ENDS.fullmatch(bare):
+        shape, parts = "ends", [match[name] for name in ("nominal", "low", "high")]
+    elif match := _WIDTH.fullmatch(bare):
+        shape, parts = "width", [match["nominal"], match["width"]]
+    else:
+        raise InputError(
+            f"{quoted(text)} is no figure with a tolerance; expected 45 kg +- 3 kg, 0.02 in 0.015..0.03, {SHAPES}"
+        )
+    figures = [_figure(part, bare) for part in parts]
+    if shape in ("width", "normal"):
+        nominal, distribution, kind, unit = _centred(*figures, bare, normal=shape == "normal")
+    else:
+        figures = _alike(figures)
+        kind, unit = _kind(figures, bare)
+        values = [_si(figure, kind) for figure in figures]
+        if shape == "ends":
+            middle, low, high = values
+            if not low < high:
+                reason = "its ends must be apart, the lower one first"
+                raise InputError(f"{quoted(bare)}: {reason}; expected e.g. 0.02 in 0.015..0.03")
+            if not low <= middle <= high:
+                reason = "the figure must lie between its ends"
+                raise InputError(f"{quoted(bare)}: {reason}; expected e.g. 0.02 in 0.015..0.03")
+            nominal, distribution = figures[0], Distribution("uniform", low, high, (low + high) / 2.0)
+        elif not values[0] < values[-1] or sorted(values) != values:
+            raise InputError(f"{quoted(bare)}: its figures must rise; expected {SHAPES}")
+        elif shape == "triangular":
+            nominal, distribution = figures[1], Distribution("triangular", values[0], values[2], values[1])
+        else:
+            middle = sum(values) / 2.0
+            nominal = _Figure(float(from_si(middle, unit, kind)), unit if unit != "1" else "")
+            distribution = Distribution("uniform", values[0], values[1], middle)
+    written = f"{nominal.value:.15g} {nominal.unit}".strip()
+    return Toleranced(path, bare, written, _si(nominal, kind), distribution, kind, unit)
 
 
-def _nominal(figure: _Figure, kind: str) -> tuple[str, float]:
-    """The nominal figure as a text, and in SI."""
-    return f"{figure.value:.15g} {figure.unit}".strip(), _si(figure, kind)
-
-
-_Read = tuple[_Figure, Distribution, str, str]
-
-
-def _plus_minus(match: re.Match[str], text: str) -> _Read:
-    """A nominal value and how far it may be off, either way."""
-    nominal, width = _figure(match["nominal"], text), _figure(match["width"], text)
+def _centred(nominal: _Figure, width: _Figure, text: str, *, normal: bool) -> tuple[_Figure, Distribution, str, str]:
+    """A figure and how far it may be off either way, or its standard deviation."""
     if not width.value > 0.0:
-        raise InputError(f"{quoted(text)}: a width must be above 0; expected e.g. 45 kg +- 3 kg")
-    nominal, middle, half, kind, unit = _centred(nominal, width, text)
-    return nominal, Distribution("uniform", middle - half, middle + half, middle), kind, unit
-
-
-def _centred(nominal: _Figure, width: _Figure, text: str) -> tuple[_Figure, float, float, str, str]:
-    """A figure and a width about it: both in SI, their kind and unit."""
+        what, example = ("standard deviation", "normal(24 V, 0.5 V)") if normal else ("width", "e.g. 45 kg +- 3 kg")
+        raise InputError(f"{quoted(text)}: a {what} must be above 0; expected {example}")
     if width.unit == "%" and nominal.unit != "%":
         width = _Figure(abs(nominal.value) * width.value / 100.0, nominal.unit)
     nominal, width = _alike([nominal, width])
@@ -201,55 +209,9 @@ def _centred(nominal: _Figure, width: _Figure, text: str) -> tuple[_Figure, floa
     half = width.value * scale(width.unit, kind)[0] if kind == "temperature" else _si(width, kind)
     if not half > 0.0:
         raise InputError(f"{quoted(text)}: per cent of a figure that is 0 are nothing; expected e.g. 0 deg +- 1 deg")
-    return nominal, _si(nominal, kind), half, kind, unit
-
-
-def _range_ends(match: re.Match[str], text: str) -> _Read:
-    """A nominal value and both ends."""
-    figures = _alike([_figure(match[name], text) for name in ("nominal", "low", "high")])
-    kind, unit = _kind(figures, text)
-    middle, low, high = (_si(figure, kind) for figure in figures)
-    if not low < high:
-        raise InputError(
-            f"{quoted(text)}: its ends must be apart, the lower one first; expected e.g. 0.02 in 0.015..0.03"
-        )
-    if not low <= middle <= high:
-        raise InputError(f"{quoted(text)}: the figure must lie between its ends; expected e.g. 0.02 in 0.015..0.03")
-    return figures[0], Distribution("uniform", low, high, (low + high) / 2.0), kind, unit
-
-
-def _distribution(match: re.Match[str], text: str) -> _Read:
-    """A distribution by name."""
-    shape = match["shape"].casefold()
-    count = {"normal": 2, "uniform": 2, "triangular": 3}.get(shape)
-    if count is None:
-        raise InputError(f"{quoted(match['shape'])} is no distribution that is known here; expected {SHAPES}")
-    parts = re.split(r"[,;]", match["arguments"])
-    if len(parts) != count:
-        raise InputError(f"{quoted(text)}: {shape} takes {count} figures; expected {SHAPES}")
-    figures = [_figure(part, text) for part in parts]
-    if shape == "normal":
-        return _normal(figures, text)
-    figures = _alike(figures)
-    kind, unit = _kind(figures, text)
-    values = [_si(figure, kind) for figure in figures]
-    if not values[0] < values[-1] or sorted(values) != values:
-        raise InputError(f"{quoted(text)}: its figures must rise; expected {SHAPES}")
-    if shape == "triangular":
-        return figures[1], Distribution("triangular", values[0], values[2], values[1]), kind, unit
-    middle = sum(values) / 2.0
-    return _Figure(float(from_si(middle, unit, kind)), unit if unit != "1" else ""), Distribution(
-        "uniform", values[0], values[1], middle
-    ), kind, unit  # fmt: skip
-
-
-def _normal(figures: list[_Figure], text: str) -> _Read:
-    """A mean and a standard deviation, which is a width."""
-    mean, deviation = figures
-    if not deviation.value > 0.0:
-        raise InputError(f"{quoted(text)}: a standard deviation must be above 0; expected normal(24 V, 0.5 V)")
-    nominal, middle, one, kind, unit = _centred(mean, deviation, text)
-    return nominal, Distribution("normal", middle - CUT * one, middle + CUT * one, middle), kind, unit
+    middle, reach = _si(nominal, kind), CUT * half if normal else half
+    shape: Literal["normal", "uniform"] = "normal" if normal else "uniform"
+    return nominal, Distribution(shape, middle - reach, middle + reach, middle), kind, unit
 
 
 def _figure(text: str, whole: str) -> _Figure:
@@ -262,34 +224,27 @@ def _figure(text: str, whole: str) -> _Figure:
 
 def _alike(figures: list[_Figure]) -> list[_Figure]:
     """Figures of which those without a unit take that of the next one that has one."""
-    units = [figure.unit for figure in figures if figure.unit]
-    if not units:
-        return figures
-    return [figure if figure.unit else _Figure(figure.value, units[0]) for figure in figures]
+    unit = next((figure.unit for figure in figures if figure.unit), "")
+    return [figure if figure.unit else _Figure(figure.value, unit) for figure in figures]
 
 
 def _kind(figures: list[_Figure], text: str) -> tuple[str, str]:
     """The kind of quantity that all figures are, and the first one's unit as it is listed."""
-    if not figures[0].unit or figures[0].unit == "%":
+    first = figures[0].unit
+    if first in ("", "%"):
         odd = next((figure.unit for figure in figures if figure.unit not in ("", "%")), None)
         if odd:
             raise InputError(f"{quoted(text)}: {quoted(odd)} is not the unit of a plain number")
-        return "dimensionless", "%" if figures[0].unit else "1"
-    kind = kind_of_unit(figures[0].unit)
+        return "dimensionless", first or "1"
+    kind = kind_of_unit(first)
     if kind is None:
-        raise InputError(f"{quoted(text)}: {quoted(figures[0].unit)} is no unit that is known here")
+        raise InputError(f"{quoted(text)}: {quoted(first)} is no unit that is known here")
     for figure in figures[1:]:
         try:
             scale(figure.unit, kind)
         except InputError as error:
             raise InputError(f"{quoted(text)}: {error}; expected {noun(kind)}, e.g. {KINDS[kind].example}") from None
-    return kind, _listed(figures[0].unit, kind)
-
-
-def _listed(unit: str, kind: str) -> str:
-    """A unit as it is listed for its kind: the one with the same factor."""
-    wanted = scale(unit, kind)
-    return next(listed for listed in KINDS[kind].units if scale(listed, kind) == wanted)
+    return kind, next(listed for listed in KINDS[kind].units if scale(listed, kind) == scale(first, kind))
 
 
 def _si(figure: _Figure, kind: str) -> float:
@@ -313,52 +268,48 @@ Factor = Annotated[str, BeforeValidator(_readable)]
 _FACTOR = "+- 7 %, -10 %..30 %, normal(5 %) or none"
 
 
-class MotorTolerances(Section):
+class MotorTolerances(fields.Section):
     """Of a motor's figures, as shares of what the catalogue prints; the default class where not given."""
 
-    resistance: Factor | None = Field(default=None, description=_FACTOR)
-    torque_constant: Factor | None = Field(default=None, description=_FACTOR)
-    friction: Factor | None = Field(default=None, description=f"of friction and iron loss: {_FACTOR}")
-    dry_friction: Factor | None = Field(
-        default=None, description=f"of the dry share of a brushless motor's no-load torque: {_FACTOR}"
-    )
-    rotor_inertia: Factor | None = Field(default=None, description=_FACTOR)
-    thermal_resistance: Factor | None = Field(default=None, description=f"of both: {_FACTOR}")
-    pull_out: Factor | None = Field(default=None, description=f"of a stepper's pull-out torque at any speed: {_FACTOR}")
-    holding_torque: Factor | None = Field(default=None, description=f"of a stepper without a printed curve: {_FACTOR}")
-    inductance: Factor | None = Field(default=None, description=f"of a stepper without a printed curve: {_FACTOR}")
-    start_speed: Factor | None = Field(default=None, description=f"of a stepper without a ramp: {_FACTOR}")
+    resistance: Factor | None = fields.optional(_FACTOR)
+    torque_constant: Factor | None = fields.optional(_FACTOR)
+    friction: Factor | None = fields.optional(f"of friction and iron loss: {_FACTOR}")
+    dry_friction: Factor | None = fields.optional(f"of the dry share of a brushless motor's no-load torque: {_FACTOR}")
+    rotor_inertia: Factor | None = fields.optional(_FACTOR)
+    thermal_resistance: Factor | None = fields.optional(f"of both: {_FACTOR}")
+    pull_out: Factor | None = fields.optional(f"of a stepper's pull-out torque at any speed: {_FACTOR}")
+    holding_torque: Factor | None = fields.optional(f"of a stepper without a printed curve: {_FACTOR}")
+    inductance: Factor | None = fields.optional(f"of a stepper without a printed curve: {_FACTOR}")
+    start_speed: Factor | None = fields.optional(f"of a stepper without a ramp: {_FACTOR}")
 
 
-class GearheadTolerances(Section):
+class GearheadTolerances(fields.Section):
     """Of a gearhead's figures; the default class where not given."""
 
-    peak_torque: Factor | None = Field(
-        default=None, description=f"of an actuator's peak torque that is its stall torque: {_FACTOR}"
-    )
-    efficiency: Factor | None = Field(default=None, description=f"of its losses: {_FACTOR}")
-    inertia: Factor | None = Field(default=None, description=_FACTOR)
+    peak_torque: Factor | None = fields.optional(f"of an actuator's peak torque that is its stall torque: {_FACTOR}")
+    efficiency: Factor | None = fields.optional(f"of its losses: {_FACTOR}")
+    inertia: Factor | None = fields.optional(_FACTOR)
 
 
-class ControllerTolerances(Section):
+class ControllerTolerances(fields.Section):
     """Of a controller's figures; the default class where not given."""
 
-    losses: Factor | None = Field(default=None, description=f"per ampere: {_FACTOR}")
-    phase_current: Factor | None = Field(default=None, description=f"of what a stepper's driver sets: {_FACTOR}")
+    losses: Factor | None = fields.optional(f"per ampere: {_FACTOR}")
+    phase_current: Factor | None = fields.optional(f"of what a stepper's driver sets: {_FACTOR}")
 
 
-class Tolerances(Section):
+class Tolerances(fields.Section):
     """Required confidence, and its sampling."""
 
-    confidence: Share | None = Field(default=None, description="probability that no check fails, at least")
-    samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = Field(default=8192, description="of each drive")
-    loop_samples: Annotated[int, Field(ge=0, le=10_000)] = Field(
-        default=64, description="of the best drives in closed loop, where a confidence is required; 0 for none"
+    confidence: fields.Share | None = fields.optional("probability that no check fails, at least")
+    samples: Annotated[int, Field(ge=FEWEST, le=MOST)] = fields.default(8192, "of each drive")
+    loop_samples: Annotated[int, Field(ge=0, le=10_000)] = fields.default(
+        64, "of the best drives in closed loop, where a confidence is required; 0 for none"
     )
-    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=1, description="the same seed, the same figures")
-    motor: MotorTolerances = all_defaults()
-    gearhead: GearheadTolerances = all_defaults()
-    controller: ControllerTolerances = all_defaults()
+    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = fields.default(1, "the same seed, the same figures")
+    motor: MotorTolerances = fields.all_defaults()
+    gearhead: GearheadTolerances = fields.all_defaults()
+    controller: ControllerTolerances = fields.all_defaults()
 
     @property
     def given(self) -> dict[tuple[str, str], str]:

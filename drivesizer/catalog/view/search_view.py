@@ -49,7 +49,7 @@ _HARDER_WHEN_LOW = {  # of which kind of parts; "": of all. A brushless motor's 
 _PRINTED = 0.02  # within which printed figures of one part agree
 
 
-def completed(catalog: Catalog, end: End) -> dict[str, Table[Any]]:
+def completed(catalog: Catalog, end: End) -> dict[str, Any]:
     """The tables that have estimates, with these where a figure is missing."""
     return {section: _table(catalog.table(section), figures, end) for section, figures in catalog.estimates.items()}
 
@@ -188,7 +188,7 @@ def split_actuators(catalog: Catalog) -> Catalog:
     for name, right in RELATIONS.items():
         if right in inside:  # each actuator's motor with the part inside the same actuator
             of, others = rows[right], np.arange(len(rows[right])) + len(catalog.table(right))
-            added = of + len(catalog.motors), others, actuators.source[of]
+            added: tuple[NDArray[Any], ...] = (of + len(catalog.motors), others, actuators.source[of])
             pairs = zip(getattr(catalog, name), added, strict=True)
             made[name] = Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in pairs))
     return replace(catalog, **made)
