@@ -170,91 +170,62 @@ def _hint(lines: list[str], line: int, problem: str) -> str:
 
 
 def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:
-    """Data from events; ``note`` is called with the path and line of every field."""
-    builder = _Builder(name, note)
+    """Data from events, without features that specs do not use; ``note`` has the path and line of every field."""
+    events, found = _permitted(text, name), None
+    for event in events:
+        if isinstance(event, yaml.NodeEvent):
+            found = _value(event, (), events, name, note)
+    return found
+
+
+def _fail(name: str, event: Any, message: str) -> InputError:
+    return InputError(f"{name}:{event.start_mark.line + 1}: {message}")
+
+
+def _permitted(text: str, name: str) -> Iterator[Any]:
+    """Events of a document, each looked at for what is not used here."""
+    documents = 0
     for event in _events(text, name):
-        builder.take(event)
-    return builder.root
-
-
-class _Builder:
-    """Builds dicts, lists and scalars from YAML events, and refuses features that specs do not use."""
-
-    def __init__(self, name: str, note: Callable[[Path_, int], object]) -> None:
-        self.name = name
-        self.note = note
-        self.root: Any = None
-        self.documents = 0
-        self.open: list[tuple[Any, Path_]] = []  # containers that are not closed yet, with their paths
-        self.keys: list[str | None] = []  # for each open mapping, the key that waits for its value
-
-    def fail(self, event: Any, message: str) -> InputError:
-        return InputError(f"{self.name}:{event.start_mark.line + 1}: {message}")
-
-    def take(self, event: Any) -> None:
-        self.check(event)
-        match type(event).__name__:
-            case "MappingEndEvent":
-                self.open.pop()
-                self.keys.pop()
-            case "SequenceEndEvent":
-                self.open.pop()
-            case _ if self.keys and isinstance(self.open[-1][0], dict) and self.keys[-1] is None:
-                self.keys[-1] = self.key(event)
-            case "ScalarEvent":
-                self.place(_scalar(event), event)
-            case "MappingStartEvent":
-                self.start({}, event)
-                self.keys.append(None)
-            case "SequenceStartEvent":
-                self.start([], event)
-
-    def check(self, event: Any) -> None:
-        if isinstance(event, yaml.DocumentStartEvent):
-            self.documents += 1
-            if self.documents > 1:
-                raise self.fail(event, "a second document (---) starts; expected one")
+        documents += isinstance(event, yaml.DocumentStartEvent)
+        if documents > 1:
+            raise _fail(name, event, "a second document (---) starts; expected one")
         if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None):
-            raise self.fail(event, "anchors and aliases (& and *) are not used here; quote text that starts with them")
+            text = "anchors and aliases (& and *) are not used here; quote text that starts with them"
+            raise _fail(name, event, text)
         if getattr(event, "tag", None) and event.tag != "!":
-            raise self.fail(event, f"the tag {quoted(event.tag)} is not used here")
+            raise _fail(name, event, f"the tag {quoted(event.tag)} is not used here")
         if unseen := _UNSEEN.search(getattr(event, "value", "")):
-            raise self.fail(event, f"the character {unseen[0]!r} is not used here; expected text as it is printed")
+            raise _fail(name, event, f"the character {unseen[0]!r} is not used here; expected text as it is printed")
+        yield event
 
-    def start(self, container: Any, event: Any) -> None:
-        if len(self.open) >= _DEEPEST:
-            raise self.fail(event, _TOO_DEEP)
-        self.open.append((container, self.place(container, event)))
 
-    def key(self, event: Any) -> str:
-        if type(event).__name__ != "ScalarEvent":
-            raise self.fail(event, "a key must be plain text")
-        container, path = self.open[-1]
-        key = str(event.value)
+def _value(event: Any, path: Path_, events: Iterator[Any], name: str, note: Callable[[Path_, int], object]) -> Any:
+    """A scalar, a list or a group of fields, by its first event and those that follow."""
+    if isinstance(event, yaml.ScalarEvent):
+        return _scalar(event)
+    if len(path) >= _DEEPEST:
+        raise _fail(name, event, _TOO_DEEP)
+    if isinstance(event, yaml.SequenceStartEvent):
+        items: list[Any] = []
+        while not isinstance(one := next(events), yaml.SequenceEndEvent):
+            at: Path_ = (*path, len(items))
+            note(at, one.start_mark.line + 1)
+            items.append(_value(one, at, events, name, note))
+        return items
+    fields: dict[str, Any] = {}
+    while not isinstance(one := next(events), yaml.MappingEndEvent):
+        if not isinstance(one, yaml.ScalarEvent):
+            raise _fail(name, one, "a key must be plain text")
+        key = str(one.value)
         if key == "<<":
-            raise self.fail(event, "merge keys (<<) are not used here; write the fields out")
-        if key in container:
-            raise self.fail(event, f"the key {quoted(key)} is given twice")
-        if len(container) == _MOST_KEYS:
-            raise self.fail(event, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
-        self.note((*path, key), event.start_mark.line + 1)
-        return key
-
-    def place(self, value: Any, event: Any) -> Path_:
-        """Add a value to its container; return its path."""
-        if not self.open:
-            self.root = value
-            return ()
-        container, path = self.open[-1]
-        if isinstance(container, list):
-            container.append(value)
-            path = (*path, len(container) - 1)
-        else:
-            container[self.keys[-1]] = value
-            path = (*path, self.keys[-1] or "")
-            self.keys[-1] = None
-        self.note(path, event.start_mark.line + 1)
-        return path
+            raise _fail(name, one, "merge keys (<<) are not used here; write the fields out")
+        if key in fields:
+            raise _fail(name, one, f"the key {quoted(key)} is given twice")
+        if len(fields) == _MOST_KEYS:
+            raise _fail(name, one, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
+        note((*path, key), one.start_mark.line + 1)
+        fields[key] = _value(next(events), (*path, key), events, name, note)
+    return fields
 
 
 # -- Part of a YAML document over defaults from the top of it, read as a document of its own.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import math
 import sys
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
@@ -11,6 +10,8 @@ from secrets import compare_digest
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from starlette.datastructures import MutableHeaders
+from starlette.responses import JSONResponse, Response
 
 from drivesizer.catalog import PARTS
 from drivesizer.catalog.conditions import OPTIONS
@@ -190,37 +191,43 @@ class Guard:
             self.hosts |= {"127.0.0.1", "localhost"}
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
-        """Pass a request on, or refuse it."""
+        """Pass a request on, or refuse it; no response is kept, but for one that says how long."""
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
-        elif scope["type"] == "http":
-            await self._request(scope, receive, _uncached(send))
+        if scope["type"] != "http":
+            return
 
-    async def _request(self, scope: Message, receive: Receive, send: Send) -> None:
-        path = scope["path"][len(self.token) + 1 :]
-        refused = self._refused(scope, _largest(path))
-        if refused and self._opens(scope, refused):
-            await _answer(send, 303, b"", [(b"location", f"/{self.token}/".encode())])
+        async def sent(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).setdefault("cache-control", "no-store")
+            await send(message)
+
+        path, body = scope["path"][len(self.token) + 1 :], b""
+        largest = _LARGEST_OF.get(path, LARGEST)
+        refused = self._refused(scope, largest)
+        if refused and refused[0] == 404 and self.once and compare_digest(scope["path"].encode(), self.once.encode()):
+            self.once = ""  # others may see the address that a browser was started with
+            await Response(status_code=303, headers={"location": f"/{self.token}/"})(scope, receive, sent)
             return
-        body = b""
         if not refused and scope["method"] == "POST":
-            refused, body = await _body(receive, _largest(path))
+            refused, body = await _body(receive, largest)
         if refused:
-            await _refuse(send, *refused)
+            status, reason = refused
+            headers = {"connection": "close"} | ({"allow": "GET, HEAD, POST"} if status == 405 else {})
+            response = JSONResponse({"kind": "refused", "lines": [reason]}, status, headers)
+            await response(scope, receive, sent)
             return
-        scope = {**scope, "path": path, "raw_path": path.encode(), "root_path": ""}
+        rest = [body]
+
+        async def received() -> Message:
+            """The body that was received, and after it what else there is: that the browser has gone away."""
+            return {"type": "http.request", "body": rest.pop(), "more_body": False} if rest else await receive()
+
         try:
-            await self.app(scope, _once(body, receive), send)
+            await self.app({**scope, "path": path, "raw_path": path.encode(), "root_path": ""}, received, sent)
         except Exception as error:  # the page has its status 500; the terminal has a line
             found = printable(f"{type(error).__name__}: {error}"[:300]).replace(self.token, "...")
             print(f"drivesizer: a fault of drivesizer itself ({found}); please report it", file=sys.stderr, flush=True)
-
-    def _opens(self, scope: Message, refused: Refusal) -> bool:
-        """Whether a request comes by the address that a browser was started with, which others may see, for once."""
-        opens = bool(self.once) and refused[0] == 404 and compare_digest(scope["path"].encode(), self.once.encode())
-        if opens:
-            self.once = ""
-        return opens
 
     def _refused(self, scope: Message, largest: int) -> Refusal | None:
         """Status and reason of a refusal; None where the request may pass."""
@@ -238,27 +245,18 @@ class Guard:
         start = f"/{self.token}/"
         if not compare_digest(scope["path"][: len(start)].encode(), start.encode()):
             return 404, "nothing is here; open the address that drivesizer serve printed"
-        return _refused_content(scope["method"], headers, largest)
-
-
-def _refused_content(method: str, headers: dict[str, str], largest: int) -> Refusal | None:
-    if method in ("GET", "HEAD"):
+        if scope["method"] in ("GET", "HEAD"):
+            return None
+        if scope["method"] != "POST":
+            return 405, "expected GET or POST"
+        if origin is None:  # every browser names it; without it a form of an old one might pass
+            return 403, "a request that changes something names its origin"
+        if headers.get("content-type", "").split(";")[0].strip().lower() != "application/json":
+            return 415, "expected application/json"
+        length = headers.get("content-length", "0")
+        if not length.isascii() or not length.isdigit() or len(length) > 12 or int(length) > largest:
+            return _too_large(largest)
         return None
-    if method != "POST":
-        return 405, "expected GET or POST"
-    if "origin" not in headers:  # every browser names it; without it a form of an old one might pass
-        return 403, "a request that changes something names its origin"
-    if headers.get("content-type", "").split(";")[0].strip().lower() != "application/json":
-        return 415, "expected application/json"
-    length = headers.get("content-length", "0")
-    if not length.isascii() or not length.isdigit() or len(length) > 12 or int(length) > largest:
-        return _too_large(largest)
-    return None
-
-
-def _largest(path: str) -> int:
-    """Bytes that the body of a request may have."""
-    return _LARGEST_OF.get(path, LARGEST)
 
 
 def _too_large(largest: int) -> Refusal:
@@ -281,38 +279,3 @@ async def _body(receive: Receive, largest: int) -> tuple[Refusal | None, bytes]:
                     return None, bytes(found)
     except TimeoutError:
         return (408, f"expected the whole request within {_PATIENCE:g} s"), b""
-
-
-def _once(body: bytes, receive: Receive) -> Receive:
-    """Gives a body that was received, and after it what else there is: that the browser has gone away."""
-    rest = [body]
-
-    async def received() -> Message:
-        return {"type": "http.request", "body": rest.pop(), "more_body": False} if rest else await receive()
-
-    return received
-
-
-def _uncached(send: Send) -> Send:
-    """Adds that no response is kept, but for one that says how long."""
-
-    async def sent(message: Message) -> None:
-        if message["type"] == "http.response.start" and not any(
-            name == b"cache-control" for name, _ in message["headers"]
-        ):
-            message = {**message, "headers": [*message["headers"], (b"cache-control", b"no-store")]}
-        await send(message)
-
-    return sent
-
-
-async def _refuse(send: Send, status: int, reason: str) -> None:
-    body = json.dumps({"kind": "refused", "lines": [reason]}).encode()
-    headers = [(b"content-type", b"application/json"), (b"connection", b"close")]
-    await _answer(send, status, body, headers + ([(b"allow", b"GET, HEAD, POST")] if status == 405 else []))
-
-
-async def _answer(send: Send, status: int, body: bytes, headers: list[tuple[bytes, bytes]]) -> None:
-    headers = [*headers, (b"content-length", str(len(body)).encode())]
-    await send({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": body})

@@ -281,7 +281,16 @@ def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:
 
 def read_machine(source: YamlSource) -> MachineSpec:
     """A machine from YAML source."""
-    head = _head(source)
+    data, _ = split_tolerances(source)
+    names = MachineFields.model_fields | RobotSpec.model_fields  # sections that only axes have are left to these
+    for name in data:
+        if name not in names:
+            raise InputError(f"{source.where((name,))}: unknown key{nearest(name, names)}")
+    given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
+    try:
+        head = MachineFields.model_validate(given)
+    except ValidationError as error:
+        raise explained(error, source, MachineFields, given) from None
     if not head.axes and head.robot is None:
         raise InputError(
             f"{source.where(('axes',))}: expected at least one axis by name, or robot: {{description: ...}}"
@@ -290,39 +299,26 @@ def read_machine(source: YamlSource) -> MachineSpec:
     shared = _shared(source, alone=alone)
     written_axes = source.data.get("axes") or {}  # with the tolerances of their figures
     axes = tuple(_axis(source, shared, name, (written_axes[name], own), alone) for name, own in head.axes.items())
-    if not alone:
-        _check_whole(source, head)
+    if not alone:  # sections of the machine that do not go together are refused as those of a single axis
+        name, own = next(iter(head.axes.items()), (head.name, {}))
+        sections = {field: value for field, value in own.items() if field not in (*AxisFields.model_fields, "supply")}
+        if head.robot is not None and "load" not in sections:
+            sections["load"] = _COMPUTED
+        read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
         axes = tuple(with_common_bus(axis, head.brake_resistor) for axis in axes)
+    as_given = ("name", "cycle_time", "few_kinds", "supply", "environment", "margins", "mission", "battery", "budget",
+                "brake_resistor", "report", "robot")  # fmt: skip
+    fields_of_head: dict[str, Any] = {name: getattr(head, name) for name in as_given}
     machine = MachineSpec(
-        name=head.name,
         axes=axes,
         order=(),
         synchronised=head.timing == "synchronised",
-        cycle_time=head.cycle_time,
         whole=head.total == "best",
-        few_kinds=head.few_kinds,
-        supply=head.supply,
-        environment=head.environment,
-        margins=head.margins,
-        mission=head.mission,
-        battery=head.battery,
         equipment=tuple(head.equipment),
-        budget=head.budget,
-        brake_resistor=head.brake_resistor,
-        report=head.report,
-        robot=head.robot,
         source=source,
+        **fields_of_head,
     )
     return machine if head.robot else sizing_order(machine)
-
-
-def _check_whole(source: YamlSource, head: MachineFields) -> None:
-    """Refuse sections of the machine that do not go together: each as it is refused of a single axis."""
-    name, own = next(iter(head.axes.items()), (head.name, {}))
-    sections = {field: value for field, value in own.items() if field not in (*AxisFields.model_fields, "supply")}
-    if head.robot is not None and "load" not in sections:
-        sections["load"] = _COMPUTED
-    read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
 
 
 def with_common_bus(axis: AxisSpec, resistor: BrakeResistor | None) -> AxisSpec:
@@ -342,20 +338,6 @@ def _shared(source: YamlSource, *, alone: bool) -> dict[str, Any]:
     """Sections of the machine that are defaults of its axes."""
     left = _OWN if alone else (*_OWN, *WHOLE)
     return {name: value for name, value in source.data.items() if name not in left}
-
-
-def _head(source: YamlSource) -> MachineFields:
-    """Fields of the machine itself; sections that only axes have are left to these."""
-    data, _ = split_tolerances(source)
-    given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
-    unknown = next((name for name in data if name not in MachineFields.model_fields | RobotSpec.model_fields), None)
-    if unknown is not None:
-        names = {*MachineFields.model_fields, *RobotSpec.model_fields}
-        raise InputError(f"{source.where((unknown,))}: unknown key{nearest(unknown, names)}")
-    try:
-        return MachineFields.model_validate(given)
-    except ValidationError as error:
-        raise explained(error, source, MachineFields, given) from None
 
 
 def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisSpec:
@@ -382,54 +364,36 @@ def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: Both,
         head = AxisFields.model_validate(given)
     except ValidationError as error:
         raise explained(error, source, AxisFields, given, at) from None
-    sections = _sections(source, at, own, alone)
+    sections = {field: value for field, value in own.items() if field not in AxisFields.model_fields}
+    for field in sections:
+        if field not in RobotSpec.model_fields:
+            names = [*AxisFields.model_fields, *RobotSpec.model_fields]
+            raise InputError(f"{source.where((*at, field))}: unknown key{nearest(field, names)}")
+    whole = next((field for field in WHOLE if field in sections and not alone), None)
+    if whole:
+        raise InputError(f"{source.where((*at, whole))}: it is of the machine; expected at the top of the file")
     is_joint = source.data.get("robot") is not None and "load" not in sections
     if is_joint and head.carries:
         raise InputError(f"{source.where((*at, 'carries'))}: it is in the description; leave it out")
     if is_joint:
         sections["load"] = _COMPUTED
     spec = read_spec(overlay(source, at, shared if alone else {**shared, "name": name}, sections))
+    places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, CarriedPlace())
+    try:
+        for _, case in spec.load_cases if places else ():
+            check_carrier(case.load, (place.at for place in places.values()))
+    except InputError as error:
+        raise InputError(f"{source.where((*at, 'carries'))}: {error}") from None
     own_supply = not alone and "nominal" in (sections.get("supply") or ())
-    axis = AxisSpec(
+    return AxisSpec(
         name=name,
         spec=spec if alone or own_supply else spec.on_supply_of_machine(),
-        carries=_carries(head),
+        carries=tuple(Carried(other, place.at) for other, place in places.items()),
         start=head.start,
         repeats=True if head.repeats is None and isinstance(spec.motion, Harmonic | Cam) else head.repeats,
         own_supply=own_supply,
         is_joint=is_joint,
     )
-    _check_carried(source, at, axis)
-    return axis
-
-
-def _sections(source: YamlSource, at: Path_, own: dict[str, Any], alone: bool) -> dict[str, Any]:
-    """Sections of an axis that a robot.yaml has too."""
-    sections = {field: value for field, value in own.items() if field not in AxisFields.model_fields}
-    unknown = next((field for field in sections if field not in RobotSpec.model_fields), None)
-    if unknown is not None:
-        names = [*AxisFields.model_fields, *RobotSpec.model_fields]
-        raise InputError(f"{source.where((*at, unknown))}: unknown key{nearest(unknown, names)}")
-    whole = next((field for field in WHOLE if field in sections and not alone), None)
-    if whole:
-        raise InputError(f"{source.where((*at, whole))}: it is of the machine; expected at the top of the file")
-    return sections
-
-
-def _carries(head: AxisFields) -> tuple[Carried, ...]:
-    """Carried axes, with their distances where these are given."""
-    places = head.carries if isinstance(head.carries, dict) else dict.fromkeys(head.carries, CarriedPlace())
-    return tuple(Carried(other, place.at) for other, place in places.items())
-
-
-def _check_carried(source: YamlSource, at: Path_, axis: AxisSpec) -> None:
-    if not axis.carries:
-        return
-    try:
-        for _, case in axis.spec.load_cases:
-            check_carrier(case.load, (one.distance for one in axis.carries))
-    except InputError as error:
-        raise InputError(f"{source.where((*at, 'carries'))}: {error}") from None
 
 
 def sizing_order(machine: MachineSpec) -> MachineSpec:

@@ -170,7 +170,7 @@ def tolerance(text: str, path: Path_ = ()) -> Toleranced:
         )
     figures = [_figure(part, bare) for part in parts]
     if shape in ("width", "normal"):
-        nominal, distribution, kind, unit = _centred(*figures, bare, normal=shape == "normal")
+        nominal, distribution, kind, unit = _centred(figures[0], figures[1], bare, normal=shape == "normal")
     else:
         figures = _alike(figures)
         kind, unit = _kind(figures, bare)
