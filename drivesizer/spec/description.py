@@ -50,7 +50,7 @@ def read_urdf(path: Path) -> Robot:
 
 def urdf_of(root: Node, path: Path) -> Robot:
     """Links and joints of a root element."""
-    links = [(node.line, _link(node, path)) for node in root.all("link")]
+    links = [_link(node, path) for node in root.all("link")]
     joints = [_urdf_joint(node, path) for node in root.all("joint")]
     return robot_of(path, root.attributes.get("name", ""), links, joints)
 
@@ -67,7 +67,7 @@ def _link(node: Node, path: Path) -> Link:
         inertia = turn @ _inertia(inertial, name, path) @ turn.T
     shaped = inertial is None and bool(node.first("visual") or node.first("collision"))
     lacking = "has a shape and no <inertial>, so that its mass is unknown" if shaped else ""
-    return Link(name, mass, centre, inertia, tuple(_radii(node, path)), node.line, lacking)
+    return Link(name, node.line, mass, centre, inertia, tuple(_radii(node, path)), lacking)
 
 
 def _mass(inertial: Node, name: str, path: Path) -> float:
@@ -417,87 +417,65 @@ def mjcf_of(root: Node, path: Path) -> Robot:
     for node in root.children:
         if node.tag not in _READ | _ELSEWHERE and (node.children or node.tag not in ("equality", "tendon")):
             raise InputError(f"{path}:{node.line}: <{node.tag[:40]}> is not read; expected a description without it")
-    settings, reader = settings_of(root, path), _Reader()
-    _no_fluid(root, path)
-    for world in root.all("worldbody"):
-        reader.bodies(world, WORLD, settings, world.attributes.get("childclass", "main"))
-    if not reader.joints:
-        raise InputError(f"{path}:{root.line}: <mujoco> has no bodies; expected <worldbody> with <body>")
-    links = [(root.line, Link(WORLD, 0.0, np.zeros(3), np.zeros((3, 3)), ())), *reader.links]
-    return robot_of(path, root.attributes.get("model", ""), links, reader.joints, reader.notes)
-
-
-def _no_fluid(root: Node, path: Path) -> None:
+    reader = _Reader(settings_of(root, path), root.line)
     for node in root.all("option"):
         for name in _FLUID:
             if figure(node, name, path, 0.0) != 0.0:
                 raise InputError(f"{path}:{node.line}: <option> {name}: a fluid is not read; expected 0")
+    for world in root.all("worldbody"):
+        reader.bodies(world, WORLD, world.attributes.get("childclass", "main"))
+    if not reader.joints:
+        raise InputError(f"{path}:{root.line}: <mujoco> has no bodies; expected <worldbody> with <body>")
+    return robot_of(path, root.attributes.get("model", ""), reader.links, reader.joints, reader.notes)
 
 
 class _Reader:
     """Links and joints, as they are found."""
 
-    def __init__(self) -> None:
-        self.links: list[tuple[int, Link]] = []
-        self.joints: list[Joint] = []
-        self.notes: list[str] = []
+    def __init__(self, settings: Settings, line: int) -> None:
+        self.settings, self.path = settings, settings.path
+        self.links, self.joints, self.notes = [Link(WORLD, line)], list[Joint](), list[str]()
 
-    def bodies(self, parent: Node, above: str, settings: Settings, childclass: str) -> None:
+    def bodies(self, parent: Node, above: str, childclass: str) -> None:
         """Bodies of a body or the world, and all beyond them."""
         for node in parent.children:
             if node.tag not in _IN_BODIES:
-                where = f"{settings.path}:{node.line}: <{node.tag[:40]}>"
+                where = f"{self.path}:{node.line}: <{node.tag[:40]}>"
                 raise InputError(f"{where} is not read; expected bodies with joints, geoms and inertials")
         for node in parent.all("body"):
-            name, chosen = name_of(node, settings.path), node.attributes.get("childclass", childclass)
-            _no_more(node, settings)
-            mass, lacking = mass_of(node, settings, chosen)
-            link = Link(name, mass.mass, mass.centre, mass.inertia, (), node.line, lacking)
-            self.links.append((node.line, link))
-            self._hang(node, above, name, settings, chosen)
-            self.bodies(node, name, settings, chosen)
+            name, chosen = name_of(node, self.path), node.attributes.get("childclass", childclass)
+            if node.attributes.get("mocap", "false") != "false" or scalar(node, "gravcomp", self.settings) != 0.0:
+                where = f"{self.path}:{node.line}: <body>"
+                raise InputError(f"{where} mocap or gravcomp is not read; expected a body that its joints carry")
+            mass, lacking = mass_of(node, self.settings, chosen)
+            self.links.append(Link(name, node.line, *mass, lacking=lacking))
+            self._hang(node, above, name, chosen)
+            self.bodies(node, name, chosen)
 
-    def _hang(self, node: Node, above: str, name: str, settings: Settings, chosen: str) -> None:
-        """Joints between a body and its parent."""
-        place, turn = frame_of(node, settings)
-        found = list(self._moving(node, above, settings, chosen))
-        if not found:
-            self.joints.append(_mjcf_joint(node, f"{name} (fixed)", above, name, place, turn))
-        for number, one in enumerate(found):
-            joint = name_of(one, settings.path)
-            child = name if number == len(found) - 1 else f"{name} (behind {joint})"
-            if child != name:
-                self.links.append((one.line, Link(child, 0.0, np.zeros(3), np.zeros((3, 3)), (), one.line)))
-            self.joints.append(_moved(one, joint, above, child, (place, turn), settings))
-            above, place, turn = child, np.zeros(3), np.eye(3)
-
-    def _moving(self, node: Node, above: str, settings: Settings, chosen: str) -> Iterator[Node]:
-        """Joints of a body with the attributes of their classes; a free one of a base is left out."""
+    def _hang(self, node: Node, above: str, name: str, chosen: str) -> None:
+        """Joints between a body and its parent, with the attributes of their classes; a free one of a base is held."""
+        moving = []
         for one in node.children:
-            whole = settings.whole(one, chosen) if one.tag == "joint" else one
+            whole = self.settings.whole(one, chosen) if one.tag == "joint" else one
             if one.tag == "freejoint" or (one.tag == "joint" and whole.attributes.get("type") == "free"):
                 if above != WORLD:
-                    raise InputError(f"{settings.path}:{one.line}: a free joint belongs to a body of the world")
+                    raise InputError(f"{self.path}:{one.line}: a free joint belongs to a body of the world")
                 self.notes.append(
                     f"body {quoted(node.attributes.get('name', ''))} is free in the description; held here"
                 )
             elif one.tag == "joint":
-                yield whole
-
-
-def _no_more(node: Node, settings: Settings) -> None:
-    """Refuse a body that follows something else than its joints."""
-    if node.attributes.get("mocap", "false") != "false" or scalar(node, "gravcomp", settings) != 0.0:
-        where = f"{settings.path}:{node.line}: <body>"
-        raise InputError(f"{where} mocap or gravcomp is not read; expected a body that its joints carry")
-
-
-def _mjcf_joint(node: Node, name: str, parent: str, child: str, place: Array, turn: Array) -> Joint:
-    """One that is fixed."""
-    nan = math.nan
-    return Joint(
-        name, "fixed", node.line, parent, child, place, turn, np.array([0.0, 0.0, 1.0]), nan, nan, nan, nan, False
-    )
+                moving.append(whole)
+        place, turn = frame_of(node, self.settings)
+        if not moving:
+            fixed = f"{name} (fixed)", "fixed", node.line, above, name
+            self.joints.append(Joint(*fixed, place, turn, np.array([0.0, 0.0, 1.0])))
+        for number, one in enumerate(moving):
+            joint = name_of(one, self.path)
+            child = name if number == len(moving) - 1 else f"{name} (behind {joint})"
+            if child != name:
+                self.links.append(Link(child, one.line))
+            self.joints.append(_moved(one, joint, above, child, (place, turn), self.settings))
+            above, place, turn = child, np.zeros(3), np.eye(3)
 
 
 def _moved(node: Node, name: str, parent: str, child: str, frame: tuple[Array, Array], settings: Settings) -> Joint:

@@ -201,16 +201,20 @@ def _origin() -> Array:
     return np.zeros(3)
 
 
+def _none() -> Array:
+    return np.zeros((3, 3))
+
+
 @dataclass(frozen=True, slots=True)
 class Link:
     """A body; mass 0 and inertia 0 where the file gives none."""
 
     name: str
-    mass: float  # kg
-    centre: Array  # m, of mass, in the link's frame
-    inertia: Array  # kg*m^2, about the centre of mass, along the link's axes
-    radii: tuple[tuple[float, Array], ...]  # m, of its cylinders and spheres; axis of each, zeros for a sphere
-    line: int = 0
+    line: int
+    mass: float = 0.0  # kg
+    centre: Array = field(default_factory=_origin)  # m, of mass, in the link's frame
+    inertia: Array = field(default_factory=_none)  # kg*m^2, about the centre of mass, along the link's axes
+    radii: tuple[tuple[float, Array], ...] = ()  # m, of its cylinders and spheres; axis of each, zeros for a sphere
     lacking: str = ""  # reason why its mass is unknown, such as a mesh alone; empty where it is known
 
 
@@ -226,11 +230,11 @@ class Joint:
     place: Array  # m, of the child in the parent's frame
     turn: Array  # 3 x 3, from the child's axes to the parent's
     axis: Array  # of length 1, in the child's frame
-    effort: float  # N*m, or N
-    velocity: float  # rad/s, or m/s
-    lower: float
-    upper: float
-    limited: bool  # the file has a limit
+    effort: float = math.nan  # N*m, or N
+    velocity: float = math.nan  # rad/s, or m/s
+    lower: float = math.nan
+    upper: float = math.nan
+    limited: bool = False  # the file has a limit
     anchor: Array = field(default_factory=_origin)  # m, a point of the axis in the child's frame
     reference: float = 0.0  # position at which the child's frame is the joint's [rad or m]
     damping: float = 0.0  # N*m*s/rad, or N*s/m
@@ -275,41 +279,32 @@ class Robot:
         return found
 
 
-def robot_of(
-    path: Path, name: str, links: Iterable[tuple[int, Link]], joints: Iterable[Joint], notes: Iterable[str] = ()
-) -> Robot:
+def robot_of(path: Path, name: str, links: Iterable[Link], joints: Iterable[Joint], notes: Iterable[str] = ()) -> Robot:
     """A robot, its names unique and its joints a tree."""
     found: dict[str, Link] = {}
-    for line, link in links:
-        if link.name in found:
-            raise InputError(f"{path}:{line}: link {quoted(link.name)} is there twice")
-        found[link.name] = link
+    for link in links:
+        if found.setdefault(link.name, link) is not link:
+            raise InputError(f"{path}:{link.line}: link {quoted(link.name)} is there twice")
     named: dict[str, Joint] = {}
     for joint in joints:
-        if joint.name in named:
+        if named.setdefault(joint.name, joint) is not joint:
             raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)} is there twice")
-        named[joint.name] = joint
+    above: dict[str, str] = {}
     for joint in named.values():
         for end in (joint.parent, joint.child):
             if end not in found:
                 raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)}: there is no link {quoted(end)}")
-    _a_tree(named, path)
-    return Robot(str(path), name, found, named, tuple(notes))
-
-
-def _a_tree(joints: dict[str, Joint], path: Path) -> None:
-    """Refuse a link with two parents, and closed chains."""
-    above: dict[str, str] = {}
-    for joint in joints.values():
+    for joint in named.values():
         if joint.child in above:
             raise InputError(f"{path}:{joint.line}: link {quoted(joint.child)} hangs on two joints")
         above[joint.child] = joint.parent
-    for joint in joints.values():
-        link, steps = joint.parent, 0
-        while link in above and steps <= len(above):
-            link, steps = above[link], steps + 1
+    for joint in named.values():
+        up, steps = joint.parent, 0
+        while up in above and steps <= len(above):
+            up, steps = above[up], steps + 1
         if steps > len(above):
             raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)} is part of a ring; expected a tree")
+    return Robot(str(path), name, found, named, tuple(notes))
 
 
 def placed(joint: Joint, position: float) -> tuple[Array, Array]:

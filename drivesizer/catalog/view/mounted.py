@@ -186,7 +186,8 @@ def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float 
     own = estimates_of(catalog.steppers)
     if share := own.get("pull_out_share"):  # a printed curve needs none
         keep = ~np.isin(share.rows, catalog.pull_outs.stepper)
-        own["pull_out_share"] = Estimates(*(column[keep] for column in share))
+        kept: tuple[Any, ...] = tuple(column[keep] for column in share)
+        own["pull_out_share"] = Estimates(*kept)
     found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
     middle, *ends = (_viewed(replace(found, **completed(found, end)), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
