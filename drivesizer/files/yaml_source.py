@@ -214,6 +214,7 @@ def _value(event: Any, path: Path_, events: Iterator[Any], name: str, note: Call
         return items
     fields: dict[str, Any] = {}
     while not isinstance(one := next(events), yaml.MappingEndEvent):
+        line = one.start_mark.line + 1
         if not isinstance(one, yaml.ScalarEvent):
             raise _fail(name, one, "a key must be plain text")
         key = str(one.value)
@@ -223,7 +224,7 @@ def _value(event: Any, path: Path_, events: Iterator[Any], name: str, note: Call
             raise _fail(name, one, f"the key {quoted(key)} is given twice")
         if len(fields) == _MOST_KEYS:
             raise _fail(name, one, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
-        note((*path, key), one.start_mark.line + 1)
+        note((*path, key), line)
         fields[key] = _value(next(events), (*path, key), events, name, note)
     return fields
 
