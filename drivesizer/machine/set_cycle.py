@@ -183,13 +183,13 @@ def _course(found: SetCycle) -> tuple[Array, Array, Array]:
     """Times of the cycle that repeats so close that a curve shows how the winding follows, and temperatures then."""
     d, p, ambient, bodies = found.drive, found.pieces, found.spec.environment.ambient, two_bodies(found.motor.part)
     loss = d.friction * (np.abs(p.w_0) + np.abs(p.w_1)) / 2.0 + d.iron * mean_square(p.w_0, p.w_1)
-    first: Array = np.minimum(_STEP * bodies.tau_w / p.duration, 1.0)
+    first = np.minimum(_STEP * bodies.tau_w / p.duration, 1.0)
     count = np.where(first < 1.0 / _POINTS, _POINTS, np.ceil(1.0 / first)).astype(np.int64)
     of, place = places(count)
-    power: Array = np.maximum(1.0, np.log(first) / -np.log(np.maximum(count, 2)))
+    power = np.maximum(1.0, np.log(first) / -np.log(np.maximum(count, 2)))
     t = p.duration[of] * ((place + 1) / count[of]) ** power[of]
     start = State(ambient + p.winding[of], ambient + p.housing[of])
-    then = after(bodies, ambient, start, mean_square(p.I_0, p.I_1)[of], loss[of], t)
+    then = after(bodies, ambient, start, np.asarray(mean_square(p.I_0, p.I_1))[of], loss[of], t)
     begin = State(start.winding[:1], start.housing[:1])
     time = np.append(0.0, (np.cumsum(p.duration) - p.duration)[of] + t)
     return time, np.append(begin.winding, then.winding), np.append(begin.housing, then.housing)

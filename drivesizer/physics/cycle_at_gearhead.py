@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics import load_cycle as cycles
-from drivesizer.physics.extremes import Extremes, extremes, extremes_of, first_largest
+from drivesizer.physics.extremes import Extremes, extremes, first_largest
 from drivesizer.physics.figures import product
 from drivesizer.physics.gear_life import turned_load
 from drivesizer.physics.load_cycle import Figure
@@ -176,8 +176,8 @@ class CycleAtBelt:
         found = [extremes(f, self.time[some]) for some, f in self.parts]
         if len(found) == 1:
             return found[0]
-        high, high_time, low, low_time, above, below = (np.concatenate(same) for same in zip(*found, strict=True))
-        return extremes_of((high, high_time), (low, low_time), above, below)
+        high, high_time, low, low_time = (np.concatenate(same) for same in zip(*found, strict=True))
+        return extremes(np.concatenate([high, low]), np.concatenate([high_time, low_time]))
 
     @cached_property
     def corners(self) -> tuple[Array, Array]:

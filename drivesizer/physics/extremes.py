@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Extremes", "distinct", "extremes", "extremes_of", "first_largest", "undominated"]
+__all__ = ["Extremes", "distinct", "extremes", "first_largest", "undominated"]
 
 Array = NDArray[np.float64]
 
@@ -30,8 +30,6 @@ class Extremes(NamedTuple):
     high_time: Array
     low: Array  # where it may be smallest
     low_time: Array
-    above: Array  # of whole segments: in each function no moment is above one of these points
-    below: Array  # and none is below one of these
 
 
 def distinct(values: NDArray[Any]) -> NDArray[Any]:
@@ -64,45 +62,21 @@ def extremes(functions: Array, time: Array) -> Extremes:
     Parameters
     ----------
     functions
-        At both ends of each segment, shape (segments, 2, 6).
+        At ends of segments, shape (..., 6).
     time
-        Of these ends [s], shape (segments, 2).
+        Of these ends [s], shape (...).
 
     Returns
     -------
     Extremes
         Points that no other exceeds in every function, and those that exceed no other.
     """
-    points, when = functions.reshape(-1, functions.shape[2]), time.reshape(-1)
-    left, right = functions[:, 0], functions[:, 1]
-    return extremes_of((points, when), (points, when), np.maximum(left, right), np.minimum(left, right))
-
-
-def extremes_of(high: tuple[Array, Array], low: tuple[Array, Array], above: Array, below: Array) -> Extremes:
-    """The extreme points among some that may be.
-
-    Parameters
-    ----------
-    high, low
-        Points of the functions, shape (points, 6), and their times [s], among which the highest and the lowest are.
-    above, below
-        Largest and smallest value of each function in segments, shape (segments, 6).
-
-    Returns
-    -------
-    Extremes
-        Points that no other exceeds in every function, and those that exceed no other.
-    """
-    (points, when), (lower, then) = high, low
-    top = _largest(points, np.concatenate([g[_front(points[g])] for g in _alike(points)]))
-    bottom = _largest(-lower, np.concatenate([g[_front(-lower[g])] for g in _alike(lower)]))
-    return Extremes(points[top], when[top], lower[bottom], then[bottom], _corners(above), -_corners(-below))
-
-
-def _alike(points: Array) -> list[NDArray[np.int64]]:
-    """Rows of one direction of power and of motion."""
-    kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)
-    return [np.flatnonzero(kind == k) for k in distinct(kind)]
+    points, when = functions.reshape(-1, functions.shape[-1]), time.reshape(-1)
+    kind = np.argmax(np.abs(points[:, :3]), axis=1) * 3 + np.sign(points[:, 4]).astype(int)  # direction of power, way
+    groups = [np.flatnonzero(kind == k) for k in distinct(kind)]
+    top = _largest(points, np.concatenate([g[_front(points[g])] for g in groups]))
+    bottom = _largest(-points, np.concatenate([g[_front(-points[g])] for g in groups]))
+    return Extremes(points[top], when[top], points[bottom], when[bottom])
 
 
 def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
@@ -124,22 +98,8 @@ def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
     [0, 2]
     """
     top = values.max(axis=-1)
-    return top, np.argmin(values < _near(top)[..., None], axis=-1)
-
-
-def _near(top: Array) -> Array:
-    """Less than that is not the largest but for rounding; of infinite ones the same."""
-    found: Array = np.minimum(top * (1.0 - _ALIKE), top * (1.0 + _ALIKE))
-    return found
-
-
-def _corners(points: Array) -> Array:
-    """Points that no other exceeds; where these are many, a few that together do."""
-    rows = undominated(points, _FRONT)
-    if len(rows) <= _FRONT:
-        return points[rows]
-    first = rows[np.argsort(points[rows, 5])]  # along the speed, so that neighbours are alike
-    return np.array([points[part].max(axis=0) for part in np.array_split(first, _FRONT)])
+    near = np.minimum(top * (1.0 - _ALIKE), top * (1.0 + _ALIKE))  # of infinite ones the same
+    return top, np.argmin(values < near[..., None], axis=-1)
 
 
 def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
