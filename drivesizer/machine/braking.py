@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf, isnan, nan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -115,90 +115,70 @@ def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
     """A size that is made in any resistance with the one to order."""
     if not isnan(one.resistance) or isnan(one.resistance_max):
         return one
-    most = min((float(largest_resistance(one.chopper_voltage_min, _peak(one, case))) for case in cases), default=inf)
+    volts = one.chopper_voltage_min
+    peaks = [case.burnt(_capacity(case, one, volts), 1.0).peak for case in cases]
+    most = min((float(largest_resistance(volts, peak)) for peak in peaks), default=inf)
     ends = one.resistance_min, one.resistance_max
     return replace(one, resistance=nan if isnan(most) else preferred_resistance(most, ends))
 
 
-def _capacity_below_chopper(one: BrakeResistor, case: OnTheBus) -> float:
-    """Energy that the bus stores before the chopper switches on [J]."""
-    own = 0.0 if isnan(one.capacitance) else one.capacitance
+def _capacity(case: OnTheBus, resistor: BrakeResistor | None, volts: float) -> float:
+    """Energy that the bus stores below a voltage [J]; 0 where its capacitance or the voltage is unknown."""
+    own = 0.0 if resistor is None or isnan(resistor.capacitance) else resistor.capacitance
     capacitance = (case.spec.supply.capacitance or 0.0) + own
-    return float(storable_energy(capacitance, one.chopper_voltage_min, case.spec.supply.highest))
-
-
-def _peak(one: BrakeResistor, case: OnTheBus) -> float:
-    return case.burnt(_capacity_below_chopper(one, case), 1.0).peak
+    return 0.0 if isnan(volts) else float(storable_energy(capacitance, volts, case.spec.supply.highest))
 
 
 def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withstood: float) -> list[CheckColumn]:
-    """Limits of a brake resistor and its chopper in a load case."""
-    spec, volts = case.spec, (one.chopper_voltage_min, one.chopper_voltage_max)
+    """Limits of a brake resistor and its chopper in a load case.
+
+    A shunt regulator is rated as a whole: it has no more current and power than it has to burn. A resistor withstands
+    for a short time what is printed, no less than its continuous power where that is unknown.
+    """
+    spec, (low, high) = case.spec, (one.chopper_voltage_min, one.chopper_voltage_max)
     power = derated_power(one.power, spec.environment.ambient, one.rated_ambient, one.zero_power_ambient)
-    burnt = case.burnt(_capacity_below_chopper(one, case), section.averaging_time, power)
-    bus = float(np.fmin(withstood, one.max_voltage))
-    idle = burnt.peak == 0.0
-    return [
-        at_least("chopper_voltage", spec.supply.highest, volts[0], by_choice=True),
-        at_most("chopper_bus_voltage", volts[1], bus),
-        at_most("resistor_resistance", one.resistance, largest_resistance(volts[0], burnt.peak)),
-        *_chopper_current(one, burnt.peak, spec.margins.torque),
-        at_most("resistor_peak_power", 0.0 if idle else _while_on(one, burnt.peak), _short_time(one, power),
-                undecided=_NO_PEAK),
+    burnt = case.burnt(_capacity(case, one, low), section.averaging_time, power)
+    on, current = float(power_while_on(high, one.resistance)), float(high / one.resistance)
+    short = one.peak_power if not isnan(one.peak_power) else power if power >= on else nan
+    if one.kind == _SHUNT:
+        by_current, by_resistance = low * one.chopper_current, power_while_on(low, one.resistance)
+        on, current = burnt.peak, min(current, burnt.peak / low)
+        short = float(np.nanmin([one.peak_power, by_current, by_resistance]))
+    if burnt.peak == 0.0:
+        on = current = 0.0
+    found = [
+        at_least("chopper_voltage", spec.supply.highest, low, by_choice=True),
+        at_most("chopper_bus_voltage", high, float(np.fmin(withstood, one.max_voltage))),
+        at_most("resistor_resistance", one.resistance, largest_resistance(low, burnt.peak)),
+        at_most("chopper_current", current, one.chopper_current, needed=spec.margins.torque, undecided=_NO_CURRENT),
+        at_most("resistor_peak_power", on, short, undecided=_NO_PEAK),
         at_most("resistor_mean_power", burnt.mean, power),
         at_most("resistor_pulse_energy", burnt.pulse, one.pulse_energy, undecided=_NO_PEAK),
-    ]  # fmt: skip
-
-
-def _chopper_current(one: BrakeResistor, peak: float, needed: float) -> Iterator[CheckColumn]:
-    """Its current: that of the resistor, or of a shunt regulator no more than it has to burn."""
-    if one.kind in (_SHUNT, _INSIDE) and isnan(one.chopper_current):
-        return  # chopper and resistor are one part, and its maker's concern
-    whole = float(one.chopper_voltage_max / one.resistance)
-    drawn = min(whole, peak / one.chopper_voltage_min) if one.kind == _SHUNT else whole
-    yield at_most("chopper_current", 0.0 if peak == 0.0 else drawn, one.chopper_current, needed=needed,
-                  undecided=_NO_CURRENT)  # fmt: skip
-
-
-def _while_on(one: BrakeResistor, peak: float) -> float:
-    """Power of the resistor while its chopper is on; of a shunt regulator, which is rated as a whole, what it burns."""
-    return peak if one.kind == _SHUNT else float(power_while_on(one.chopper_voltage_max, one.resistance))
-
-
-def _short_time(one: BrakeResistor, power: float) -> float:
-    """Power that it withstands for a short time: as printed, no less than its continuous one where that is unknown.
-
-    Of a shunt regulator without a print what its resistor and its current leave.
-    """
-    if one.kind != _SHUNT:
-        on = float(power_while_on(one.chopper_voltage_max, one.resistance))
-        return one.peak_power if not isnan(one.peak_power) else power if power >= on else nan
-    by_current = one.chopper_voltage_min * one.chopper_current
-    return float(np.nanmin([one.peak_power, by_current, power_while_on(one.chopper_voltage_min, one.resistance)]))
+    ]
+    if one.kind in (_SHUNT, _INSIDE) and isnan(one.chopper_current):  # one part, and its maker's concern
+        found = [check for check in found if check.name != "chopper_current"]
+    return found
 
 
 # -- Parts of a catalogue that a spec names for its supply: a power supply, and the chopper of a brake resistor.
 
 
-def power_supply_of(spec: RobotSpec, catalog: Catalog) -> PowerSupply | None:
-    """The power supply that a spec names; None where it names none."""
-    part = spec.supply.part
-    if part is None:
-        return None
-    rows = catalog.power_supplies.rows
-    if part not in rows:
-        hint = nearest(part, rows) or "; a catalogue of its maker belongs under select.catalogs"
-        raise InputError(
-            f"{spec.where(('supply', 'part'))}: {quoted(part)} is not in {', '.join(catalog.digests)}{hint}"
-        )
-    return catalog.power_supplies.record(rows[part])
-
-
 def with_parts_of_supply(machine: RobotSpec, catalog: Catalog) -> RobotSpec:
     """A spec with the figures of its power supply, and of the chopper that its brake resistor brings."""
-    unit, section = power_supply_of(machine, catalog), machine.brake_resistor
-    if unit is not None:
-        _refuse_voltage(machine, unit)
+    part, section, supply = machine.supply.part, machine.brake_resistor, machine.supply
+    if part is not None:
+        rows = catalog.power_supplies.rows
+        if part not in rows:
+            hint = nearest(part, rows) or "; a catalogue of its maker belongs under select.catalogs"
+            where = machine.where(("supply", "part"))
+            raise InputError(f"{where}: {quoted(part)} is not in {', '.join(catalog.digests)}{hint}")
+        unit = catalog.power_supplies.record(rows[part])
+        ends = (unit.voltage_min, unit.nominal_voltage, unit.voltage_max)
+        least, most = float(np.nanmin(ends)), float(np.nanmax(ends))
+        if not least <= supply.nominal <= most:
+            gives = f"{least:g} V" if least == most else f"{least:g} V to {most:g} V"
+            where = machine.where(("supply", "nominal"))
+            raise InputError(f"{where}: {supply.nominal:g} V; power supply {unit.part} gives {gives}")
         machine = machine.changed(lambda spec: spec.model_copy(update={"supply": _filled(spec.supply, unit)}))
     if section is not None and section.chopper_voltage is None:
         every = resistor_choices(machine, catalog)
@@ -208,31 +188,12 @@ def with_parts_of_supply(machine: RobotSpec, catalog: Catalog) -> RobotSpec:
     return machine
 
 
-def _refuse_voltage(machine: RobotSpec, unit: PowerSupply) -> None:
-    """Refuse a power supply whose output cannot be set to the nominal voltage."""
-    ends = (unit.voltage_min, unit.nominal_voltage, unit.voltage_max)
-    least, most = float(np.nanmin(ends)), float(np.nanmax(ends))
-    if not least <= machine.supply.nominal <= most:
-        gives = f"{least:g} V" if least == most else f"{least:g} V to {most:g} V"
-        where, nominal = machine.where(("supply", "nominal")), machine.supply.nominal
-        raise InputError(f"{where}: {nominal:g} V; power supply {unit.part} gives {gives}")
-
-
 def _filled(supply: Supply, unit: PowerSupply) -> Supply:
-    """A supply with the figures of its unit where it gives none itself."""
-    withstands = float(np.fmin(unit.overvoltage_min, unit.return_voltage))
-    listed = {
-        "current": unit.continuous_current,
-        "peak_current": unit.peak_current,
-        "peak_time": unit.peak_time,
-        "overvoltage_trip": withstands,
-    }
-    own = {"current", "peak_current", "peak_time"} if supply.current is not None else set[str]()
-    known: dict[str, Any] = {
-        name: value
-        for name, value in listed.items()
-        if getattr(supply, name) is None and name not in own and not isnan(value)
-    }
+    """A supply with the figures of its unit where it gives none itself; those of its current all or none."""
+    listed = {"overvoltage_trip": float(np.fmin(unit.overvoltage_min, unit.return_voltage))}
+    if supply.current is None:
+        listed |= {"current": unit.continuous_current, "peak_current": unit.peak_current, "peak_time": unit.peak_time}
+    known = {n: value for n, value in listed.items() if getattr(supply, n) is None and not isnan(value)}
     return supply.model_copy(update=known)
 
 
@@ -263,17 +224,29 @@ def bus_budget(
     if not spec.limits_the_bus and not any(case.energy > 0.0 for case in cases):
         return None
     section, resistor, checks = spec.brake_resistor, None, tuple[Check, ...]()
-    if section is not None and not _needless(section, cases, withstood):
-        resistor, checks = _chosen_resistor(spec, catalog, cases, withstood, worst)
+    limits = [_most_voltage(one, withstood) for one in (spec, *(case.spec for case in cases))]
+    capacitors_do = all(case.highest_voltage() <= most for case, most in zip(cases, limits[1:], strict=True))
+    if section is not None and not (section.may_be_none and capacitors_do):
+        resistor, checks = _chosen_resistor(spec, section, catalog, cases, withstood, worst)
     checks = (*checks, *worst([(case.case, _records(_supply_limits(case, resistor))) for case in cases]))
-    volts = _threshold(spec, resistor, withstood)
+    volts = limits[0]  # at which a chopper switches on, or below which the bus has to stay
+    if resistor is not None:
+        volts = resistor.chopper_voltage_min
+    elif spec.chopper_voltage is not None:
+        volts = spec.chopper_voltage
     main = max(cases, key=lambda case: _most(case.burnt(_capacity(case, resistor, volts), _WINDOW).mean))
     return BrakingBudget(
         resistor=resistor,
         checks=checks,
-        figures=tuple(_figures(main, resistor, volts, withstood)),
+        figures=tuple(_figures(main, resistor, volts, _most_voltage(main.spec, withstood))),
         assumptions=tuple(_assumptions(main, section, resistor, volts)),
     )
+
+
+def _most_voltage(spec: RobotSpec, withstood: float) -> float:
+    """Voltage that a bus may have: what the drives withstand, and below the trip of the supply [V]."""
+    trip = spec.supply.overvoltage_trip
+    return float(np.fmin(withstood, nan if trip is None else trip))
 
 
 def _most(value: float) -> float:
@@ -287,44 +260,26 @@ def _records(columns: Iterable[CheckColumn]) -> tuple[Check, ...]:
 # --- the resistor -----------------------------------------------------------------------------------------------------
 
 
-def _needless(section: Section, cases: Sequence[OnTheBus], withstood: float) -> bool:
-    """Whether none need be chosen: the capacitors keep all below every limit."""
-    if not section.may_be_none:
-        return False
-    return all(case.highest_voltage() <= np.fmin(withstood, _trip(case.spec)) for case in cases)
-
-
-def _trip(spec: RobotSpec) -> float:
-    return nan if spec.supply.overvoltage_trip is None else spec.supply.overvoltage_trip
-
-
 def _chosen_resistor(
-    spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
+    spec: RobotSpec, section: Section, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
 ) -> tuple[BrakeResistor | None, tuple[Check, ...]]:
-    """The smallest resistor that holds, with its checks; else the one that comes closest."""
-    section = spec.brake_resistor
-    assert section is not None
-    every = [suited(one, cases) for one in resistor_choices(spec, catalog)]
-    if not every:
+    """The smallest resistor that holds, with its checks; else the one that comes closest.
+
+    What passes comes first, then the smaller continuous power, mass and price.
+    """
+    found = []
+    for one in (suited(one, cases) for one in resistor_choices(spec, catalog)):
+        checks = (
+            *worst([(case.case, _records(resistor_columns(section, one, case, withstood))) for case in cases]),
+            *worst([(case.case, _records(_over_voltage(case, one))) for case in cases]),
+        )
+        bad = tuple(sum(check.status == status for check in checks) for status in ("fail", "unknown"))
+        order = -GRAVEST.index(verdict(checks)), *bad, *map(_most, (one.power, one.mass, one.price)), one.part
+        found.append((order, one, checks))
+    if not found:
         return None, _records([replace(fits("resistor_available", False, False), note=_NONE_LISTED)])
-
-    def judged(one: BrakeResistor) -> tuple[Check, ...]:
-        found = [(case.case, _records(resistor_columns(section, one, case, withstood))) for case in cases]
-        tripped = [(case.case, _records(_over_voltage(case, one))) for case in cases]
-        return (*worst(found), *worst(tripped))
-
-    checks = [judged(one) for one in every]
-    order = [_rank(one, some) for one, some in zip(every, checks, strict=True)]
-    best = min(range(len(every)), key=lambda n: order[n])
-    shown = tuple(check for check in checks[best] if check.name != "supply_overvoltage")
-    return every[best], shown
-
-
-def _rank(one: BrakeResistor, checks: tuple[Check, ...]) -> tuple[Any, ...]:
-    """Order of choice: what passes first, then the smaller continuous power, mass and price."""
-    gravest = len(GRAVEST) - GRAVEST.index(verdict(checks))
-    bad = sum(check.status == "fail" for check in checks), sum(check.status == "unknown" for check in checks)
-    return (gravest, *bad, _most(one.power), _most(one.mass), _most(one.price), one.part)
+    _, best, checks = min(found, key=lambda each: each[0])
+    return best, tuple(check for check in checks if check.name != "supply_overvoltage")
 
 
 # --- the power supply -------------------------------------------------------------------------------------------------
@@ -359,30 +314,13 @@ def _over_voltage(case: OnTheBus, resistor: BrakeResistor | None) -> list[CheckC
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 
-def _threshold(spec: RobotSpec, resistor: BrakeResistor | None, withstood: float) -> float:
-    """Voltage at which a chopper switches on, or below which the bus has to stay [V]."""
-    if resistor is not None:
-        return resistor.chopper_voltage_min
-    if spec.chopper_voltage is not None:
-        return spec.chopper_voltage
-    return float(np.fmin(withstood, _trip(spec)))
-
-
-def _capacity(case: OnTheBus, resistor: BrakeResistor | None, volts: float) -> float:
-    """Energy that the bus stores below a voltage [J]; 0 where its capacitance or the voltage is unknown."""
-    own = 0.0 if resistor is None or isnan(resistor.capacitance) else resistor.capacitance
-    capacitance = (case.spec.supply.capacitance or 0.0) + own
-    return 0.0 if isnan(volts) else float(storable_energy(capacitance, volts, case.spec.supply.highest))
-
-
-def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, withstood: float) -> Iterator[Figure]:
+def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, limit: float) -> Iterator[Figure]:
     """Figures that decide the choice of a resistor, or of capacitors in its place."""
     section, highest = case.spec.brake_resistor, case.spec.supply.highest
     window = section.averaging_time if section else _WINDOW
     worst = f"Braking power, mean of the worst {show(window, 's', 'time')}"
     stores = _capacity(case, resistor, volts)
     burnt: Burnt = case.burnt(stores, window)
-    limit = float(np.fmin(withstood, _trip(case.spec)))
     at = f", at {show(volts, 'V', 'voltage')}"
     rows = [
         ("energy_regenerated", "Regenerated energy per cycle, not stored by the supply", case.energy, "energy", "J"),

@@ -74,6 +74,8 @@ def budget_of_consumers(
     others = _equipment_power(spec, equipment)
     load, power = _battery_load(spec, battery, pack, others, drive)
     checks = battery_checks(spec, battery, pack, load)
+    wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment
+    worn = 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
     return EnergyBudget(
         battery=pack.name,
         start=pack.start,
@@ -89,7 +91,7 @@ def budget_of_consumers(
         required=load.required,
         status=verdict(checks),
         checks=checks,
-        figures=_figures(spec, battery, pack, load, _worn(drive.duration, run_time(pack, power)) * pack.available),
+        figures=_figures(spec, battery, pack, load, worn * pack.available),
         assumptions=_assumptions(spec, battery, pack, equipment, assumed),
     )
 
@@ -104,14 +106,6 @@ def checks_of_battery(
 
 
 # --- consumers -------------------------------------------------------------------------------------------------------
-
-
-def _battery_power(spec: RobotSpec, drive: DrivePower, lasting: float, share: float | None = None) -> Array:
-    """Mean power from the battery in each piece [W]; lasting is that of all that is not the drive.
-
-    ``share`` of regenerated power goes into it: what is stored, or all that its terminals carry.
-    """
-    return np.asarray(drive.drawn - (spec.supply.regeneration if share is None else share) * drive.returned + lasting)
 
 
 def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
@@ -156,64 +150,42 @@ def _equipment_power(spec: RobotSpec, equipment: Sequence[Consumer]) -> tuple[Co
 def _battery_load(
     spec: RobotSpec, battery: Battery, pack: Pack, others: Sequence[Consumption], drive: DrivePower
 ) -> tuple[Load, Array]:
-    """Load of a battery, and mean power from it in each piece [W]."""
-    power = _battery_power(spec, drive, sum(c.mean for c in others))
-    load = _lasting(spec, battery, pack, _load(spec, drive, others, power))
-    off = _battery_power(spec, drive, 0.0, accepted(spec))
-    lowest, highest = _lowest(pack, drive.duration, power, load), _highest(pack, drive.duration, off, load)
-    return load._replace(lowest=lowest, highest=highest), power
+    """Load of a battery, and mean power from it in each piece [W].
 
-
-def _load(spec: RobotSpec, drive: DrivePower, others: Sequence[Consumption], power: Array) -> Load:
-    """Powers, and the mean speed of what travels; what depends on the battery is still unknown."""
-    back = accepted(spec) * float(drive.returned_peak.max())
-    return Load(
-        mean=drive.mean(power),
-        peak=float(drive.peak.max()) + sum(c.peak for c in others),
-        rms=float(np.sqrt(drive.mean(power**2))),
-        back=back,  # with everything else switched off
-        speed=drive.distance / drive.total,
-    )
-
-
-def _lasting(spec: RobotSpec, battery: Battery, pack: Pack, load: Load) -> Load:
-    """Autonomy of the battery, the required one, and the charge that is left then."""
-    full = float(run_time(pack, load.mean))
-    along = nan if battery.range is None else battery.range / load.speed
+    Lowest is the voltage at the peak, at the end of the time; unknown where no current gives that power. Highest is
+    that at the largest return, with the charge of the start and all else switched off. A polarised battery is at rest
+    at first, and then comes to what the cycle makes of it: the higher of both counts.
+    """
+    power = np.asarray(drive.drawn - spec.supply.regeneration * drive.returned + sum(c.mean for c in others))
+    mean, peak = drive.mean(power), float(drive.peak.max()) + sum(c.peak for c in others)
+    back, speed = accepted(spec) * float(drive.returned_peak.max()), drive.distance / drive.total
+    full = float(run_time(pack, mean))
+    along = nan if battery.range is None else battery.range / speed
     required = float(np.fmax(required_autonomy(spec, battery), along))
     drawn = pack.available if isnan(required) else required / full
     charge = nan if isnan(drawn) else pack.start - min(drawn, pack.available)
-    return load._replace(full=full, required=required, charge=charge)
-
-
-def _lowest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
-    """Lowest voltage: at the peak, at the end of the time [V]; unknown where no current gives that power."""
-    emf = pack.emf(load.charge)
-    if pack.polarisation > 0.0:  # the cycle charges the pair, the peak comes on top
-        current = current_of_power(power, emf, pack.resistance)
-        ends = polarised_voltage(duration, current, emf, 0.0, pack.polarisation, pack.time_constant)
-        emf = float(np.minimum(*ends).min())
-    current = current_of_power(load.peak, emf, pack.resistance)
-    return float(terminal_voltage(current, emf, pack.resistance))
-
-
-def _highest(pack: Pack, duration: Array, power: Array, load: Load) -> float:
-    """Highest voltage: at the largest return, with the charge of the start and all else switched off [V].
-
-    A polarised battery is at rest at first, and then comes to what the cycle makes of it: the higher of both counts.
-    """
-    emf = float(resting_voltage(pack, load.mean))
-    if pack.polarisation > 0.0:
-        current, none = current_of_power(power, emf, pack.resistance), (pack.polarisation, pack.time_constant)
-        courses = (polarised_voltage(duration, current, emf, 0.0, *none, rested=rested) for rested in (True, False))
-        emf = max(emf, *(float(np.maximum(*ends).max()) for ends in courses))
-    return float(raised_voltage(pack, load.back, emf))
-
-
-def _worn(duration: Array, time: Array) -> float:
-    """Run time if every moment wears the battery as it would in a steady load [s]."""
-    wear = float(duration @ (1.0 / time)) / float(duration.sum())
-    return 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
+    at_peak, raised = pack.emf(charge), float(resting_voltage(pack, mean))
+    if pack.polarisation > 0.0:  # the cycle charges the pair, peak and return come on top
+        pair, off = (pack.polarisation, pack.time_constant), np.asarray(drive.drawn - accepted(spec) * drive.returned)
+        current = current_of_power(power, at_peak, pack.resistance)
+        at_peak = float(np.minimum(*polarised_voltage(drive.duration, current, at_peak, 0.0, *pair)).min())
+        current, start = current_of_power(off, raised, pack.resistance), raised
+        for rested in (True, False):
+            ends = polarised_voltage(drive.duration, current, start, 0.0, *pair, rested=rested)
+            raised = max(raised, float(np.maximum(*ends).max()))
+    load = Load(
+        mean=mean,
+        peak=peak,
+        rms=float(np.sqrt(drive.mean(power**2))),
+        back=back,  # with everything else switched off
+        speed=speed,
+        full=full,
+        required=required,
+        charge=charge,
+        lowest=float(terminal_voltage(current_of_power(peak, at_peak, pack.resistance), at_peak, pack.resistance)),
+        highest=float(raised_voltage(pack, back, raised)),
+    )
+    return load, power
 
 
 def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
@@ -221,7 +193,11 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
     lacking = {"mission_energy": isnan(mission), "range": isnan(load.speed)}
-    less, charging = load.full - float(run_time(pack, load.mean + 1.0)), _charging_time(battery, pack, load)
+    less, charging = load.full - float(run_time(pack, load.mean + 1.0)), nan
+    if battery.charger is not None:  # the constant voltage at the end of a charge takes longer
+        lasts = load.full * pack.available if isnan(load.required) else load.required
+        charged = max(load.mean, 0.0) / pack.mean_voltage * lasts
+        charging = float(charged / (battery.charger.current * battery.charger.efficiency))
     lacking |= {"autonomy_per_watt": isnan(less), "charging_time": battery.charger is None}
     lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
     rows = (
@@ -244,18 +220,6 @@ def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: fl
     return tuple(
         Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows if not lacking.get(n)
     )
-
-
-def _charging_time(battery: Battery, pack: Pack, load: Load) -> float:
-    """Time in which the charger returns what is drawn over what is required, else over the autonomy [s].
-
-    The constant voltage at the end of a charge takes longer: it is the least time.
-    """
-    if battery.charger is None:
-        return nan
-    lasts = load.full * pack.available if isnan(load.required) else load.required
-    drawn = max(load.mean, 0.0) / pack.mean_voltage * lasts
-    return float(drawn / (battery.charger.current * battery.charger.efficiency))
 
 
 # --- over the mission ------------------------------------------------------------------------------------------------

@@ -52,19 +52,16 @@ def of_supply(part: str | None, resistor: Any, catalog: Catalog) -> Iterator[Ite
         yield "brake resistor", resistor, 1
 
 
-def price_of_each(part: Any, pieces: int) -> float:
-    """The price of a part where so many are bought."""
-    prices = (getattr(part, name, nan) for name, least in BY_PIECES if pieces >= least)
-    return next((price for price in prices if not isnan(price)), getattr(part, "price", nan))
-
-
 def price_check(items: Sequence[Item], limit: float) -> Check:
     """The known prices of what is bought against what it may cost."""
-    pieces = Counter[str]()
+    pieces, prices = Counter[str](), list[float]()
     for _, part, number in items:
         if part is not None:
             pieces[part.part] += number
-    prices = [number * price_of_each(part, pieces[part.part]) if part else nan for _, part, number in items]
+    for _, part, number in items:
+        columns = [name for name, least in BY_PIECES if part is not None and pieces[part.part] >= least]
+        each = [getattr(part, name, nan) for name in (*columns, "price")]
+        prices.append(number * next((price for price in each if not isnan(price)), nan))
     lacking = dict.fromkeys(role for (role, *_), price in zip(items, prices, strict=True) if isnan(price))
     column = at_most("price", sum(price for price in prices if not isnan(price)), limit)
     if not lacking:
@@ -98,12 +95,12 @@ class MassBudget:
     """Mass of a machine, part by part."""
 
     rows: tuple[MassRow, ...]
-    limit: float = math.nan  # kg; NaN where there is none
+    limit: float = nan  # kg; NaN where there is none
 
     @property
     def known(self) -> float:
         """Sum of what is known [kg]."""
-        return math.fsum(row.total for row in self.rows if not math.isnan(row.each))
+        return math.fsum(row.total for row in self.rows if not isnan(row.each))
 
     @property
     def guessed(self) -> float:
@@ -113,7 +110,7 @@ class MassBudget:
     @property
     def ends(self) -> tuple[float, float]:
         """Sum of what is known, at both ends of all bands [kg]."""
-        low, high = (math.fsum(row.ends[k] for row in self.rows if not math.isnan(row.each)) for k in (0, 1))
+        low, high = (math.fsum(row.ends[k] for row in self.rows if not isnan(row.each)) for k in (0, 1))
         return low, high
 
     @property
@@ -141,12 +138,12 @@ class MassBudget:
     @property
     def unknown(self) -> tuple[str, ...]:
         """Parts of unknown mass."""
-        return tuple(row.name for row in self.rows if math.isnan(row.each))
+        return tuple(row.name for row in self.rows if isnan(row.each))
 
     @property
     def total(self) -> float:
         """Sum of all [kg]; NaN while something is unknown."""
-        return math.nan if self.unknown else self.known
+        return nan if self.unknown else self.known
 
     @property
     def left(self) -> float:
@@ -157,34 +154,24 @@ class MassBudget:
 def drive_rows(
     drive_set: DriveParts, sets: int, catalog: Catalog | None = None, belt: float | None = None, encoder: bool = True
 ) -> tuple[MassRow, ...]:
-    """Masses of the parts of several drives of one kind."""
-    rows = [
-        MassRow(name=role, number=sets, each=_unlisted(catalog, role)[0] if part is None else part.mass,
-                band=_unlisted(catalog, role)[1] if part is None else _band(catalog, role, part))
-        for role, part in drive_set.parts.items()
-        if part is not None or role != "encoder" or encoder
-    ]  # fmt: skip
+    """Masses of the parts of several drives of one kind; estimates count where the catalogue has their bands."""
+    rows, estimates = list[MassRow](), catalog is not None and bool(catalog.ends)
+    for role, part in drive_set.parts.items():
+        if part is None and role == "encoder" and not encoder:
+            continue
+        each, band = (nan if part is None else part.mass), None
+        if part is None and estimates and role in ("encoder", "controller"):  # that no catalogue lists
+            each, low, high = assumed_mass(_SECTIONS[role])
+            band = low, high
+        elif part is not None and catalog is not None and role in _SECTIONS:
+            section = _SECTIONS[role]
+            found = catalog.estimate_of(section, catalog.table(section).rows[part.part], "mass")
+            band = found[1:3] if found else None
+        rows.append(MassRow(name=role, number=sets, each=each, band=band))
     if drive_set.belt_ratio != 1.0 and drive_set.belt_drive is None:
-        each, band = (math.nan, None) if catalog is None or not catalog.ends else BELT
-        own = (each, band) if belt is None else (belt, None)
-        rows.append(MassRow(name="belt and pulleys", each=own[0], number=sets, band=own[1]))
+        each, band = (belt, None) if belt is not None else BELT if estimates else (nan, None)
+        rows.append(MassRow(name="belt and pulleys", each=each, number=sets, band=band))
     return tuple(rows)
-
-
-def _unlisted(catalog: Catalog | None, role: str) -> tuple[float, tuple[float, float] | None]:
-    """Mass of an encoder or controller that no catalogue lists, with its band where estimates count."""
-    if catalog is None or not catalog.ends or role not in ("encoder", "controller"):
-        return math.nan, None
-    mass, *band = assumed_mass(_SECTIONS[role])
-    return mass, (band[0], band[1])
-
-
-def _band(catalog: Catalog | None, role: str, part: Any) -> tuple[float, float] | None:
-    """The band of a part's mass, where that is estimated."""
-    if catalog is None or part is None or role not in _SECTIONS:
-        return None
-    found = catalog.estimate_of(_SECTIONS[role], catalog.table(_SECTIONS[role]).rows[part.part], "mass")
-    return found[1:3] if found else None
 
 
 def mass_budget(
@@ -196,14 +183,14 @@ def mass_budget(
     limit: float | None = None,
 ) -> MassBudget:
     """The rows of a machine."""
-    rows = [*drive, MassRow(name="structure", each=math.nan if structure is None else structure)]
+    rows = [*drive, MassRow(name="structure", each=nan if structure is None else structure)]
     if battery is not None:
         rows.append(MassRow(name="battery", each=battery))
     rows += [MassRow(name=name, each=mass) for name, mass in others]
     for row in rows:
         if row.each < 0.0 or row.each == math.inf:
             raise InputError(f"budget: the mass of {row.name} must be 0 or more, got {row.each:g} kg")
-    return MassBudget(rows=tuple(rows), limit=math.nan if limit is None else limit)
+    return MassBudget(rows=tuple(rows), limit=nan if limit is None else limit)
 
 
 # --- where the drive's mass counts ------------------------------------------------------------------------------------
@@ -215,6 +202,9 @@ class Step(NamedTuple):
     total: float  # kg, that was sized for
     drive: float  # kg, of the drive that carries it; NaN where none does, or it is unknown
     key: Hashable  # which it is; None where none does
+
+
+_NONE = Step(nan, nan, None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -250,60 +240,37 @@ def settle(
     for name, mass in (("base", base), ("first", first)):
         if not 0.0 <= mass < math.inf:
             raise InputError(f"{name}: expected a mass of 0 kg or more, got {mass!r}")
-    steps: list[Step] = []
-    total = base + first
+    steps, total = list[Step](), base + first
+
+    def ended(status: Literal["settled", "cycle", "none", "unknown", "open"], words: str, at: Step = _NONE) -> Settled:
+        return Settled(status=status, total=at.total, drive=at.drive, key=at.key, steps=tuple(steps), words=words)
+
     while len(steps) < most:
-        steps.append(_sized(sized, total))
-        ended = _ended(steps, base, tolerance)
-        if ended:
-            return ended
-        total = base + steps[-1].drive
+        found = sized(total)
+        if found is not None and (found[0] < 0.0 or found[0] == math.inf):
+            raise InputError(f"the mass of a drive must be 0 kg or more, got {found[0]!r}")
+        steps.append(last := Step(total, *(found or (nan, None))))
+        if last.key is None:
+            return ended("none", f"No set carries itself: at {_kg(total)} none is left.")
+        if isnan(last.drive):
+            return ended("unknown", f"The mass of the set for {_kg(total)} is unknown.")
+        total = base + last.drive
+        if abs(total - last.total) <= tolerance:
+            rounds = f"{len(steps)} round{'s' if len(steps) > 1 else ''}"
+            return ended("settled", f"Settled after {rounds}: {_kg(total)}, of it {_kg(last.drive)} drive.", last)
+        earlier = [i for i, step in enumerate(steps) if abs(total - step.total) <= tolerance]
+        if earlier:
+            cycle = steps[earlier[0] :]
+            heaviest = max(cycle, key=lambda step: step.total)  # what comes after it is lighter, or it would not be
+            words = f"{len(cycle)} sets follow each other; taken is the one for the heaviest machine, "
+            words += f"{_kg(heaviest.total)}, of which it leaves {_kg(heaviest.total - base - heaviest.drive)}."
+            return ended("cycle", words, heaviest)
         if total > limit:
-            return _lost("none", steps, f"No set carries itself within {_kg(limit)}: the next would make {_kg(total)}.")
+            return ended("none", f"No set carries itself within {_kg(limit)}: the next would make {_kg(total)}.")
     growth = [abs(b.drive - a.drive) for a, b in zip(steps[-3:], steps[-2:], strict=False)]
     if len(growth) == 2 and growth[1] >= growth[0]:
-        return _lost("none", steps, "No set carries itself: each round adds no less mass than the one before.")
-    return _lost("open", steps, f"Not settled in {most} rounds, though they draw near: {_kg(total)} at the end.")
-
-
-def _sized(sized: Sized, total: float) -> Step:
-    found = sized(total)
-    if found is None:
-        return Step(total, math.nan, None)
-    if found[0] < 0.0 or found[0] == math.inf:
-        raise InputError(f"the mass of a drive must be 0 kg or more, got {found[0]!r}")
-    return Step(total, *found)
-
-
-def _ended(steps: list[Step], base: float, tolerance: float) -> Settled | None:
-    """End of the rounds with the last one, if they do end."""
-    last = steps[-1]
-    if last.key is None:
-        return _lost("none", steps, f"No set carries itself: at {_kg(last.total)} none is left.")
-    if math.isnan(last.drive):
-        return _lost("unknown", steps, f"The mass of the set for {_kg(last.total)} is unknown.")
-    made = base + last.drive
-    if abs(made - last.total) <= tolerance:
-        rounds = f"{len(steps)} round{'s' if len(steps) > 1 else ''}"
-        return _settled("settled", last, steps, f"Settled after {rounds}: {_kg(made)}, of it {_kg(last.drive)} drive.")
-    earlier = [i for i, step in enumerate(steps) if abs(made - step.total) <= tolerance]
-    if not earlier:
-        return None
-    cycle = steps[earlier[0] :]
-    heaviest = max(cycle, key=lambda step: step.total)  # what comes after it is lighter, or it would not be
-    sets = f"{len(cycle)} sets follow each other"
-    words = f"{sets}; taken is the one for the heaviest machine, {_kg(heaviest.total)}, of which it leaves " + _kg(
-        heaviest.total - base - heaviest.drive
-    )
-    return _settled("cycle", heaviest, steps, words + ".")
-
-
-def _settled(status: Literal["settled", "cycle"], at: Step, steps: list[Step], words: str) -> Settled:
-    return Settled(status=status, total=at.total, drive=at.drive, key=at.key, steps=tuple(steps), words=words)
-
-
-def _lost(status: Literal["none", "unknown", "open"], steps: list[Step], words: str) -> Settled:
-    return Settled(status=status, total=math.nan, drive=math.nan, key=None, steps=tuple(steps), words=words)
+        return ended("none", "No set carries itself: each round adds no less mass than the one before.")
+    return ended("open", f"Not settled in {most} rounds, though they draw near: {_kg(total)} at the end.")
 
 
 def _kg(mass: float) -> str:
