@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import nan
+from math import isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.parts import OneRow, one_row
+from drivesizer.catalog.parts import one_row
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.part_curves import torque_of_part
 from drivesizer.machine.set_cycle import SetCycle, turned
-from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead, CycleAtBelt
+from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import friction
-from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import Ends
-from drivesizer.physics.motor_demand import Demands, demands
+from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.physics.winding import heat, housing_loss, volts_of
 from drivesizer.results.drive_set import DriveSet
@@ -114,23 +113,76 @@ def hot_winding(found: OperatingField) -> str:
 
 
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
-    """The field of a drive's motor, and the cycle of a spec in it."""
+    """The field of a drive's motor, and the cycle of a spec in it.
+
+    The hot winding is the permitted one, for a line that is valid in any permitted cycle; where that is unknown it is
+    the mean of this cycle in the long run, and the line is this cycle's alone.
+    """
     motor, gearhead, encoder = (one_row(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
     cycle = CycleAtBelt(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
+    demand = demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia)
+    ambient, feed, k_t = spec.environment.ambient, spec.feed_of(drive_set.controller), drive_set.motor.torque_constant
     if drive_set.steps:
         demand = turned(spec, drive_set)[1]
-    else:
-        demand = _known_demand(demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia), motor)
-    cycle_speed, cycle_torque = _cycle(cycle, demand)
-    rms_speed, rms_torque = _rms(cycle, demand, drive_set)
+    else:  # where it is incomplete, or friction is unknown, NaN
+        c = np.where(demand.left_out, nan, demand.coefficients)
+        for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
+            c[np.isnan(figure), place] = nan
+        rms_current = np.where(demand.complete, demand.rms_current, nan)
+        demand = demand._replace(coefficients=c, rms_current=rms_current)
+    c, ratio = demand.coefficients[0], float(demand.total_ratio[0])
+
+    def rubbed(w: Any) -> Any:
+        """Friction torque of the motor itself at a speed, turning [N*m]."""
+        return c[DIRECTION] + c[SPEED] / ratio * w
+
+    hot, usable = float(motor["max_winding_temperature"][0]), float(feed.usable)
+    voltage = spec.supply.lowest if isnan(usable) else usable  # all of it where the controller's share is unknown
+    hot_permitted = not isnan(hot)
+    if not hot_permitted:
+        at_flange = loss_at_flange(spec, cycle, gearhead)
+        steady = float(heat(ambient, cycle, demand, motor, from_gearhead=at_flange).winding[0])
+        hot = steady if isfinite(steady) else hot
+    lines = []  # torque at standstill [N*m] and its change with speed [N*m s/rad] behind stage and supply
+    for temperature in (ambient, hot):
+        R = float(resistance_at(resistance_25(drive_set.motor), temperature) + feed.leads)
+        volts = volts_of(demand, np.array([k_t]), np.array([R]))[0]
+        lines.append(((voltage - volts[DIRECTION]) * k_t / R, -volts[SPEED] / ratio * k_t / R))
+    at_shaft = c.copy()
+    at_shaft[[DIRECTION, SPEED]] = 0.0
+    cycle_speed, cycle_torque = cycle.functions[:, :, SPEED] * ratio, cycle.line(at_shaft)
+    no_load = -lines[0][0] / lines[0][1] if lines[0][1] < 0.0 else 0.0
+    fastest = float(np.abs(cycle_speed).max())
+    w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
+    rubbing, iron = housing_loss(motor, np.ones(1))
+    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    permitted, left = motor["max_winding_temperature"], rise_left(spec.environment)
+    if left < 1.0:
+        permitted = ambient + left * (permitted - ambient)
+    current = continuous_current(resistance_25(motor), *R_th, permitted, ambient, rubbing * w + iron * w**2)
+    continuous = np.asarray(np.maximum(motor["torque_constant"] * current - rubbed(w), 0.0))
+    thermal = not np.isnan(continuous).any()
+    if not thermal:
+        share = current_derating(ambient, motor["max_winding_temperature"], rated_ambient(motor)) * np.sqrt(left)
+        continuous = np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy()
+    peak = drive_set.controller.peak_current if drive_set.controller else nan
+    rms_speed = float(np.sqrt(cycle.moment(SPEED, SPEED)) * ratio)
     return OperatingField(
-        **_lines(spec, drive_set, demand, _hot(spec, cycle, demand, motor, gearhead), float(np.abs(cycle_speed).max())),
-        hot_permitted=not np.isnan(drive_set.motor.max_winding_temperature),
+        voltage=voltage,
+        ambient=ambient,
+        hot=hot,
+        hot_permitted=hot_permitted,
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
+        speed=w,
+        voltage_cold=lines[0][0] + lines[0][1] * w,
+        voltage_hot=lines[1][0] + lines[1][1] * w,
+        continuous=continuous,
+        thermal=thermal,
+        intermittent=np.fmin(k_t * peak - rubbed(w), drive_set.gearhead.intermittent_torque * c[DRIVING]),
         cycle_speed=cycle_speed,
         cycle_torque=cycle_torque,
         rms_speed=rms_speed,
-        rms_torque=rms_torque,
+        rms_torque=float(np.maximum(k_t * demand.rms_current[0] - rubbed(rms_speed), 0.0)),
     )
 
 
@@ -139,107 +191,3 @@ def with_pull_out(found: OperatingField, spec: RobotSpec, catalog: Catalog, part
     speed = 1.5 * found.speed
     torque = torque_of_part(catalog, part, speed, spec.supply.lowest)
     return replace(found, speed=speed, pull_out=torque, factor=spec.margins.pull_out)
-
-
-def _known_demand(demand: Demands, motor: Figures) -> Demands:
-    """The motor's demand; where it is incomplete, or friction is unknown, NaN."""
-    c = np.where(demand.left_out, np.nan, demand.coefficients)
-    for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
-        c[np.isnan(figure), place] = np.nan
-    if demand.complete.all():
-        return demand._replace(coefficients=c)
-    unknown = np.full_like(demand.rms_current, np.nan)
-    return demand._replace(coefficients=c, rms_torque=unknown, rms_current=unknown)
-
-
-def _lines(spec: RobotSpec, drive_set: DriveSet, demand: Demands, hot: float, fastest: float) -> dict[str, Any]:
-    """Torque of the motor at speeds from 0 to no load, or to the fastest of the cycle [rad/s]."""
-    voltage, ambient = _voltage(spec, drive_set), spec.environment.ambient
-    (cold_at_rest, cold_slope), (at_rest, slope) = (_line(spec, demand, drive_set, voltage, T) for T in (ambient, hot))
-    no_load = -cold_at_rest / cold_slope if cold_slope < 0.0 else 0.0
-    w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
-    continuous, thermal = _continuous(spec, demand, one_row(drive_set.motor), w)
-    return {
-        "voltage": voltage,
-        "ambient": ambient,
-        "hot": hot,
-        "speed": w,
-        "voltage_cold": cold_at_rest + cold_slope * w,
-        "voltage_hot": at_rest + slope * w,
-        "continuous": continuous,
-        "thermal": thermal,
-        "intermittent": _intermittent(demand, drive_set, w),
-    }
-
-
-def _friction(demand: Demands, w: Any) -> Any:
-    """Friction torque of the motor itself at a speed [N*m], turning."""
-    return demand.coefficients[0, DIRECTION] + demand.coefficients[0, SPEED] / demand.total_ratio[0] * w
-
-
-def _hot(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: OneRow, gearhead: OneRow) -> float:
-    """Temperature of the hot winding [K]: the permitted one, for a line that is valid in any permitted cycle.
-
-    Where that is unknown it is the mean of this cycle in the long run, and the line is this cycle's alone.
-    """
-    permitted = float(motor["max_winding_temperature"][0])
-    at_flange = loss_at_flange(spec, cycle, gearhead)
-    steady = float(heat(spec.environment.ambient, cycle, demand, motor, from_gearhead=at_flange).winding[0])
-    return steady if np.isnan(permitted) and np.isfinite(steady) else permitted
-
-
-def _voltage(spec: RobotSpec, drive_set: DriveSet) -> float:
-    """Usable voltage [V]; all that the supply has where the controller's share is unknown."""
-    lowest, usable = spec.supply.lowest, float(spec.feed_of(drive_set.controller).usable)
-    return lowest if np.isnan(usable) else usable
-
-
-def _line(
-    spec: RobotSpec, demand: Demands, drive_set: DriveSet, voltage: float, temperature: float
-) -> tuple[float, float]:
-    """Torque at standstill [N*m] and its change with speed [N*m s/rad] at a voltage behind stage and supply."""
-    k_t = drive_set.motor.torque_constant
-    leads = spec.feed_of(drive_set.controller).leads
-    resistance = float(resistance_at(resistance_25(drive_set.motor), temperature) + leads)
-    volts = volts_of(demand, np.array([k_t]), np.array([resistance]))[0]
-    per_volt = k_t / resistance
-    return float((voltage - volts[DIRECTION]) * per_volt), float(-volts[SPEED] / demand.total_ratio[0] * per_volt)
-
-
-def _continuous(spec: RobotSpec, demand: Demands, motor: OneRow, w: Array) -> tuple[Array, bool]:
-    """Continuous torque over speed [N*m], and whether it is from thermal data."""
-    rubbing, iron = housing_loss(motor, np.ones(1))
-    R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    permitted, ambient = motor["max_winding_temperature"], spec.environment.ambient
-    left = rise_left(spec.environment)
-    if left < 1.0:
-        permitted = ambient + left * (permitted - ambient)
-    current = continuous_current(resistance_25(motor), *R_th, permitted, ambient, rubbing * w + iron * w**2)
-    torque = np.asarray(np.maximum(motor["torque_constant"] * current - _friction(demand, w), 0.0))
-    if not np.isnan(torque).any():
-        return torque, True
-    share = current_derating(ambient, motor["max_winding_temperature"], rated_ambient(motor)) * np.sqrt(left)
-    return np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy(), False
-
-
-def _intermittent(demand: Demands, drive_set: DriveSet, w: Array) -> Array:
-    """The lesser of what controller and gearhead permit for a while [N*m]; one of them where the other is unknown."""
-    controller = drive_set.controller
-    peak = controller.peak_current if controller else nan
-    by_controller = drive_set.motor.torque_constant * peak - _friction(demand, w)
-    found: Array = np.fmin(by_controller, drive_set.gearhead.intermittent_torque * demand.coefficients[0, DRIVING])
-    return found
-
-
-def _cycle(cycle: AtGearhead, demand: Demands) -> tuple[Ends, Ends]:
-    """Speed [rad/s] and torque [N*m] at the motor's shaft at both ends of each segment."""
-    at_shaft = demand.coefficients[0].copy()
-    at_shaft[[DIRECTION, SPEED]] = 0.0
-    return cycle.functions[:, :, SPEED] * demand.total_ratio[0], cycle.functions @ at_shaft
-
-
-def _rms(cycle: AtGearhead, demand: Demands, drive_set: DriveSet) -> tuple[float, float]:
-    """RMS speed [rad/s], and the torque there that draws the RMS current [N*m]."""
-    w = float(np.sqrt(cycle.moment(SPEED, SPEED)) * demand.total_ratio[0])
-    torque = drive_set.motor.torque_constant * demand.rms_current[0] - _friction(demand, w)
-    return w, float(np.maximum(torque, 0.0))

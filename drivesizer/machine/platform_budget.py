@@ -55,7 +55,7 @@ from drivesizer.results.drive_set import DriveParts, DriveSet, MassRow
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
 from drivesizer.results.sizing import Check, Figure, Status, verdict
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
-from drivesizer.spec.platform import Budget, PassageSection, Platform
+from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -107,28 +107,23 @@ def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None
     """
     if drive.steps:
         return None
-    direction = np.arange(0, 360, _EVERY)
+    platform, direction = spec.platform, np.arange(0, 360, _EVERY)
+    assert platform is not None
     speed, limit, unknown = {}, {}, dict[str, None]()
     for failed in (0, *(place + 1 for place in dynamics_of(spec).kinematics.driven)):
         try:
-            d = dynamics_of(_failed(spec, failed))
+            without = [*platform.failed, *[failed] * bool(failed)]
+            d = dynamics_of(spec.alone(platform=platform.model_copy(update={"failed": without})))
         except InputError:  # the others do not hold the platform
             continue
         speed[failed], limit[failed], lacking = _fastest(spec, drive, d, np.radians(direction))
         unknown |= dict.fromkeys(lacking)
     estimated = (one.title for one in drive.estimated if one.kind != "mass" and one.part != "encoder")
-    assert spec.platform is not None
     wanted = spec.requirements.speed if spec.requirements else None
     return PermittedSpeeds(
-        direction, speed, limit, tuple(unknown), tuple(estimated), tuple(spec.platform.failed),
-        spec.platform.limits.speed if wanted is None else wanted,
+        direction, speed, limit, tuple(unknown), tuple(estimated), tuple(platform.failed),
+        platform.limits.speed if wanted is None else wanted,
     )  # fmt: skip
-
-
-def _failed(spec: RobotSpec, wheel: int) -> RobotSpec:
-    platform = spec.platform
-    assert platform is not None
-    return spec.alone(platform=platform.model_copy(update={"failed": [*platform.failed, *[wheel] * bool(wheel)]}))
 
 
 def _fastest(
@@ -259,11 +254,6 @@ def _noted(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
     return tuple(c.at((), "budget", cases=(case,)) for c in columns)
 
 
-def _unknown(column: CheckColumn, note: str) -> CheckColumn:
-    """The check as one that may fail but not pass."""
-    return replace(column, passed=column.passed & False, note="" if column.failed else note)
-
-
 # --- mass -------------------------------------------------------------------------------------------------------------
 
 
@@ -314,39 +304,29 @@ def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float
 
 def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> tuple[Check, ...]:
     """Every passage, in the order of the spec; the passage's name is the check's case."""
-    placed = [p for p in section.passages if p.x is not None]
-    clearance_at = {}
+    placed = tuple(p.record for p in section.passages if p.x is not None)
+    clearance_at, found = dict[str, Clearance](), list[Check]()
     if trajectory is not None and section.size is not None:
-        records = tuple(p.record for p in placed)
-        clearance_at = {c.passage: c for c in clearances(trajectory, section.size.record, records)}
-    found: list[Check] = []
+        clearance_at = {c.passage: c for c in clearances(trajectory, section.size.record, placed)}
     for passage in section.passages:
-        columns = [*_passage(section, passage), *_along(passage, clearance_at.get(passage.name))]
+        assert section.size is not None
+        size, opening = section.size.record, passage.width
+        columns = [at_most("passage_width", width_at(size, passage.heading_error, passage.aside), opening)]
+        if passage.height is not None:
+            columns.append(at_most("passage_height", size.height, passage.height))
+        if passage.turns:
+            columns.append(at_most("passage_turning", turning_circle(size) + 2.0 * passage.aside, opening))
+        if passage.corner is not None:
+            room = corner_width(size.length, opening, passage.corner)
+            columns.append(at_most("passage_corner", size.width, room))
+        clearance = clearance_at.get(passage.name)
+        if clearance is not None:  # to both sides alike; what hits a jamb takes more than there is
+            side = clearance.side
+            note = f"nearest to the {side} jamb" if side else "the trajectory does not lead through it"
+            taken, time = opening - 2.0 * clearance.least, np.asarray(clearance.time)
+            columns.append(at_most("passage_clearance", taken, opening, note=note, time=time))
         found += _noted(columns, passage.name)
     return tuple(found)
-
-
-def _passage(section: Platform, passage: PassageSection) -> Iterator[CheckColumn]:
-    assert section.size is not None
-    size, opening = section.size.record, passage.width
-    taken = width_at(size, passage.heading_error, passage.aside)
-    yield at_most("passage_width", taken, opening)
-    if passage.height is not None:
-        yield at_most("passage_height", size.height, passage.height)
-    if passage.turns:
-        yield at_most("passage_turning", turning_circle(size) + 2.0 * passage.aside, opening)
-    if passage.corner is not None:
-        room = corner_width(size.length, opening, passage.corner)
-        yield at_most("passage_corner", size.width, room)
-
-
-def _along(passage: PassageSection, clearance: Clearance | None) -> Iterator[CheckColumn]:
-    """Width that is taken to both sides alike; one that hits a jamb takes more than there is."""
-    if clearance is not None:
-        note = f"nearest to the {clearance.side} jamb" if clearance.side else "the trajectory does not lead through it"
-        taken = passage.width - 2.0 * clearance.least
-        time = np.asarray(clearance.time)
-        yield at_most("passage_clearance", taken, passage.width, note=note, time=time)
 
 
 # --- footing ----------------------------------------------------------------------------------------------------------
@@ -407,27 +387,24 @@ def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     Without the height of the centre of mass a check may fail, but does not pass.
     """
     lacking = _NO_FRICTION if s.load.friction_coefficient is None else "" if s.upright else _NO_CASTERS
-    columns = list(_grip(s, nan if lacking else float(s.load.friction_coefficient or 0.0)))
-    if lacking:
-        return _noted([replace(column, note=lacking) for column in columns])
-    return _noted(columns if s.section.height_known else [_unknown(column, _NO_HEIGHT) for column in columns])
-
-
-def _grip(s: PlatformOnFloor, friction: float) -> Iterator[CheckColumn]:
-    known, faster = friction == friction, s.faster
+    friction, columns = nan if lacking else float(s.load.friction_coefficient or 0.0), list[CheckColumn]()
     if s.steepest:
-        limit = grip_slope(s.d, friction) if known else nan
-        yield at_most("grip_slope", s.steepest, limit, needed=s.needed)
-    if faster is not None:
-        limits = [
-            grip_acceleration(s.d, friction, direction, slope=s.steepest, gravity=s.gravity)
-            for direction in s.directions * known
-        ]
-        yield at_most("grip_acceleration", faster, min(limits, default=nan), needed=s.needed)
+        limit = nan if lacking else grip_slope(s.d, friction)
+        columns.append(at_most("grip_slope", s.steepest, limit, needed=s.needed))
+    if s.faster is not None:
+        slope, gravity = s.steepest, s.gravity
+        ways = () if lacking else s.directions
+        limits = [grip_acceleration(s.d, friction, way, slope=slope, gravity=gravity) for way in ways]
+        columns.append(at_most("grip_acceleration", s.faster, min(limits, default=nan), needed=s.needed))
     if s.trajectory is not None:
         worst = worst_friction(s.d, s.trajectory, s.ground)
         note, time = _contact(s, worst.contact), np.asarray(worst.time)
-        yield at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time)
+        columns.append(at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time))
+    if lacking:
+        columns = [replace(c, note=lacking) for c in columns]
+    elif not s.section.height_known:
+        columns = [replace(c, passed=c.passed & False, note="" if c.failed else _NO_HEIGHT) for c in columns]
+    return _noted(columns)
 
 
 # -- Mass, clearance, stability and grip of a machine with one drive.
@@ -449,9 +426,15 @@ class MechanicalBudget:
 
 def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:
     """Mass of a machine against its limits."""
-    checks = mass_checks(mass, sized_for)
-    assumptions, figures = _excluding_mass(mass), tuple(_mass_checks(mass))
-    return MechanicalBudget(mass=mass, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
+    checks, counted = mass_checks(mass, sized_for), "known or estimated" if mass.estimated else "known"
+    figures = [_figure("mass_known", f"Mass, sum of what is {counted}", mass.known, "mass", "kg")]
+    if mass.limit == mass.limit:
+        figures.append(_figure("mass_left", "Mass left of what is allowed", mass.left, "mass", "kg"))
+    without = ", ".join(dict.fromkeys(mass.unknown))
+    return MechanicalBudget(
+        mass=mass, status=verdict(checks), checks=checks, figures=tuple(figures),
+        assumptions=(f"The machine's mass is without {without}: unknown.",) if without else (),
+    )  # fmt: skip
 
 
 def worst_case_budget(spec: RobotSpec) -> MechanicalBudget:
@@ -479,26 +462,15 @@ def platform_part(s: PlatformOnFloor) -> MechanicalBudget:
     """Room, footing and grip of a platform, whatever drives it."""
     checks = envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
     figures = (*_envelope_checks(s.section), *_footing_checks(s), *_grip_checks(s))
-    assumptions = platform_assumptions(s.section, s.load) + _assumptions(s)
-    return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=assumptions)
-
-
-def _excluding_mass(mass: MassBudget) -> tuple[str, ...]:
-    if not mass.unknown:
-        return ()
-    return (f"The machine's mass is without {', '.join(dict.fromkeys(mass.unknown))}: unknown.",)
-
-
-def _assumptions(s: PlatformOnFloor) -> tuple[str, ...]:
-    """Assumptions of footing and grip."""
-    return (
+    assumptions = [
+        *platform_assumptions(s.section, s.load),
         "Wheels and casters are equally stiff on a stiff frame.",
         "The motors share torque by least squares, not as would suit the floor best.",
-        *(
-            ()
-            if s.load.friction_coefficient is None
-            else ("Friction is the same in all directions, at rest and slow.",)
-        ),
+    ]
+    if s.load.friction_coefficient is not None:
+        assumptions.append("Friction is the same in all directions, at rest and slow.")
+    return MechanicalBudget(
+        mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=tuple(assumptions)
     )
 
 
@@ -507,13 +479,6 @@ def _assumptions(s: PlatformOnFloor) -> tuple[str, ...]:
 
 def _figure(name: str, title: str, value: float, kind: str, unit: str, time: float | None = None) -> Figure:
     return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=time)
-
-
-def _mass_checks(mass: MassBudget) -> Iterator[Figure]:
-    counted = "known or estimated" if mass.estimated else "known"
-    yield _figure("mass_known", f"Mass, sum of what is {counted}", mass.known, "mass", "kg")
-    if mass.limit == mass.limit:
-        yield _figure("mass_left", "Mass left of what is allowed", mass.left, "mass", "kg")
 
 
 def _envelope_checks(section: Platform) -> Iterator[Figure]:

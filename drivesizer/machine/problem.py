@@ -78,14 +78,27 @@ class _NothingFitsError(Exception):
 
 
 def _drives(required: Pulleys, catalog: Catalog) -> BeltDrives:
-    """One drive for each ratio, at most as many as are searched."""
+    """One drive for each ratio, at most as many as are searched, spread over the range.
+
+    Of each ratio the smallest pulleys with enough teeth in mesh, and the belt nearest to the centre distance, without
+    one the shortest; where none keeps enough, the one that lacks the fewest. Where ratios are too many, those that keep
+    enough go first.
+    """
     pulleys = _taking(required, catalog.pulleys, "pulleys")
     belts = _taking(required, catalog.belts, "belts")
-    layouts = _layouts(required, np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts]))
-    best = _best_of_each_ratio(required, layouts)
-    few = best if len(best.belt) <= MOST_RATIOS else _fewer(required, best)
-    drives = (_drive(catalog, pulleys, belts, few, row, required.pitch) for row in range(len(few.belt)))
-    return BeltDrives(tuple(drives), len(best.belt))
+    every = _layouts(required, np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts]))
+    wish, a = required.centre_distance, every.centre_distance
+    held = teeth_in_mesh(every.driving, every.driven, required.pitch, a)
+    lacking = np.maximum(LEAST_IN_MESH - np.floor(held), 0.0)
+    off = every.belt if wish is None else np.abs(a - wish)
+    order = np.lexsort((every.belt, off, every.driving, lacking, every.ratio))
+    first = order[np.unique(every.ratio[order], return_index=True)[1]]
+    few = first
+    if len(first) > MOST_RATIOS:
+        able = first[held[first] >= LEAST_IN_MESH] if (held[first] >= LEAST_IN_MESH).any() else first
+        few = able[spread(np.log(every.ratio[able]), MOST_RATIOS)]
+    drives = (_drive(catalog, pulleys, belts, every, row, required.pitch) for row in few.tolist())
+    return BeltDrives(tuple(drives), len(first))
 
 
 def _taking(required: Pulleys, table: Table[Any], section: str) -> NDArray[np.int64]:
@@ -120,70 +133,35 @@ def _stock(table: Table[Any], section: str) -> str:
 
 
 def _layouts(required: Pulleys, pulleys: Array, belts: Array) -> _Layouts:
-    """Every layout of a belt round two pulleys of a ratio in the range, at the required centre distance."""
+    """Every layout of a belt round two pulleys of a ratio in the range, at the required centre distance.
+
+    Without one, at the recommended one or more.
+    """
     driving, driven = (side.ravel() for side in np.meshgrid(pulleys, pulleys, indexing="ij"))
-    ratio = driven / driving
+    ratio, wish = driven / driving, required.centre_distance
     pairs = np.flatnonzero((ratio >= required.ratio_min) & (ratio <= required.ratio_max))
     if not len(pairs):
+        below, above = ratio[ratio < required.ratio_min], ratio[ratio > required.ratio_max]
+        ends = [*([below.max()] if len(below) else []), *([above.min()] if len(above) else [])]
+        nearest = f"the nearest {'are' if len(ends) > 1 else 'is'} {' and '.join(f'{one:.4g}' for one in ends)}"
         wanted = f"from {required.ratio_min:.4g} to {required.ratio_max:.4g}"
-        raise _NothingFitsError(f"no two pulleys have a ratio {wanted}; {_nearest_ratios(required, ratio)}")
+        raise _NothingFitsError(f"no two pulleys have a ratio {wanted}; {nearest}")
     driving, driven = (np.repeat(side[pairs], len(belts)) for side in (driving, driven))
     belt = np.tile(belts, len(pairs))
-    every = _Layouts(driving, driven, belt, centre_distance(driving, driven, required.pitch, belt))
-    fits = np.flatnonzero(_fits(required, every))
-    if not len(fits):
-        raise _NothingFitsError(_no_belt(required, every))
-    return every.on(fits)
-
-
-def _fits(required: Pulleys, layouts: _Layouts) -> NDArray[np.bool_]:
-    """Mask of the layouts of the required centre distance; without one, of those of at least the recommended one."""
-    a, wish = layouts.centre_distance, required.centre_distance
-    least = shortest_recommended(layouts.driving, layouts.driven, required.pitch)
-    fits: NDArray[np.bool_] = a >= least if wish is None else np.abs(a - wish) <= required.adjustable
-    return fits
-
-
-def _nearest_ratios(required: Pulleys, ratio: Array) -> str:
-    """The next ratios below and above a range that has none, in words."""
-    below, above = ratio[ratio < required.ratio_min], ratio[ratio > required.ratio_max]
-    nearest = [*([below.max()] if len(below) else []), *([above.min()] if len(above) else [])]
-    return f"the nearest {'are' if len(nearest) > 1 else 'is'} {' and '.join(f'{one:.4g}' for one in nearest)}"
-
-
-def _no_belt(required: Pulleys, layouts: _Layouts) -> str:
-    """The error of a centre distance that no belt gives, with the nearest."""
-    a, z = layouts.centre_distance, np.unique(layouts.belt)
-    there_are = f"{len(z)} belts of {z[0]:.0f} to {z[-1]:.0f} teeth"
-    if required.centre_distance is None or np.isnan(a).all():
-        return f"no belt is long enough for two pulleys of such a ratio; there are {there_are}"
-    row = int(np.nanargmin(np.abs(a - required.centre_distance)))
-    wanted = f"{_mm(required.centre_distance)} within {_mm(required.adjustable)}"
-    pulleys = f"{layouts.driven[row]:.0f}:{layouts.driving[row]:.0f}"
-    nearest = f"{pulleys} with {layouts.belt[row]:.0f} teeth at {show(a[row], 'mm', 'length', 6)}"
-    return f"no belt gives a centre distance of {wanted}; of {there_are} the nearest is {nearest}"
-
-
-def _best_of_each_ratio(required: Pulleys, layouts: _Layouts) -> _Layouts:
-    """Of each ratio the smallest pulleys with enough teeth in mesh, and the belt nearest to the centre distance.
-
-    Where none keeps enough, the one that lacks the fewest; without a centre distance the shortest belt.
-    """
-    held = teeth_in_mesh(layouts.driving, layouts.driven, required.pitch, layouts.centre_distance)
-    lacking = np.maximum(LEAST_IN_MESH - np.floor(held), 0.0)
-    off = (
-        layouts.belt if required.centre_distance is None else np.abs(layouts.centre_distance - required.centre_distance)
+    a = centre_distance(driving, driven, required.pitch, belt)
+    least = shortest_recommended(driving, driven, required.pitch)
+    fits = np.flatnonzero(a >= least if wish is None else np.abs(a - wish) <= required.adjustable)
+    if len(fits):
+        return _Layouts(driving, driven, belt, a).on(fits)
+    there_are = f"{len(belts)} belts of {belts[0]:.0f} to {belts[-1]:.0f} teeth"
+    if wish is None or np.isnan(a).all():
+        raise _NothingFitsError(f"no belt is long enough for two pulleys of such a ratio; there are {there_are}")
+    row = int(np.nanargmin(np.abs(a - wish)))
+    nearest = f"{driven[row]:.0f}:{driving[row]:.0f} with {belt[row]:.0f} teeth at {show(a[row], 'mm', 'length', 6)}"
+    raise _NothingFitsError(
+        f"no belt gives a centre distance of {_mm(wish)} within {_mm(required.adjustable)}; of {there_are} the nearest "
+        f"is {nearest}"
     )
-    order = np.lexsort((layouts.belt, off, layouts.driving, lacking, layouts.ratio))
-    first = np.unique(layouts.ratio[order], return_index=True)[1]
-    return layouts.on(order[first])
-
-
-def _fewer(required: Pulleys, best: _Layouts) -> _Layouts:
-    """The ratios that are searched, spread over the range; where some keep enough teeth in mesh, of those."""
-    held = teeth_in_mesh(best.driving, best.driven, required.pitch, best.centre_distance)
-    able = best.on(np.flatnonzero(held >= LEAST_IN_MESH)) if (held >= LEAST_IN_MESH).any() else best
-    return able.on(spread(np.log(able.ratio), MOST_RATIOS))
 
 
 def spread(values: Array, most: int) -> NDArray[np.int64]:
@@ -201,31 +179,28 @@ def spread(values: Array, most: int) -> NDArray[np.int64]:
 def _drive(
     catalog: Catalog, pulleys: NDArray[Any], belts: NDArray[Any], layouts: _Layouts, row: int, pitch: float
 ) -> BeltDrive:
-    """The parts of one layout: pulleys of the belt's maker where there are some."""
+    """The parts of one layout: pulleys of the belt's maker where there are some, the narrowest that take the belt."""
     driving, driven, teeth, distance = (float(column[row]) for column in layouts)
-    makers = catalog.pulleys["manufacturer"]
+    table = catalog.pulleys
 
     def chosen(belt: int) -> tuple[tuple[int, str], tuple[int, ...]]:
-        maker = catalog.belts["manufacturer"][belt]
-        both = tuple(_pulley(catalog.pulleys, pulleys, z, maker) for z in (driving, driven))
-        foreign = sum(bool(makers[one] != maker) for one in both)
+        maker, both = catalog.belts["manufacturer"][belt], list[int]()
+        for z in (driving, driven):
+            alike: Iterable[int] = pulleys[table["teeth"][pulleys] == z].tolist()
+            both.append(min((bool(table["manufacturer"][r] != maker), table["width"][r], table["part"][r], r)
+                            for r in alike)[-1])  # fmt: skip
+        foreign = sum(bool(table["manufacturer"][one] != maker) for one in both)
         return (foreign, str(catalog.belts["part"][belt])), (*both, belt)
 
     alike = belts[catalog.belts["teeth"][belts] == teeth]
     _, (first, second, belt) = min(chosen(int(one)) for one in alike)
     return BeltDrive(
-        driving=catalog.pulleys.record(first),
-        driven=catalog.pulleys.record(second),
+        driving=table.record(first),
+        driven=table.record(second),
         belt=catalog.belts.record(belt),
         centre_distance=distance,
         teeth_in_mesh=float(teeth_in_mesh(driving, driven, pitch, distance)),
     )
-
-
-def _pulley(table: Table[Any], rows: NDArray[Any], teeth: float, maker: str) -> int:
-    """The pulley with so many teeth: of the belt's maker, the narrowest that takes it, the first part number."""
-    alike: Iterable[int] = rows[table["teeth"][rows] == teeth].tolist()
-    return min(alike, key=lambda r: (table["manufacturer"][r] != maker, table["width"][r], table["part"][r]))
 
 
 def assumptions(problem: Problem) -> tuple[str, ...]:
