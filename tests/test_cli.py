@@ -111,7 +111,7 @@ def test_nothing_fits_is_status_1(run, example_text, tmp_path):
     status, out, _ = run("size", "heavy.yaml")
     assert status == 1
     assert "No drive meets all limits" in out
-    assert "load.mass 450 kg →" in " ".join(out.split())
+    assert "load › mass 450 kg" in " ".join(out.split())
     status, out, _ = run("size", "heavy.yaml", "--json")
     document = json.loads(out)
     assert (status, document["sets"]) == (1, [])
@@ -162,7 +162,7 @@ def test_explain_shows_why(run, example):
     status, out, _ = run("explain", example, "--motor", "118743", "--gearhead", "406764")
     text = " ".join(out.split())
     assert status == 1
-    assert "Motor speed (no-load speed) 6169 rpm 4860 rpm -21 % FAIL" in text
+    assert "Motor speed (no-load speed) 6169 rpm 4860 rpm −21 % FAIL" in text
     status, out, _ = run("explain", example, "--motor", "118752", "--gearhead", "406764", "--json")
     assert (status, json.loads(out)["sets"][0]["status"]) == (0, "pass")
 

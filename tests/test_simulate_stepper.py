@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import xml.etree.ElementTree as ET
@@ -12,6 +13,7 @@ from typing import Any
 import jsonschema
 import mujoco
 import numpy as np
+import openpyxl
 import pytest
 import yaml
 from exports import rendered
@@ -22,13 +24,13 @@ from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.machine.part_curves import torque_of_drive, torque_of_part
+from drivesizer.output.document.content import Content
 from drivesizer.output.export import Export, export_of
 from drivesizer.output.export.json_document import export_schema
 from drivesizer.output.json.documents import as_text, validation
 from drivesizer.output.report.csv import report_csv
 from drivesizer.output.report.figures.cycle import closed_loop_rows
-from drivesizer.output.report.sections.section import Content
-from drivesizer.output.report.workbook import sheets
+from drivesizer.output.report.workbook import report_xlsx
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate, validate_all, with_remedies
 from drivesizer.sizing import explained
@@ -236,19 +238,18 @@ def test_json_has_pulses_in_the_place_of_gains(proof: Validation) -> None:
 def test_commands_say_open_loop(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("robot.yaml").write_text(json.dumps(spec_of(path)), encoding="utf-8")
-    shown = CliRunner().invoke(app, ["validate", "--csv", "t.csv"])
+    shown = CliRunner().invoke(app, ["validate", "--checks", "--csv", "t.csv"])
     assert shown.exit_code == 0, shown.output
-    assert "Checks in open loop" in shown.output and "Microsteps of a full step" in shown.output
+    assert "Checks of the open loop" in shown.output and "Microsteps of a full step" in shown.output
     assert "a stepper follows its pulses in open loop, and nothing is fed back." in " ".join(shown.output.split())
     assert "load_angle (deg)" in Path("t.csv").read_text(encoding="utf-8").splitlines()[0]
 
 
 def test_reports_show_the_open_loop(path: Path, proof: Validation) -> None:
     found = size(load_spec(spec_of(path)))
-    pages = {one.name: one for one in sheets(Content(found, proof))}
-    assert {"Open loop", "Time series"} <= set(pages) and "Closed loop" not in pages
-    assert pages["Time series"].drawn == ("speed_reference", "speed", "load_angle")
-    assert b"Open loop, trapezoid" in report_csv(Content(found, proof))
+    book = openpyxl.load_workbook(io.BytesIO(report_xlsx(Content(found, proof))))
+    assert {"Open loop", "Time series"} <= {*book.sheetnames} and "Closed loop" not in book.sheetnames
+    assert b"validation" in report_csv(Content(found, proof))
     assert [names for names, _ in closed_loop_rows(proof)][-1] == ("load_angle",)
 
 

@@ -74,7 +74,7 @@ def size(
     result = common.sized(robot, top, objective, (confidence, samples, seed, processes, loop_samples), pareto)
     one, named = result.alone, "" if spec == DEFAULT else str(spec)
     if csv:
-        reports.write_sets(one, csv) if one else reports.write_machine(result, {}, [csv])
+        reports.write_sets(one or result, csv)
     if pdf:
         simulated = common.proven(result)
         with common.working("writing the report"):
@@ -90,10 +90,9 @@ def size(
         terminal.sizing(one, details=details, spec=named, quiet=quiet)
         common.print_notes(() if quiet else one.warnings)
     else:
-        from drivesizer.output.terminal.several_axes import machine_sizing
-
-        machine_sizing(result, spec=named, checks=checks or verbose, quiet=quiet)
-        for each in result.axes if verbose or derivation or beside or pareto else ():
+        each_alone = verbose or derivation or beside or pareto
+        terminal.machine_sizing(result, spec=named, checks=checks or verbose, quiet=quiet, chapters=not each_alone)
+        for each in result.axes if each_alone else ():
             typer.echo(f"\n{each.name}\n")
             terminal.sizing(each.result, details=details, quiet=True)
         for each in () if quiet else result.axes:
@@ -163,6 +162,7 @@ def explain(
     catalogs: More = None,
 ) -> None:
     """Show why one combination of motor and gearhead passes or fails, check by check."""
+    from drivesizer.output.terminal import sizing as terminal
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained, load_parts
 
@@ -183,12 +183,8 @@ def explain(
         document = {"schema_version": documents.SCHEMA_VERSION, "axes": each} if several else each[""]
         typer.echo(documents.as_text(document))
     elif several:
-        from drivesizer.output.terminal.several_axes import machine_explained
-
-        machine_explained(robot.name, found)
+        terminal.machine_explained(robot.name, found)
     else:
-        from drivesizer.output.terminal import sizing as terminal
-
         terminal.explained(found[""], catalog)
         common.print_notes(found[""].warnings)
     raise typer.Exit(int(all(one.status == "fail" for pair in found.values() for one in pair.sets)))

@@ -28,13 +28,14 @@ def validate(
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
     top: Annotated[int, common.whole_option("--top", 5, 1, 100, meaning="How many, with --all; at most 100.")] = 5,
+    checks: Annotated[bool, typer.Option("--checks", help="Also every check, the gains, and the loops.")] = False,
     axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
     from drivesizer.output import report as reports
     from drivesizer.output.json import documents
-    from drivesizer.output.terminal import several_axes, sizing
+    from drivesizer.output.terminal import sizing
 
     robot = common.load(spec, catalogs, axis)
     reports.accept([], tables=[csv] if csv else [])
@@ -57,9 +58,9 @@ def validate(
         document = {"schema_version": documents.SCHEMA_VERSION, "axes": each} if several else each[""]
         typer.echo(documents.as_text(document))
     elif several:
-        several_axes.machine_proofs(robot.name, proofs)
+        sizing.machine_proofs(robot.name, proofs)
     else:
-        sizing.validation(proofs[""])
+        sizing.validation(proofs[""], checks=checks)
         common.print_notes(proofs[""].warnings)
     raise typer.Exit(int(any(proof.status == "fail" for proof in proofs.values())))
 

@@ -19,8 +19,8 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 __all__ = [
-    "LEAST_PHASE_MARGIN", "TRAVEL", "Bode", "Cascade", "ControllerGain", "Gains", "LinearFigure", "LinearRun",
-    "Loop", "Loops", "Rates", "Remedy", "Stepping", "Validation", "controller_gains", "rates",
+    "LEAST_PHASE_MARGIN", "Bode", "Cascade", "ControllerGain", "Gains", "LinearFigure", "LinearRun", "Loop", "Loops",
+    "Rates", "Remedy", "Stepping", "Validation", "controller_gains", "rates",
 ]  # fmt: skip
 
 
@@ -211,9 +211,6 @@ class Loops:
 
 
 # -- The record of a simulation, in closed loop or of a stepper: gains, checks, figures, loops.
-
-
-TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}  # kind and unit of the load's way
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

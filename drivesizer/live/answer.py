@@ -119,14 +119,13 @@ def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterator[Piece]:
     """Pieces of a sizing: sections, figures that can be moved, still figures; as of the HTML report."""
-    from drivesizer.output.report.html.page import image, machine_parts, page_parts
+    from drivesizer.output.document.axes import MachineContent
+    from drivesizer.output.document.content import Content
+    from drivesizer.output.report.html.page import image, page_parts
     from drivesizer.output.report.html.templates import section_html
-    from drivesizer.output.report.machine import MachineContent
-    from drivesizer.output.report.sections.section import Content
 
     several = hasattr(result, "axes")
-    parts = machine_parts(MachineContent(result, proofs or {})) if several else page_parts(Content(result, proofs))
-    document, figures, still = parts
+    document, figures, still = page_parts(MachineContent(result, proofs or {}) if several else Content(result, proofs))
     printed = [one for one in document["sections"] if one["name"] not in _NOT_LIVE]
     made = section_html(printed, figures, dict.fromkeys(still, _LATER))
     sections = [{name: one[name] for name in ("name", "title", "level")} | {"html": html}

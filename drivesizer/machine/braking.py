@@ -28,7 +28,7 @@ from drivesizer.results.drive_set import BrakingBudget, DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import Supply
-from drivesizer.units import show
+from drivesizer.units import resolved, show
 
 if TYPE_CHECKING:
     from drivesizer.spec.battery import BrakeResistor as Section
@@ -340,7 +340,7 @@ def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, limit
         rows.append(("resistance_smallest", f"Smallest resistance that the chopper can switch{at}", least,
                      "resistance", "ohm"))  # fmt: skip
     yield from (
-        Figure(name=n, title=t, value=v, kind=k, unit=u)
+        Figure(name=n, title=t, value=resolved(v, k), kind=k, unit=u)
         for n, t, v, k, u in rows
         if not (isnan(v) and n in ("energy_stored", "resistance_largest"))
     )

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import isnan, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping, Validation
-from drivesizer.output.derivation import margin
-from drivesizer.results.check import Status, sentence_case
+from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping
 from drivesizer.results.sizing import Figure
-from drivesizer.units import label, show
+from drivesizer.units import show
 
 __all__ = [
     "BESIDE",
@@ -18,16 +15,12 @@ __all__ = [
     "NO_LINEAR",
     "GainRow",
     "cell",
-    "gain",
     "gain_rows",
     "left_out",
-    "linear",
-    "linear_rows",
     "loop_figures",
     "loop_name",
-    "remedies",
     "settled",
-]  # fmt: skip
+]
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
 
@@ -77,20 +70,9 @@ NO_LINEAR = "python-control is not beside it: a stepper follows its pulses in op
 BESIDE = "PID and DC motor by python-control, beside the engine"
 
 
-def linear_rows(run: LinearRun) -> list[tuple[str, str, str, str, str]]:
-    """Rows of the linear simulation beside the engine: title, value and moment by either; a dash where one has none."""
-    return [(row.linear.title, *_moment(row.linear), *_moment(row.engine)) for row in run.figures]
-
-
 def left_out(run: LinearRun) -> str:
     """A sentence on what the linear model does without."""
     return f"python-control's model is linear: {'; '.join(run.left_out)}."
-
-
-def _moment(figure: Figure | None) -> tuple[str, str]:
-    if figure is None or isnan(figure.value):
-        return NONE, ""
-    return figure.text, "" if figure.at_time is None else f"{figure.at_time:.4g} s"
 
 
 def settled(loop: Loop) -> int:
@@ -101,25 +83,6 @@ def settled(loop: Loop) -> int:
 
 
 _LEAST = 10  # samples, of a loop that settles at once
-
-
-def gain(row: GainRow) -> str:
-    """A gain in SI; a period in ms."""
-    return show(row.value, "ms", "time") if row.unit == "s" else f"{row.value:.4g} {label(row.unit)}"
-
-
-def linear(loops: Sequence[Loop]) -> dict[str, Any]:
-    """The linear analysis of the loops as a table, a row for each."""
-    found = [loop_figures(loop) for loop in loops]
-    return {
-        "heads": [figure.title for figure in found[0]] if found else [],
-        "rows": [
-            {"name": loop_name(loop), "stable": loop.stable, "cells": [cell(figure) for figure in row]}
-            for loop, row in zip(loops, found, strict=True)
-        ],
-        "directed": any(loop.direction for loop in loops),
-        "unstable": any(not loop.stable for loop in loops),
-    }
 
 
 # --- gains
@@ -174,13 +137,3 @@ def gain_rows(gains: Gains | Cascade | Stepping) -> list[GainRow]:
     """Gains and periods of a controller, without the paths that it does not have; pulses of a stepper's driver."""
     rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in _TABLES[type(gains)]]
     return [row for row in rows if row.value or row.name not in _MAY_BE_OFF.get(type(gains), ())]
-
-
-def remedies(proof: Validation) -> tuple[str, list[tuple[str, str, str, Status]]]:
-    """Changes that help a drive that fails in its loop, and those that were tried in vain."""
-    rows = []
-    for one in sorted(proof.tried, key=lambda one: one.status == "fail"):
-        tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
-        rows.append((one.what, one.entry, tight, one.status))
-    helps = any(one.status != "fail" for one in proof.tried)
-    return "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps", rows

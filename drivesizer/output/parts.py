@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Source, columns_of
 from drivesizer.catalog.query import Hit, origins
 from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.output.words import LESS, confidences, not_quoted
 from drivesizer.results import ratings
-from drivesizer.results.drive_set import DriveSet, MassRow, section_of
+from drivesizer.results.drive_set import DriveSet, MassRow, made_by, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import GearStage
 from drivesizer.spec.robot import RobotSpec
@@ -23,8 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "HEADS", "LEAST", "NO_NUMBER", "OWN_SUPPLY", "PartLine", "SharedLine", "Total", "machine_parts",
-    "machine_parts_of_axes", "mass_text", "money_text", "ordered_as", "parts_by_axis", "parts_list", "total_text",
-    "total_texts", "totals", "totals_of_axes", "unknown_of",
+    "machine_parts_of_axes", "part_figures", "parts_by_axis", "parts_list", "totals", "totals_of_axes", "unknown_of",
 ]  # fmt: skip
 
 
@@ -151,11 +151,6 @@ def price_for(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, A
     return {}
 
 
-def ordered_as(part: str, order_number: str) -> str:
-    """A part for ordering: its order number, or its name and that no order number is known."""
-    return order_number or (f"{part}, {NO_NUMBER}" if part else "")
-
-
 def _number(catalog: Catalog, part: Any) -> str:
     """The order number of a part; empty where the name in the catalogue is the catalogue's own."""
     known = not any(NO_NUMBER in note.text for note in _remarks(catalog, part))
@@ -226,34 +221,6 @@ def _total(name: str, unit: str, values: Sequence[tuple[tuple[str, str], tuple[f
 
 def _once(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
-
-
-def money_text(price: float, currency: str) -> str:
-    """A price as it is printed."""
-    return "unknown" if isnan(price) else f"{price:.2f} {currency}"
-
-
-def mass_text(line: PartLine) -> str:
-    """The mass of all pieces of a line as it is printed, marked where it is estimated."""
-    mass = line.quantity * line.mass
-    return show(mass, "g", "mass") if isnan(line.mass_low) else f"≈ {show(mass, 'g', 'mass', 2)}"
-
-
-def total_text(total: Total, digits: int) -> str:
-    """A total as it is printed: at least, where a part of it is unknown."""
-    least = LEAST if total.lacks else ""
-    if total.name == "price":
-        return f"{least}{total.value:.2f} {total.unit}"
-    return least + show(total.value, "kg", "mass", digits)
-
-
-def total_texts(lines: Sequence[PartLine], text: Callable[[Total], str]) -> str:
-    """Mass and prices of a parts list in a line; of which no part's is known is said."""
-    found = totals(lines)
-    known = {one.name for one in found}
-    texts = [] if "mass" in known else ["mass unknown"]
-    texts += map(text, found)
-    return "; ".join(texts if "price" in known else [*texts, "no price is known"])
 
 
 # -- The parts of a drive in its machine, as the report shows them and as a list for ordering.
@@ -431,3 +398,49 @@ _SUPPLY_SECTIONS = {"power supply": "power_supplies", "brake resistor": "brake_r
 def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
     """Mass and price of a machine of several axes."""
     return named_totals([one.line for one in lines], [f"{one.line.role} of {', '.join(one.axes)}" for one in lines])
+
+
+# -- A part in a few figures, with those of them that are not from the maker's own document.
+
+
+_PULLEY = {"teeth": "teeth", "mass": "", "price": ""}
+_MAIN: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words behind each
+    "motor": {"assigned_power": "", "nominal_voltage": "", "holding_torque": "holding", "mass": "", "price": ""},
+    "gearhead": {"efficiency": "efficient", "mass": "", "price": ""},
+    "brake": {"static_torque": "static", "supply": "", "mass": "", "price": ""},
+    "encoder": {},
+    "controller": {"continuous_current": "continuous", "peak_current": "peak"},
+    "driving pulley": _PULLEY,
+    "belt": {"teeth": "teeth", "width": "wide", "mass": "", "price": ""},
+    "driven pulley": _PULLEY,
+    "screw": {"dynamic_load": "dynamic", "static_load": "static", "efficiency": "efficient", "mass": "", "price": ""},
+    "actuator": {"nominal_voltage": "", "nominal_torque": "continuous", "peak_torque": "peak", "mass": "", "price": ""},
+}
+
+
+def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[str, str, str, str]:
+    """Name and number of a part; its main figures and their confidence."""
+    columns = columns_of(section_of(part))
+    values = [(getattr(part, name), columns[name], words) for name, words in _MAIN[role].items()]
+    shown = [f"{show(value, c.unit, c.kind)} {words}".strip() for value, c, words in values if not isnan(value)]
+    if role == "encoder":
+        shown = [part.resolution]
+    if role == "motor" and part.controller:
+        shown.append(f"{part.controller} inside")
+    if role == "belt":
+        shown += found.belt_running
+    if role == "screw" and found.chosen_screw:
+        shown = [found.chosen_screw.running, *shown]
+    if section_of(part) == "pulleys" and part.bore:
+        shown.append(f"bore {part.bore}")
+    figures, doubts = not_quoted(part, role, found, catalog), []
+    for level in LESS:
+        names = [name.replace("_", " ") for name, value in figures.items() if value == level]
+        if names and level == "secondary":
+            doubts.append(f"{len(names)} of {len(confidences(part, role, found, catalog))} figures secondary")
+        elif names:
+            more = f" and {len(names) - 4} more" if len(names) > 5 else ""
+            doubts.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
+    name = made_by(part) if len(catalog.digests) > 1 else part.family  # the maker is obvious with one catalogue
+    reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
+    return f"{name}{reduction}", part.part, " · ".join(shown), "; ".join(doubts)

@@ -1,107 +1,16 @@
-"""Rows that terminal and reports print: requirements, consumers, pieces of motion, why there is no drive."""
+"""Words for a sizing in which no drive meets all limits: what most fail on, and what was tried in vain."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
-from math import isnan
-from typing import NamedTuple
 
 from drivesizer.output.words import number_of
-from drivesizer.results.check import Check, sentence_case
-from drivesizer.results.check_kinds import CHECKS, OWN_REQUIREMENTS, REQUIREMENTS, part_of
-from drivesizer.results.drive_set import DriveSet, EnergyBudget, MotorPiece, Relaxation
+from drivesizer.results.check import sentence_case
+from drivesizer.results.check_kinds import CHECKS, part_of
+from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.sizing import SizingResult
-from drivesizer.units import show
 
-__all__ = [
-    "FIGURES", "RequiredRow", "by_case", "changes_by_outcome", "consumer_rows", "most_fail_on", "not_enough",
-    "required_rows",
-]  # fmt: skip
-
-
-# -- Requirements on the machine, as rows that terminal and reports print.
-
-
-class RequiredRow(NamedTuple):
-    """A requirement: its check, and the figures of it that are required and reached [SI]."""
-
-    check: Check
-    required: float
-    reached: float
-
-    @property
-    def bound(self) -> str:
-        """Sense of the requirement: the reached figure is at most, or at least, the required one."""
-        return "at most" if REQUIREMENTS[self.check.name] == "limit" else "at least"
-
-
-def required_rows(found: DriveSet) -> list[RequiredRow]:
-    """Every requirement on the machine in the order of reading; none where the spec has no section of them."""
-    if not any(check.name in OWN_REQUIREMENTS for check in found.budget):
-        return []
-    order = list(REQUIREMENTS)
-    rows = [
-        RequiredRow(c, *((c.limit, c.demand) if REQUIREMENTS[c.name] == "limit" else (c.demand, c.limit)))
-        for c in found.budget
-        if c.name in REQUIREMENTS
-    ]
-    return sorted(rows, key=lambda row: order.index(row.check.name))
-
-
-# -- Consumers of a battery, as rows that terminal and reports print.
-
-
-class ConsumerRow(NamedTuple):
-    """A line of the table of consumers."""
-
-    name: str
-    number: str
-    mean: str
-    peak: str
-    duty: str
-    said: str  # "assumed" where its figures are a guess of the spec
-
-
-def consumer_rows(budget: EnergyBudget) -> list[ConsumerRow]:
-    """Drive, equipment and their total, with the power of each at the battery."""
-    rows = [
-        ConsumerRow(
-            name=one.name,
-            number=str(one.number) if one.number > 1 else "",
-            mean=show(one.mean, "W", "power"),
-            peak=show(one.peak, "W", "power") if one.peak or isnan(one.peak) else "",
-            duty="" if isnan(one.duty) or one.duty == 1.0 else show(one.duty, "%", "dimensionless"),
-            said="assumed" if one.assumed else "",
-        )
-        for one in budget.consumers
-        if one.mean or isnan(one.mean)
-    ]
-    total = show(budget.mean_power, "W", "power"), show(budget.peak_power, "W", "power")
-    return [*rows, ConsumerRow("total", "", *total, "", "")]
-
-
-# -- The motor piece by piece, as cells that terminal and reports print.
-
-
-FIGURES = (  # head, field, unit and kind of each figure
-    ("from", "start", "s", "time"),
-    ("for", "duration", "s", "time"),
-    ("speed", "speed", "rpm", "rotary_speed"),
-    ("load torque", "load_torque", "N*m", "torque"),
-    ("motor torque", "motor_torque", "mN*m", "torque"),
-    ("RMS", "rms_torque", "mN*m", "torque"),
-    ("current", "current", "A", "current"),
-    ("RMS current", "rms_current", "A", "current"),
-)
-
-
-def by_case(pieces: Sequence[MotorPiece]) -> list[tuple[str, list[MotorPiece]]]:
-    """Pieces of each load case, in order."""
-    return [(case, list(of)) for case, of in groupby(pieces, key=lambda one: one.case)]
-
-
-# -- Words for a sizing in which no drive meets all limits: what most fail on, and what was tried in vain.
+__all__ = ["changes_by_outcome", "most_fail_on", "not_enough"]
 
 
 def most_fail_on(result: SizingResult) -> str:

@@ -12,14 +12,17 @@ from typing import Any
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.parts import DATA, Column
 from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.results.check import Reliability, Spread
 from drivesizer.results.drive_set import DriveSet, section_of
-from drivesizer.results.sizing import Counts, Status
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import Counts, SizingResult, Status
 from drivesizer.units import label, show
 
 __all__ = [
     "FIRST_NOTES", "LESS", "LONGEST", "about", "confidence", "confidences", "csv_cell", "figure", "first_columns",
-    "likely", "loop_text", "meeting", "moved", "not_quoted", "number_of", "visible",
+    "first_wheel", "likely", "loop_text", "meeting", "moved", "not_quoted", "number_of", "outcome", "reported",
+    "visible",
 ]  # fmt: skip
 
 
@@ -109,6 +112,24 @@ def moved(found: Reliability) -> list[Spread]:
     """The checks that vary over the samples or fail in some, lowest probability first."""
     varying = [one for one in found.checks if one.fails > 0.0 or (isfinite(one.low) and one.low != one.high)]
     return sorted(varying, key=lambda one: (one.passes, one.low if isfinite(one.low) else -inf))
+
+
+# -- The drive that is reported.
+
+
+def outcome(result: SizingResult) -> str:
+    """``found``, ``unsure`` where no drive reaches the required confidence, or ``missed`` where all are rejected."""
+    return "found" if result.sets else "unsure" if result.unsure else "missed"
+
+
+def reported(result: SizingResult) -> DriveSet | None:
+    """The drive whose margins and drivers are reported: the best that is probable enough, else the most probable."""
+    return next((one for one in (*result.sets, *result.unsure) if one.reliability), None)
+
+
+def first_wheel(problem: Problem) -> str:
+    """The first load case where it is that of a wheel on a trajectory, such as ``wheel 1``; else empty."""
+    return problem.cases[0].name if isinstance(problem.spec.load, WheelLoad) else ""
 
 
 # -- Figures of a drive's parts that are not out of the makers' own documents.

@@ -50,7 +50,7 @@ class EstimatedFigure(NamedTuple):
         >>> EstimatedFigure("motor", "rotor_inertia", 1e-6, 7e-7, 2e-6, "inertia", "g*cm^2", "").title
         'motor rotor inertia'
         """
-        return f"{self.part} {self.figure.replace('_', ' ')}"
+        return f"{self.part} {self.figure.removeprefix(f'{self.part}_').replace('_', ' ')}"
 
     @property
     def text(self) -> str:

@@ -9,7 +9,7 @@ share a dimension stay apart: torque and energy, rotary speed and frequency, tem
 
 from __future__ import annotations
 
-from drivesizer.units.kinds import KINDS, Kind
+from drivesizer.units.kinds import KINDS, Kind, resolved
 from drivesizer.units.reader import (
     from_si,
     kind_of_unit,
@@ -25,6 +25,6 @@ from drivesizer.units.reader import (
 )
 
 __all__ = [
-    "KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show",
-    "tabulate", "to_si",
+    "KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "resolved", "scale",
+    "show", "tabulate", "to_si",
 ]  # fmt: skip

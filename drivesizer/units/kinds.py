@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any, NamedTuple
 
-__all__ = ["AT_MOST", "KINDS", "MAY_BE_ZERO", "RANGES", "Kind", "outside"]
+__all__ = ["AT_MOST", "KINDS", "MAY_BE_ZERO", "RANGES", "Kind", "outside", "resolved"]
 
 
 # -- Kinds of quantities: the name of each, an example, and the units in which it may be written.
@@ -114,6 +115,30 @@ MAY_BE_ZERO = frozenset({
 
 # figures of parts that have an end by what they are
 AT_MOST = {"efficiency": 1.0, "max_efficiency": 1.0, "max_duty": 1.0, "direction": 1.0}
+
+
+def resolved(value: float, kind: str) -> float:
+    """A computed figure without what rounding leaves of nothing: 0 below the range of its kind, infinite above it.
+
+    Parameters
+    ----------
+    value
+        The figure [SI].
+    kind
+        A key of :data:`RANGES`.
+
+    Returns
+    -------
+    float
+        The figure, 0 or infinite [SI].
+
+    Examples
+    --------
+    >>> resolved(1.394e-35, "energy"), resolved(1.822e20, "resistance"), resolved(50.8, "energy")
+    (0.0, inf, 50.8)
+    """
+    least, most = RANGES[kind]
+    return 0.0 if abs(value) < least else math.copysign(math.inf, value) if abs(value) > most else value
 
 
 def outside(values: Any, kind: str) -> Any:

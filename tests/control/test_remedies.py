@@ -12,8 +12,9 @@ from drivesizer.cli import app
 from drivesizer.control.remedies import rounded_ramps
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases.profile import profile_of
-from drivesizer.output.report.sections.section import Content, text_of
-from drivesizer.output.report.sections.summary import outcome_texts
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.records import text_of
+from drivesizer.output.document.summary import outcome_texts
 from drivesizer.simulate import validate, with_remedies
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
@@ -93,7 +94,7 @@ def test_rounded_ramps_by_hand(motion, expected, duration):
 
 def test_one_verdict_names_the_loops(sizing, proof):
     content = Content(sizing, proof)
-    said = " ".join(text_of(text) for text in outcome_texts(content))
+    said = text_of(tuple(outcome_texts(content)))
     assert content.status == "fail"
     assert said.startswith("fail A drive was found, which fails in closed loop.")
     assert said.endswith("trapezoid: fail supply current, all drives")

@@ -14,9 +14,9 @@ import typst
 from matplotlib.image import imread
 from pdf_text import texts_of
 
+from drivesizer.output.document.content import Content
 from drivesizer.output.report import pdf
-from drivesizer.output.report.figures.all_figures import report_drawings
-from drivesizer.output.report.sections.section import Content
+from drivesizer.output.report.figures import all_figures
 
 DOTS = 40  # per inch, of a page as a picture
 _BLANK = b'<svg xmlns="http://www.w3.org/2000/svg" width="468pt" height="72pt" viewBox="0 0 468 72"></svg>'
@@ -56,9 +56,8 @@ def printed(*given: Any, **more: Any) -> Printed:
 def blank_figures() -> Iterator[None]:
     """Reports whose figures are blank, where a test reads words and tables: the figures take longest."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("drivesizer.output.report.sections.section.report_drawings", _blank)
+        drawings = all_figures.report_drawings
+        patch.setattr(
+            all_figures, "report_drawings", lambda *given: dict.fromkeys(drawings(*given), lambda form: _BLANK)
+        )
         yield
-
-
-def _blank(*given: Any) -> dict[str, Any]:
-    return dict.fromkeys(report_drawings(*given), lambda form: _BLANK)

@@ -18,7 +18,7 @@ from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
 from drivesizer.output.parts import machine_parts_of_axes
-from drivesizer.output.terminal.several_axes import machine_sizing
+from drivesizer.output.terminal.sizing import machine_sizing
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.machine import load_machine
@@ -95,9 +95,9 @@ def test_its_resistor_is_bought_once_and_printed(sizing, capsys):
     assert line.axes == ("x", "y") and line.line.quantity == 1 and "20" in line.line.said
     machine_sizing(sizing, spec="m.yaml")
     printed = capsys.readouterr().out
-    assert "\nsupply: " in printed and "regenerated per cycle: " in printed and "\nall " in printed
+    assert "\n  supply: " in printed and "regenerated per cycle: " in printed and "Brake resistor peak power" in printed
     machine_sizing(sizing, spec="m.yaml", checks=True)
-    assert "all axes on one supply" in capsys.readouterr().out
+    assert "All axes on one supply" in capsys.readouterr().out
 
 
 def test_motors_have_their_voltage_while_all_axes_draw(sizing):

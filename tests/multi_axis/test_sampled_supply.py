@@ -18,7 +18,7 @@ from drivesizer.multi_axis.sampled_supply import uncertain_machine
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
-from drivesizer.output.terminal.several_axes import machine_sizing
+from drivesizer.output.terminal.sizing import machine_sizing
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.machine import load_machine

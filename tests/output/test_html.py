@@ -19,6 +19,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import read
 from drivesizer.load_cases import load_cycle
+from drivesizer.output.document.content import Content
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.report import write
 from drivesizer.output.report.figures.field import panels
@@ -28,7 +29,6 @@ from drivesizer.output.report.html.curves import plain, sampled
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.plots import field_plot
 from drivesizer.output.report.html.templates import environment, mathml
-from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
@@ -128,7 +128,9 @@ def test_checks_are_those_of_the_json_document(page, result, proof, table):
             if check[name] is None:
                 assert words(cell) in ("", "unknown")
             elif words(cell):
-                said = float(words(cell).split()[0].replace("−", "-"))
+                number, unit = f"{words(cell)} ".replace("−", "-").split(" ", 1)
+                thousand = unit.startswith("k") and not check["unit"].startswith("k")
+                said = float(number) * (1000.0 if thousand else 1.0)
                 if name == "margin":  # in percent, to a tenth below ten
                     assert said == pytest.approx(100.0 * check[name], rel=0.0, abs=0.051 if abs(said) < 9.95 else 0.51)
                 else:
@@ -186,7 +188,7 @@ def test_the_file_asks_for_nothing(content, page):
 
 def test_headings_and_contents_agree(page):
     heads = {h.get("id"): words(h) for h in page.xpath("//h2")}
-    assert {a.get("href")[1:]: words(a) for a in page.xpath("//nav//a")} == heads and len(heads) == 13
+    assert {a.get("href")[1:]: words(a) for a in page.xpath("//nav//a")} == heads and len(heads) == 14
     levels = [int(h.tag[1]) for h in page.xpath("//h1 | //h2 | //h3 | //h4")]
     assert levels[0] == 1 and levels.count(1) == 1 and all(b <= a + 1 for a, b in pairwise(levels))
     ids = page.xpath("//@id")
@@ -247,14 +249,14 @@ def test_only_an_address_of_the_web_becomes_a_link():
 
 
 def test_a_block_without_a_renderer_is_an_error(result, monkeypatch):
-    original = page_module.document
+    original = page_module.paper_data
 
     def renamed(*given, **more):
         made = original(*given, **more)
         made["sections"][0]["blocks"][0]["kind"] = "oracle"
         return made
 
-    monkeypatch.setattr(page_module, "document", renamed)
+    monkeypatch.setattr(page_module, "paper_data", renamed)
     with pytest.raises(jinja2.UndefinedError):
         report_html(Content(result))
 
@@ -378,7 +380,11 @@ def test_a_page_without_a_set_names_the_nearest_misses(example_text, tmp_path):
     assert not result.sets
     page = parsed(report_html(Content(result)))
     verdict = words(page.xpath("//div[contains(@class, 'verdict')]")[0])
-    assert verdict.startswith("No drive.") and "it fails on:" in verdict and result.misses[0].label in verdict
+    assert (
+        verdict.startswith("No drive meets all limits.")
+        and "it fails on:" in verdict
+        and result.misses[0].label in verdict
+    )
     assert "The closest rejected drive" in [words(h) for h in page.xpath("//h2")]
 
 

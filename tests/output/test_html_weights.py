@@ -10,10 +10,10 @@ from html_reports import HOSTILE, parsed, with_choices
 from lxml import html
 from printed import blank_figures
 
+from drivesizer.output.document.content import Content
 from drivesizer.output.report.html.candidate_plots import weights_section
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.templates import section_html
-from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import used_share, weighted_order
 
 

@@ -11,10 +11,11 @@ import pytest
 from browser_pages import findings, kept, launched, until
 from html_reports import HOSTILE, with_choices
 
+from drivesizer.output.document.axes import document_of
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.paper import paper_data
 from drivesizer.output.report.html.candidate_plots import weights_section
 from drivesizer.output.report.html.page import filled_page
-from drivesizer.output.report.sections import document
-from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import weighted_order
 
 pytestmark = pytest.mark.slow
@@ -38,7 +39,9 @@ def path(weighed, tmp_path_factory) -> Path:
     made = tmp_path_factory.mktemp("weights") / "page.html"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("plotly.offline.get_plotlyjs", lambda: "")
-        made.write_bytes(filled_page(document(content) | {"sections": [weights_section(content)]}, {}, {}))
+        made.write_bytes(
+            filled_page(paper_data(document_of(content)) | {"sections": [weights_section(content)]}, {}, {})
+        )
     return made
 
 

@@ -13,11 +13,11 @@ import pytest
 import yaml
 from loops_by_hand import CASCADE, UNSTABLE, lag
 from printed import blank_figures, text_of
-from rich.console import Console
 from synthetic_validation import labels, synthetic_validation
 
 from drivesizer.control.validation import ControllerGain, Validation
 from drivesizer.errors import InputError
+from drivesizer.output.document.content import Content
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.loop_table import cell, loop_figures, settled
 from drivesizer.output.report import csv as csv_tables
@@ -25,9 +25,7 @@ from drivesizer.output.report import pdf, write_loop_figures
 from drivesizer.output.report.figures import cycle
 from drivesizer.output.report.figures import loops as bode_and_step
 from drivesizer.output.report.figures.loops import block_diagram
-from drivesizer.output.report.sections.section import Content
 from drivesizer.output.terminal import sizing as terminal
-from drivesizer.output.terminal.sizing import loops
 from drivesizer.output.thinning import curve_points, extremes
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
@@ -218,26 +216,22 @@ def test_a_table_says_the_figures_of_the_closed_forms():
     assert none["pole_radius"] == "1.6" and {none[n] for n in ("bandwidth", "phase_margin", "sensitivity")} == {"–"}
 
 
-@pytest.mark.parametrize("some", [CASCADE, UNSTABLE, (VELOCITY,)])
-@pytest.mark.parametrize("width", [80, 100, 120, 140])
-def test_the_terminals_table_fits_and_breaks_no_word(some, width):
-    stream = io.StringIO()
-    Console(file=stream, width=width).print(loops(some, width))
-    lines = [line.rstrip() for line in stream.getvalue().splitlines()]
-    assert max(map(len, lines)) <= width
-    words = " ".join(lines).split()
-    assert {"bandwidth", "overshoot", "settling", "largest", *(loop.name for loop in some)} <= {
-        w.strip(",") for w in words
-    }
-    assert ("UNSTABLE" in words) is (some is UNSTABLE)
-    assert ("sensitivity" in words and "velocity, braking" in stream.getvalue()) is (width == 140) or width == 120
+@pytest.mark.parametrize("width", [80, 140])
+def test_the_terminal_prints_the_loops_of_a_validation(width, proof, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", str(width))
+    terminal.validation(proof, checks=True)
+    out = capsys.readouterr().out
+    assert "The loops by linear analysis" in out and max(len(line.rstrip()) for line in out.splitlines()) <= width
+    assert ("sensitivity" in out) == (width == 140)
 
 
-def test_the_terminal_prints_the_loops_of_a_validation(proof, capsys, monkeypatch):
+def test_a_validation_answers_first(proof, capsys, monkeypatch):
+    """Verdict and the three tightest checks; all checks, gains and loops only on request."""
     monkeypatch.setenv("COLUMNS", "80")
     terminal.validation(proof)
     out = capsys.readouterr().out
-    assert "Linear analysis of the loops" in out and max(len(line.rstrip()) for line in out.splitlines()) <= 80
+    assert "the tightest of" in out and "linear analysis" not in out and "controller" not in out.splitlines()[-1]
+    assert len(out.splitlines()) < 20
 
 
 def test_the_report_has_table_figures_and_the_controllers_own_units(result, proof):

@@ -22,10 +22,11 @@ import drivesizer.simulate
 from drivesizer.cli import app
 from drivesizer.commands.common import proven
 from drivesizer.errors import InputError, NoLoopError
+from drivesizer.output.document.axes import MachineContent, document_of
+from drivesizer.output.document.paper import paper_data
 from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
 from drivesizer.output.report.html.plots import power_plot
-from drivesizer.output.report.machine import MachineContent, document
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -95,16 +96,17 @@ def digits(number: Any) -> str:
 
 
 def test_every_table_has_the_figures_of_validate(files, book, validated):
-    table = [*csv.DictReader(io.StringIO(files["a-loops.csv"].decode()))]
-    rows = {(row["axis"], row["name"], row["value"], row["limit"]) for row in table}
-    sheet = {(row[0], *map(digits, row[4:6])) for row in book["Closed loops"].iter_rows(values_only=True)}
+    table = [*csv.DictReader(io.StringIO(files["a.csv"].decode()))]
+    rows = {(row["axis"], row["name"], row["value"], row["limit"]) for row in table if row["section"] == "validation"}
+    sheets = [row for name in ("Closed loop", "Open loop") for row in book[name].iter_rows(values_only=True)]
+    cells = {(row[0], digits(cell)) for row in sheets for cell in row}
     for name, proof in validated.items():
         written = [(key, one["value"], None) for key, one in proof["figures"].items()]
         written += [(one["name"], one["demand"], one["limit"]) for one in proof["checks"]]
         assert len(written) > 10
         for key, *numbers in written:
             assert (name, key, *("" if number is None else str(number) for number in numbers)) in rows
-            assert (name, *map(digits, numbers)) in sheet
+            assert all((name, digits(number)) in cells for number in numbers)
 
 
 def test_series_over_time_are_whole_in_a_file_of_each_axis(files, book, content):
@@ -117,20 +119,23 @@ def test_series_over_time_are_whole_in_a_file_of_each_axis(files, book, content)
 # -- chapters
 
 
+def document(content):
+    return paper_data(document_of(content))
+
+
 def test_each_chapter_prints_the_sections_of_a_report_of_one_axis(content, validated):
     sections = {one["name"]: one for one in document(content)["sections"]}
-    titles = {number: [one["title"] for name, one in sections.items() if name.startswith(f"axis{number}_")]
+    titles = {number: [one["title"] for name, one in sections.items() if name.startswith(f"axis{number}-")]
               for number in (1, 2)}  # fmt: skip
     assert {"Closed loop", "The loops by linear theory"} < {*titles[1]} and "Open loop" in titles[2]
     assert not {"Closed loop", "The loops by linear theory"} & {*titles[2]}
     for number, (name, proof) in enumerate(content.proofs.items(), 1):
-        (loop,) = (one for one in sections.values() if one["title"] in ("Closed loop", "Open loop")
-                   and one["name"].startswith(f"axis{number}_"))  # fmt: skip
-        checks = next(block for block in loop["blocks"] if block["kind"] == "checks")
-        assert {row["exact"]["name"] for row in checks["rows"]} == {one["name"] for one in validated[name]["checks"]}
-        figures = next(block for block in loop["blocks"] if block["kind"] == "pair")["left"][0]["rows"]
-        assert [row["text"] for row in figures] == [figure.text for figure in proof.figures]
-        assert any(block["kind"] == "picture" and block["name"] == f"axis{number}-loop" for block in loop["blocks"])
+        loop = sections[f"axis{number}-loop"]["blocks"]
+        checks = next(block for block in loop if block.get("name") == f"axis{number}-loop-checks")
+        assert {row["data"]["check"] for row in checks["rows"]} == {one["name"] for one in validated[name]["checks"]}
+        figures = next(block for block in loop if block["kind"] == "pair")["left"][0]["rows"]
+        assert [row["cells"][1]["text"] for row in figures] == [figure.text for figure in proof.figures]
+        assert any(block["kind"] == "picture" and block["name"] == f"axis{number}-loop" for block in loop)
         assert f"axis{number}-loop" in content.drawings
     rows = {row["cells"][0]: row["cells"][1:] for row in sections["loops"]["blocks"][0]["rows"]}
     assert rows["x"][0].startswith("closed loop, ") and rows["table"][0].startswith("open loop, ")

@@ -16,6 +16,10 @@ from printed import blank_figures
 from synthetic_validation import labels
 
 from drivesizer.load_cases import load_cycle
+from drivesizer.output.document import SECTIONS
+from drivesizer.output.document.axes import document_of
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.paper import paper_data
 from drivesizer.output.part import _row
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.cycle import Row, Trace, each_over_time
@@ -24,8 +28,6 @@ from drivesizer.output.report.figures.style import Drawing, Window
 from drivesizer.output.report.html.candidate_plots import apart
 from drivesizer.output.report.html.page import both_schemes, report_html
 from drivesizer.output.report.pdf import report_pdf
-from drivesizer.output.report.sections import SECTIONS, document
-from drivesizer.output.report.sections.section import Content
 from drivesizer.results.check_kinds import CHECKS, PARTS, part_of, sorted_by_part
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.sections import TitleBlock
@@ -45,7 +47,7 @@ def by_physics(result: SizingResult) -> SizingResult:
 
 
 def sections(result: SizingResult) -> dict:
-    return {section["name"]: section for section in document(Content(result))["sections"]}
+    return {section["name"]: section for section in paper_data(document_of(Content(result)))["sections"]}
 
 
 def blocks(result: SizingResult, name: str) -> dict:
@@ -123,7 +125,7 @@ def test_the_title_block_is_what_the_spec_gives(result):
     assert all(text in pages[0] for text in given.values())
     assert all("SPS surveillance robot, AGV 12, revision B" in text for text in pages[1:])
     assert "<dt>Customer</dt><dd>Muster &lt;AG&gt;</dd>" in page and "Author" not in pages[0]
-    assert document(Content(result))["block"] == []
+    assert paper_data(document_of(Content(result)))["block"] == []
     summary = next(section for section in SECTIONS if section.name == "summary")
     assert summary.sheets is not None
     rows = [row for sheet in summary.sheets(Content(titled)) for row in sheet.rows]

@@ -8,12 +8,12 @@ import pytest
 from synthetic_validation import synthetic_validation
 
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.document.content import Content
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json import documents as json_file
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import write
-from drivesizer.output.report.json import render
-from drivesizer.output.report.sections.section import Content
+from drivesizer.output.report.json import report_json
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -109,4 +109,4 @@ def test_half_a_letter_and_quotes_are_written(result, tmp_path):
     proof = replace(synthetic_validation(result, step=1.0), profile=entered["name"])
     (path,) = write(result, proof, [tmp_path / "report.json"])
     assert json.loads(path.read_bytes())["validation"]["profile"] == entered["name"]
-    assert render(Content(result, proof), path)[path] == path.read_bytes()
+    assert report_json(Content(result, proof)) == path.read_bytes()

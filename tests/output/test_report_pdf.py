@@ -16,8 +16,8 @@ from synthetic_validation import synthetic_validation
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.document.content import Content
 from drivesizer.output.report import pdf
-from drivesizer.output.report.sections.section import Content
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -90,7 +90,7 @@ def test_energy_heat_parts_and_what_is_not_known_are_told(text):
         "Energy per cycle 5447 J", "drawn less what is regenerated and kept (70 %", "Copper loss, mean 0.3661 W",
         "Winding in periodic steady state, mean 38.23 °C",
         "Winding, permitted 125 °C",
-        "4 × gearhead maxon GP 26 A, 27:1, exactly 26.851 406764 308 g 127.73 EUR 510.92 EUR", "at least 510.92 EUR",
+        "4 × gearhead maxon GP 26 A 27:1 406764 27:1, exactly 26.851 308 g 127.73 EUR 510.92 EUR", "≥ 510.92 EUR",
         "without motor, belt, encoder, controller", "cables, connectors",
         "Motor permissible speed 5552 rpm 14000 rpm +152 % pass", "encoder max speed 24000 rpm recalled",
     ):  # fmt: skip
@@ -170,7 +170,7 @@ def test_a_set_of_unknown_figures_says_which_and_draws_the_rest(result):
     assert_within_margins(made.pictures, "a4")
     text = text_of(made.content)
     assert "Energy per cycle unknown" in text and "current over time is unknown" in text
-    assert re.search(r"total (at least )?[\d.]+ kg unknown", text) and not re.search(r"\bnan\b", text)
+    assert re.search(r"total (≥ )?[\d.]+ kg unknown", text) and not re.search(r"\bnan\b", text)
 
 
 def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text, tmp_path):
@@ -180,5 +180,5 @@ def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text,
     made = printed(found, None)
     assert_within_margins(made.pictures, "a4")
     text = text_of(made.content)
-    assert "No drive." in text and "; it fails on:" in text and found.misses[0].motor.part in text
+    assert "No drive meets all limits." in text and "; it fails on:" in text and found.misses[0].motor.part in text
     assert "The closest rejected drive" in text and "Changes after which" in text and re.search(r"and \d+ more", text)

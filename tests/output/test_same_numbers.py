@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import openpyxl
 import pytest
 from lxml import html
-from numbers_read import NUMBER, number, sheet, value_of, words
+from numbers_read import NUMBER, number, value_of, words
 from pdf_text import texts_of
 from printed import blank_figures
 
@@ -136,42 +136,67 @@ def of_the_machine(section: str, title: str, value: Any, limit: Any, unit: str |
     return {(OF_THE_MACHINE[section], title): Fact(number(value), most, unit=label(unit or ""))}
 
 
-def from_xlsx(folder: Path, run: Run) -> Facts:
-    book = openpyxl.load_workbook(folder / "report.xlsx", read_only=True)
-    found: Facts = {}
-    names = {(i, r.title): r.name for i, of in enumerate((run.result, run.best)) for r in of.requirements}
-    for row in sheet(book, "Requirements"):
-        if row["drive"] in (None, run.best.rank):
-            place = int(row["drive"] is not None)
-            found["requirement", place, names[place, row["requirement"]]] = told(row, "value")
-    called = {(where, c.method, c.title): c.name for where, c in run.checks()}
-    for row in sheet(book, "Checks"):
-        if row["drive"] == run.best.rank:
-            found["check", row["method"], called["check", row["method"], row["check"]]] = told(row, "value or demand")
-    for row in (*sheet(book, "Machine"), *sheet(book, "Battery")):
-        if row["drive"] == run.best.rank:
-            found |= of_the_machine(row["of"], row["what"], row["value"], row.get("at most"), row["unit"])
-    for row in sheet(book, "Candidates"):
-        rank = row["drive"]
-        found["candidate", rank, "mass"] = Fact(number(row["mass (g)"]), unit="g")
-        found["candidate", rank, "price"] = Fact(number(row["price (EUR)"]), unit="EUR")
-        found["candidate", rank, "total_ratio"] = Fact(number(row["total ratio"]))
-        found["candidate", rank, "verdict"] = Fact(status=row["status"])
-    figures = {f.title: f.name for f in run.proof.figures} if run.proof else {}
-    for row in sheet(book, "Closed loop"):
-        method = run.proof.checks[0].method if run.proof and run.proof.checks else ""
-        if name := called.get(("validation", method, row["figure"])):
-            found["validation", method, name] = told(row, "value or demand")
-        elif row["of"] == "validation" and row["figure"] in figures:
-            found["figure", figures[row["figure"]]] = told(row, "value or demand")
+Line = dict[str, Any]  # of a sheet: its cells by the heads above them, and the unit of each number
+
+
+def lines(folder: Path) -> list[tuple[str, Line]]:
+    """Rows of all tables with the sheet that they stand in; a head is known by its colour."""
+    found = []
+    for page in openpyxl.load_workbook(folder / "report.xlsx", data_only=True):
+        heads: list[str] = []
+        for cells in page.iter_rows():
+            values = [cell.value for cell in cells]
+            if cells[0].fill.fgColor.rgb == "FF0B5B8C":
+                heads = [str(value or "") for value in values]
+                continue
+            line: Line = {}
+            for n, (head, value) in enumerate(zip(heads, values, strict=False)):
+                name, _, unit = head.partition(" (")
+                beside = heads[n + 1 : n + 2] == ["unit"]
+                if name and name not in ("unit", "SI value", "SI unit"):
+                    line |= {
+                        name: value,
+                        f"unit of {name}": (values[n + 1] if beside else unit.removesuffix(")")) or "",
+                    }
+            found.append((page.title, line))
     return found
 
 
-def told(row: dict[str, Any], value: str) -> Fact:
-    return Fact(
-        number(row[value]), number(row.get("limit")), number(row.get("margin (%)")), row["unit"] or "",
-        row.get("status") or "",
-    )  # fmt: skip
+def from_xlsx(folder: Path, run: Run) -> Facts:
+    found: Facts = {}
+    names = {(i, r.title): r.name for i, of in enumerate((run.result, run.best)) for r in of.requirements}
+    called = {(where, c.method, c.title): c.name for where, c in run.checks()}
+    figures = {f.title: f.name for f in run.proof.figures} if run.proof else {}
+    loop = run.proof.loop.capitalize() if run.proof else ""
+    for sheet, row in lines(folder):
+        title = str(row.get("title", row.get("part", ""))).removesuffix(" given")
+        if row.get("drive", run.best.rank) != run.best.rank:
+            continue
+        if "symbol" in row and (int("drive" in row), title) in names:
+            place = int("drive" in row)
+            found["requirement", place, names[place, title]] = Fact(number(row["value"]), unit=row["unit of value"])
+        elif "check" in row and "demand" in row and sheet != "Summary":
+            where = "validation" if sheet == loop else "check"
+            name = called.get((where, row["method"], row["check"]))
+            figure = number(row["demand"]), number(row["limit"]), number(row["margin"])
+            if name:
+                found[where, row["method"], name] = Fact(*figure, row["unit of demand"], row["status"] or "")
+        elif "together" in row and sheet == "The machine with this drive":
+            found["mass", row["part"]] = Fact(number(row["together"]), unit="kg")
+        elif "consumer" in row:
+            peak = number(row["peak"])
+            found["consumer", row["consumer"]] = Fact(number(row["mean"]), 0.0 if isnan(peak) else peak, unit="W")
+        elif sheet in ("The machine with this drive", "Battery") and "value" in row:
+            found["machine", title] = Fact(number(row["value"]), unit=row["unit of value"])
+        elif sheet == loop and title in figures and "value" in row:
+            found["figure", figures[title]] = Fact(number(row["value"]), unit=row["unit of value"])
+        if sheet == "Candidates" and row.get("list") in ("set", "miss", "unsure"):
+            rank = row["rank"]
+            found["candidate", rank, "mass"] = Fact(1000.0 * number(row["mass kg"]), unit="g")
+            found["candidate", rank, "price"] = Fact(number(row["price EUR"]), unit="EUR")
+            found["candidate", rank, "total_ratio"] = Fact(number(row["total ratio"]))
+            found["candidate", rank, "verdict"] = Fact(status=row["status"])
+    return found
 
 
 def from_json(folder: Path, run: Run) -> Facts:
@@ -247,10 +272,13 @@ def from_text(text: str, run: Run) -> Facts:
     return {key: fact for key, fact in found.items() if fact is not None}
 
 
+LARGER = {"g": "kg", "J": "kJ", "W": "kW", "mN·m": "N·m", "N": "kN"}  # the next prefix, from a thousand on
+
+
 def read_all(text: str, title: str, expected: Fact, limited: bool) -> list[Fact]:
     """What stands behind each place at which a title does: a method's table, the other's, the tightest margins."""
-    unit = re.escape(expected.unit)
-    quantity = rf"(?:({NUMBER}) ?{unit}|(unknown)|(unbounded))(?![\w.])"
+    unit, larger = re.escape(expected.unit), re.escape(LARGER.get(expected.unit, "no unit"))
+    quantity = rf"(?:({NUMBER}) ?(?:{unit}|({larger}))|(unknown)|(unbounded))(?![\w.])"
     if not limited:
         pattern = rf"{words(title)}.{{0,90}}?[= ]{quantity}"
         return [Fact(parsed(m, 1), unit=expected.unit) for m in re.finditer(pattern, text)]
@@ -262,7 +290,7 @@ def read_all(text: str, title: str, expected: Fact, limited: bool) -> list[Fact]
     return [
         Fact(
             parsed(m, 1),
-            parsed(m, 4),
+            parsed(m, 5),
             value_of(m["margin"]) / 100.0 if m["margin"] else nan,
             expected.unit,
             m["status"],
@@ -277,8 +305,8 @@ def read_row(text: str, key: Key, unit: str) -> list[Fact]:
     A part's mass is each and together, where there are several; a consumer's power is the mean and then the peak,
     which is left out where it is nothing.
     """
-    quantity = rf"(?:({NUMBER}) {unit}|(unknown))(?![\w.])"
-    pattern = rf"(?<!\w){words(key[1])} (?:\d+ (?:× )?)?{quantity}(?: {quantity})?"
+    quantity = rf"(?:({NUMBER}) (?:k?{unit})|(unknown))(?![\w.])"
+    pattern = rf"(?<!\w){words(key[1])} (?:\d+ (?:× )?|– )?{quantity}(?: {quantity})?"
     found = []
     for m in re.finditer(pattern, text):
         several = bool(m[3] or m[4])
@@ -294,8 +322,8 @@ def parsed_of(match: re.Match[str], first: int) -> float:
 
 
 def parsed(match: re.Match[str], first: int) -> float:
-    digits, unknown, endless = match.group(first, first + 1, first + 2)
-    return nan if unknown else inf if endless else value_of(digits)
+    digits, thousand, unknown, endless = match.group(first, first + 1, first + 2, first + 3)
+    return nan if unknown else inf if endless else (1000.0 if thousand else 1.0) * value_of(digits)
 
 
 def nearest(expected: Fact, read: list[Fact]) -> Fact | None:
@@ -305,13 +333,14 @@ def nearest(expected: Fact, read: list[Fact]) -> Fact | None:
 
 def candidate(text: str, s: Any, expected: Facts) -> Facts:
     pattern = (
-        rf"\b{s.rank} {words(s.motor_name)} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} g|unknown) "
+        rf"\b{s.rank} {words(s.motor_name)} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} k?g|unknown) "
         rf"(?P<price>{NUMBER}(?: EUR)?|unknown) .{{0,120}}?{STATUS}"
     )
     match = re.search(pattern, text[text.index("combinations of motor and gearhead, with") :])
     if match is None:
         return {}
     amount = {name: nan if match[name] == "unknown" else value_of(match[name].split()[0]) for name in ("mass", "price")}
+    amount["mass"] *= 1000.0 if match["mass"].endswith(" kg") else 1.0
     return {
         ("candidate", s.rank, "mass"): Fact(amount["mass"], unit="g"),
         ("candidate", s.rank, "price"): Fact(amount["price"], unit="EUR"),

@@ -12,11 +12,11 @@ from synthetic_validation import labels
 
 from drivesizer.machine.set_cycle import WarmUp, set_cycle
 from drivesizer.machine.supply_power import EnergyFlow
+from drivesizer.output.document.summary import parts_table
 from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.sections.summary import parts_table
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
@@ -282,15 +282,14 @@ def test_figures_that_hang_on_an_unknown_one_are_left_out(result):
 
 def test_the_parts_list_multiplies_and_sums_what_is_known(result):
     best = result.sets[0]
-    made = parts_table(parts_list(best, result.catalog, 4), 4, "the selected drive")
+    made = parts_table(parts_list(best, result.catalog, 4), "all 4 drives", "the selected drive")
     *lines, total = [row.cells for row in made.rows]
-    rows = {role: cells for _, role, *cells in lines}  # family, number, mass, each, together
-    counts = {role: count for count, role, *_ in lines}
-    assert rows["gearhead"][3:] == ["127.73 EUR", "510.92 EUR"] and "2019-09" in made.caption
-    assert rows["gearhead"][2] == "308 g"  # 4 of 77 g
-    assert counts["gearhead"] == "4 ×" and rows["motor"][1] == "118752" and rows["motor"][3:] == ["unknown"] * 2
-    assert total[1] == "total" and total[6] == "at least 510.92 EUR" and total[4].startswith("at least ")
+    rows = {row["role"]: row for row in lines}
+    shown = {role: [row[key].text for key in ("quantity", "masses", "price", "prices")] for role, row in rows.items()}
+    assert shown["gearhead"] == ["4 ×", "308 g", "127.73 EUR", "510.92 EUR"]  # 4 of 77 g
+    assert shown["motor"][2:] == ["unknown"] * 2 and rows["motor"]["order_number"] == "118752"
+    assert total["prices"].text == "≥ 510.92 EUR" and total["masses"].text.startswith("≥ ")
     nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
-    *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), 1, "").rows]
-    assert total[6] == "unknown"
-    assert {role: family for _, role, family, *_ in lines}["encoder"] == "none is listed for this motor"
+    *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), "one", "").rows]
+    assert total["price"] == "unknown"
+    assert {row["role"]: row["named"] for row in lines}["encoder"] == "none is listed for this motor"

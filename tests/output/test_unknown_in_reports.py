@@ -14,11 +14,12 @@ from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
+from drivesizer.output.document.candidates import gearhead_words
+from drivesizer.output.document.records import Small
+from drivesizer.output.document.summary import parts_table
 from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures.field import Panel, paper_points, torque_speed
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.sections.candidates import gearhead_words
-from drivesizer.output.report.sections.summary import parts_table
 from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
@@ -73,21 +74,22 @@ def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
     for name in ("energy", "returned", "power", "joule_heat", "peak_current", "winding_temperature"):
         assert isnan(figures[name]), name
     does = Behaviour(problem(spec, catalog), rubs_unknown)
-    assert does.cost == "unknown" and does.heat[0] == {"title": "Copper loss, mean", "text": "unknown", "at": ""}
+    assert does.cost == "unknown" and (does.heat[0].title, does.heat[0].text) == ("Copper loss, mean", "unknown")
 
 
 def test_a_mass_that_a_data_sheet_has_is_not_called_unknown(chosen, catalog):
     weighed = replace(chosen, controller=replace(chosen.controller, mass=0.33))
-    masses = {row.cells[1]: row.cells[4] for row in parts_table(parts_list(weighed, catalog, 1), 1, "").rows}
+    rows = parts_table(parts_list(weighed, catalog, 1), "one", "").rows[:-1]
+    masses = {row.cells["role"]: row.cells["masses"].text for row in rows}
     assert (masses["encoder"], masses["controller"]) == ("unknown", "330 g")
 
 
 def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
     made_up = catalog.encoders.record(catalog.encoders.rows["ENC 30 HEDL 5540"])
     lines = parts_list(replace(chosen, encoder=made_up), catalog, 1)
-    rows = {row.cells[1]: row.cells[3] for row in parts_table(lines, 1, "").rows}
-    assert rows["encoder"] == "ENC 30 HEDL 5540, no order number known"
-    assert rows["motor"] == "118752"
+    cells = {row.cells["role"]: row.cells for row in parts_table(lines, "one", "").rows[:-1]}
+    assert cells["encoder"]["order_number"] == "" and cells["motor"]["order_number"] == "118752"
+    assert cells["encoder"]["named"][-1] == Small("no order number")
 
 
 @pytest.fixture(scope="module")
@@ -173,5 +175,5 @@ def test_a_part_number_that_is_family_and_reduction_is_printed_once(lift):
 
 def test_a_part_that_no_catalogue_lists_is_so_in_the_report_too(lift, catalog):
     lines = parts_list(replace(lift, encoder=None), catalog, 1)
-    (row,) = (row for row in parts_table(lines, 1, "").rows if row.cells[1] == "encoder")
-    assert row.cells[2] == "none is listed for this motor"
+    (row,) = (row for row in parts_table(lines, "one", "").rows if row.cells["role"] == "encoder")
+    assert row.cells["named"] == "none is listed for this motor"

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -36,10 +37,10 @@ ADDED = {  # file: a line before which another goes, or several such
         '        at_most("below_no_load", demand.peak_speed, motor["no_load_speed"]),\n',
     ),
     "loads/kinds.py": ('"hoist", ', '"wire_winder", '),
-    "output/report/sections/__init__.py": (
+    "output/document/__init__.py": (
         '__all__ = ["SECTIONS"',
-        "from drivesizer.output.report.sections.speeds import SPEEDS\n",
-        "    RELIABILITY,\n",
+        "from drivesizer.output.document.speeds import SPEEDS\n",
+        "    at_work.PIECES,\n",
         "    SPEEDS,\n",
     ),
     "spec/drive.py": (
@@ -75,20 +76,17 @@ motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_ti
 supply: {nominal: 24 V}
 """
 SECTION = """
-from drivesizer.output.report.sections.section import Column, Row, Table, Words
-from drivesizer.output.report.sections.section import quantity
-from drivesizer.output.report.sections.section import Section
+from drivesizer.output.document.records import Column, Quantity, Row, Section, Table, Words
 
 
-def _blocks(content):
-    if content.drive:
-        speed = quantity(content.drive.motor.no_load_speed, "rpm", "rotary_speed")
-        yield Words("Speeds of the bare motor.")
-        columns = Column("figure"), Column("value", "number")
-        yield Table("Speeds without a load", columns, [Row(("no-load speed", speed))])
+def _speeds(of, drive):
+    yield Words("Speeds of the bare motor.")
+    speed = Quantity(drive.motor.no_load_speed, "rpm", "rotary_speed")
+    columns = Column("title", "figure"), Column("value", "value", "number")
+    yield Table("Speeds without a load", columns, [Row({"title": "no-load speed", "value": speed}, name="no_load")])
 
 
-SPEEDS = Section(name="speeds", title="Speeds of the motor", level=2, blocks=_blocks)
+SPEEDS = Section(name="speeds", title="Speeds of the motor", level=2, blocks=_speeds, of_drive=True)
 """
 RUN = """
 from pathlib import Path
@@ -118,7 +116,7 @@ def copy(tmp_path_factory):
             assert text.count(before) == 1, file
             text = text.replace(before, line + before)
         path.write_text(text, encoding="utf-8")
-    (folder / "drivesizer" / "output" / "report" / "sections" / "speeds.py").write_text(SECTION, encoding="utf-8")
+    (folder / "drivesizer" / "output" / "document" / "speeds.py").write_text(SECTION, encoding="utf-8")
     (folder / "drivesizer" / "loads" / "wire_winder.py").write_text(WINDER, encoding="utf-8")
     (folder / "reel.yaml").write_text(REEL, encoding="utf-8")
     text = (PACKAGE / "spec" / "starters" / "hoist.yaml").read_text(encoding="utf-8")
@@ -153,6 +151,25 @@ def test_one_declaration_makes_a_check(told, catalog):
     assert "Speed below no load" in terminal and "Speed below no load" in page
 
 
+def test_the_check_is_in_every_medium(copy):
+    """The same demand in PDF, page, workbook and CSV, without a line in any renderer."""
+    folder, _ = copy
+    reel = json.loads((folder / "reel.json").read_text(encoding="utf-8"))["sets"][0]
+    demand = next(check["demand"] for check in reel["checks"] if check["name"] == "below_no_load")
+    assert "Speed below no load" in "".join(texts_of((folder / "reel.pdf").read_bytes()))
+    page = html.fromstring((folder / "reel.html").read_text(encoding="utf-8"))
+    assert page.xpath("//tr[@data-check='below_no_load']//data/@value")[0] == str(demand)
+    heads, *rows = openpyxl.load_workbook(folder / "reel.xlsx")["Checks"].iter_rows(values_only=True)
+    (row,) = [dict(zip(heads, row, strict=True)) for row in rows if row[0] == 1 and "Speed below no load" in row]
+    with (folder / "reel.csv").open(encoding="utf-8") as file:
+        (line,) = [one for one in csv.DictReader(file) if (one["name"], one["set_rank"]) == ("below_no_load", "1")]
+    assert (
+        row["demand"] == pytest.approx(demand)
+        and float(line["value"]) == demand
+        and row["status"] == line["status"] == "pass"
+    )
+
+
 def test_one_declaration_makes_an_objective(told, catalog):
     """The sets are in the order of the currents that the catalogue prints."""
     terminal, document, page = told
@@ -176,9 +193,10 @@ def test_one_file_and_one_line_make_a_kind_of_load(copy):
     assert "wire_winder" in text and "23 N" in text
 
 
-def test_one_record_makes_a_section_of_every_report(copy, catalog):
-    """On paper, on the page, in a sheet of its own and in the table: the same figure, in its unit and in SI."""
-    folder, _ = copy
+def test_one_record_makes_a_section_in_every_medium(copy):
+    """At the terminal, on paper, on the page, in a sheet of its own and in the table: the same figure."""
+    folder, printed = copy
+    assert re.search(r"Speeds without a load\n.*\nno-load speed +\d+ rpm", printed)
     document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))
     speed = document["sets"][0]["motor"]["no_load_speed"]
     text = "".join(texts_of((folder / "reel.pdf").read_bytes()))
@@ -187,12 +205,14 @@ def test_one_record_makes_a_section_of_every_report(copy, catalog):
     order = [head.text_content() for head in page.xpath("//h3")]
     assert order.index("Energy") + 1 == order.index("Speeds of the motor")
     (cell,) = page.xpath("//table[caption='Speeds without a load']//data/@value")
-    sheet = openpyxl.load_workbook(folder / "reel.xlsx")["Speeds of the motor"]
-    heads, row, words = sheet.iter_rows(values_only=True)
-    assert heads[:3] == ("figure", "value", "unit") and row[:3] == ("no-load speed", pytest.approx(float(cell)), "rpm")
-    assert words[0] == "Speeds of the bare motor."
+    heads, row, *_ = openpyxl.load_workbook(folder / "reel.xlsx")["Speeds of the motor"].iter_rows(values_only=True)
+    assert dict(zip(heads, row, strict=True)) == {
+        "drive": 1,
+        "figure": "no-load speed",
+        "value (rpm)": pytest.approx(float(cell)),
+    }
     with (folder / "reel.csv").open(encoding="utf-8") as file:
-        (line,) = [one for one in csv.DictReader(file) if one["section"] == "speeds"]
+        (line,) = [one for one in csv.DictReader(file) if (one["section"], one["set_rank"]) == ("speeds", "1")]
     assert (line["title"], line["unit"], line["si_unit"]) == ("no-load speed", "rpm", "rad/s")
     assert float(line["value"]) == float(cell) == pytest.approx(speed * 30.0 / math.pi)
     assert float(line["si_value"]) == speed

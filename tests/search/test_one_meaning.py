@@ -10,8 +10,8 @@ import pytest
 from specs import estimates_off, poorer
 
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.document.candidates import probability_table
 from drivesizer.output.json import documents as contract
-from drivesizer.output.report.lines.rows import drive_cells
 from drivesizer.results.check_columns import at_most
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.options import Sampling
@@ -57,7 +57,8 @@ def test_samples_in_closed_loop_do_not_say_so_either(pair):
     assert math.isnan(found.loop.passing)
     written = contract.written(contract.schema.Reliability, found)["closed_loop"]
     assert written["probability"] is None and written["none_fails"] == found.loop.probability
-    assert drive_cells(pair.sets[0])["loop"].startswith("unknown; none fails: ")
+    cell = probability_table("", pair.sets, "").rows[0].cells["loop"]
+    assert cell.text == "unknown" and cell.note.startswith("none fails: ")
 
 
 def test_where_nothing_is_unknown_none_fails_is_that_all_pass(pair):

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Controller, Encoder
 from drivesizer.control.closed_loop.run import FOLLOWS, ClosedLoop
 from drivesizer.control.loop_design import stated_margin
-from drivesizer.control.validation import TRAVEL
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import floor_friction
 from drivesizer.load_cases.profile import SPEED
@@ -31,12 +30,13 @@ from drivesizer.results.ratings import continuous_speed_limit, controller_curren
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 
-__all__ = ["checks", "figures", "series", "series_units"]
+__all__ = ["TRAVEL", "checks", "figures", "series", "series_units"]
 
 
 # -- Figures and time series of a closed-loop simulation, seen from the load.
 
 
+TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
 _SHARE, _FACTOR = ("dimensionless", "%"), ("dimensionless", "1")
 _CURRENT, _VOLTAGE, _POWER = ("current", "A"), ("voltage", "V"), ("power", "W")
 _HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy", "W*h")

@@ -15,7 +15,7 @@ from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
 from drivesizer.physics.thermal import TwoBodies
 
-__all__ = ["CurrentLimit", "Drive", "MotorHeat", "Resolution", "Supply", "Task", "checked", "line", "pieces_of"]
+__all__ = ["CurrentLimit", "Drive", "MotorHeat", "Resolution", "Supply", "Task", "checked", "pieces_of"]
 
 
 # -- Input of a simulation: a drive with its controller and limits, and the motion and load required of it.
@@ -156,17 +156,13 @@ def pieces_of(task: Task, p: Array) -> Array:
     corner = np.isin(start, time)
     start = np.where(short, np.maximum(start, first * h), start)
     later = np.where(short, (first + 1.0 - _WHOLE) * h, start)
-    (v, slope), (l, dl) = line(start, time, speed), line(start, *load)
-    slope = np.where(short, (line(later, time, speed)[0] - v) / h, slope)
-    dl = np.where(short, (line(later, *load)[0] - l) / h, dl)
-    # angle of the reference [rad]
-    n = np.clip(np.searchsorted(time, start, "right") - 1, 0, len(time) - 2)
-    before = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
-    angle = before + (start - time[n]) * (speed[n] + v) / 2.0
-    return np.column_stack((first, last, start, v, slope, angle, l, dl, corner))
+    (v, slope), (l, dl) = _line(start, time, speed), _line(start, *load)
+    slope = np.where(short, (_line(later, time, speed)[0] - v) / h, slope)
+    dl = np.where(short, (_line(later, *load)[0] - l) / h, dl)
+    return np.column_stack((first, last, start, v, slope, _angle(start, time, speed), l, dl, corner))
 
 
-def line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
+def _line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
     """Value and slope to the right of some points of straight lines between corners; constant beyond them."""
     n = np.searchsorted(corners, x, "right") - 1
     inside = (n >= 0) & (n < len(corners) - 1)
@@ -175,3 +171,10 @@ def line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
     slope = np.where(inside, rise / run, 0.0)
     beyond = np.where(n < 0, values[0], values[-1])
     return np.where(inside, values[a] + slope * (x - corners[a]), beyond), slope
+
+
+def _angle(x: Array, time: Array, speed: Array) -> Array:
+    """Angle of the reference at some times [rad]."""
+    n = np.clip(np.searchsorted(time, x, "right") - 1, 0, len(time) - 2)
+    before = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
+    return np.asarray(before + (x - time[n]) * (speed[n] + _line(x, time, speed)[0]) / 2.0)

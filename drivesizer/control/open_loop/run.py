@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.drive_train import require
-from drivesizer.control.engine.task import line
 from drivesizer.control.open_loop import layout as at
 from drivesizer.control.open_loop.kernel import KERNEL
-from drivesizer.control.validation import TRAVEL, Stepping, Validation
+from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.machine_code import machine_code
 from drivesizer.load_cases.platform import at_shaft, remaining_torque
@@ -203,8 +202,14 @@ def _pieces(motion: Motion, ratio: float) -> Array:
     torque = np.array(motion.load_torque or (0.0, 0.0), float)
     when = np.array(motion.load_time, float) if len(motion.load_time) else time[[0, -1]]
     edges = np.unique(np.concatenate([time, when[(when > time[0]) & (when < time[-1])]]))
-    (v, dv), (l, dl) = line(edges[:-1], time, ratio * speed), line(edges[:-1], when, torque)
-    return np.ascontiguousarray(np.column_stack([np.diff(edges), v, dv, l, dl]))
+    lasts, middle = np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
+    columns = [lasts]
+    for t, y, factor in ((time, speed, ratio), (when, torque, 1.0)):
+        k = np.clip(np.searchsorted(t, middle) - 1, 0, len(t) - 2)
+        gaps = np.where(t[k + 1] > t[k], t[k + 1] - t[k], 1.0)
+        slope = np.where(t[k + 1] > t[k], (y[k + 1] - y[k]) / gaps, 0.0)
+        columns += [factor * (y[k] + slope * (edges[:-1] - t[k])), factor * slope]
+    return np.ascontiguousarray(np.column_stack(columns))
 
 
 # -- A stepper of a drive prepared and simulated along a profile, with what it needs of its pull-out torque.
@@ -328,6 +333,7 @@ METHOD = "open loop"
 _RULE = "pulses along the profile, open-loop"
 _SOURCE = "P. Acarnley, Stepping Motors: a guide to theory and practice, 4th ed., IET, 2002, chapters 3 and 4"
 _SLIP, _CREST = math.pi, math.pi / 2.0  # electrical: half a tooth pitch, and where the torque is largest
+_TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
 _CRESTS = "electrical: 90° is a full step, where the torque is largest; beyond 180° steps are lost: informational"
 _OWN = {"microsteps", "phase_current", "idle_current", "damping_ratio"}  # fields of ``control`` that a stepper has
 
@@ -336,7 +342,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     """The simulation of a stepper as a record."""
     found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper, seen, rows = case.stepper, case.out.figures, case.out.series
-    speed, travel = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis]
+    speed, travel = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis]
     per = case.radius / stepper.ratio  # m/rad, or 1: travel of the load per angle of the motor
     belt = drive_set.belt_ratio * drive_set.belt_efficiency
     count, torque = ("dimensionless", "1"), ("torque", "mN*m")

@@ -1,17 +1,17 @@
-"""Reports to hand on: what a sizing and its validation found, as PDF, CSV or figures.
+"""Reports to hand on: what a sizing and its validation found, as PDF, page, workbook, CSV, JSON or figures.
 
-Every kind of report is a function from records to the bytes of files, of ``kinds``; ``put`` writes those bytes,
-whole or not at all.
+The suffix of a path says which kind; each is made by a module of its own, from records to the bytes of files, which is
+imported when it is used. Files are written whole or not at all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from drivesizer.files.writing import write_files
-from drivesizer.output.report.kinds import KNOWN, OF_MACHINES, OF_ONE, accept, written
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.writing import check_targets, write_files
 
 if TYPE_CHECKING:
     from drivesizer.control.path_following.following import Followed
@@ -24,6 +24,17 @@ __all__ = [
     "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_machine",
     "write_machine_figures", "write_path", "write_series", "write_sets",
 ]  # fmt: skip
+
+KNOWN = (".pdf", ".html", ".xlsx", ".csv", ".json")
+
+
+def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
+    """Refuse what :func:`write` would refuse, before time is spent on what goes into it."""
+    for path in paths:
+        if path.suffix.lower() not in KNOWN:
+            known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
+            raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
+    check_targets((*paths, *tables))
 
 
 def write(
@@ -60,10 +71,10 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
-    from drivesizer.output.report.sections.section import Content
+    from drivesizer.output.document.content import Content
 
     content = Content(result, validation)  # one for all kinds: what takes time is computed once
-    return written(OF_ONE, "render", (content,), paths, {"paper": paper, "date": date})
+    return _write(content, paths, paper, date)
 
 
 def write_machine(
@@ -75,19 +86,55 @@ def write_machine(
     date: str | None = None,
 ) -> list[Path]:
     """Write reports of a machine of several axes; see :func:`write`."""
-    from drivesizer.output.report.machine import MachineContent
+    from drivesizer.output.document.axes import MachineContent
 
-    content = MachineContent(sizing, proofs)
-    return written(OF_MACHINES, "render_machine", (content,), paths, {"paper": paper, "date": date})
+    return _write(MachineContent(sizing, proofs), paths, paper, date)
 
 
-def write_sets(result: SizingResult, path: Path) -> list[Path]:
+def _write(content: Any, paths: Sequence[Path], paper: str, date: str | None) -> list[Path]:
+    """One content for all kinds: what takes time is computed once."""
+    accept(paths)
+    files: dict[Path, bytes] = {}
+    for path in paths:
+        made = _files(content, path, paper, date)
+        twice = files.keys() & made.keys()
+        if twice:
+            raise InputError(f"{min(twice)}: would be written twice; expected another name")
+        files |= made
+    return write_files(files)
+
+
+def _files(content: Any, path: Path, paper: str, date: str | None) -> dict[Path, bytes]:
+    """The files of one report."""
+    kind = path.suffix.lower()
+    if kind == ".pdf":
+        from drivesizer.output.report.pdf import report_pdf
+
+        return {path: report_pdf(content, paper=paper, date=date)}
+    if kind == ".html":
+        from drivesizer.output.report.html.page import report_html
+
+        return {path: report_html(content, date=date)}
+    if kind == ".json":
+        from drivesizer.output.report.json import report_json
+
+        return {path: report_json(content)}
+    if kind == ".csv":
+        from drivesizer.output.report.csv import files_csv
+
+        return files_csv(content, path)
+    from drivesizer.output.report.workbook import report_xlsx
+
+    return {path: report_xlsx(content)}
+
+
+def write_sets(result: SizingResult | MachineSizing, path: Path) -> list[Path]:
     """Write the drives as CSV, one row each.
 
     Parameters
     ----------
     result
-        The sizing.
+        The sizing, or that of a machine of several axes.
     path
         Where to.
 
@@ -126,9 +173,10 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
     InputError
         When the file cannot be written.
     """
-    from drivesizer.output.report.csv import timeseries_csv
+    from drivesizer.output.report.csv import columns_csv
 
-    return write_files({path: timeseries_csv(validation)})
+    columns = {name: (values, *validation.series_units[name]) for name, values in validation.series.items()}
+    return write_files({path: columns_csv(columns)})
 
 
 def write_driving(found: Driving, path: Path) -> list[Path]:
@@ -176,7 +224,7 @@ def write_figures(result: SizingResult, validation: Validation | None, folder: P
 
 def write_machine_figures(sizing: MachineSizing, proofs: Mapping[str, Validation], folder: Path) -> list[Path]:
     """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`."""
+    from drivesizer.output.document.axes import MachineContent
     from drivesizer.output.report.figures.all_figures import figures_into
-    from drivesizer.output.report.machine import MachineContent
 
     return figures_into(MachineContent(sizing, proofs).drawings, folder)

@@ -1,93 +1,177 @@
-"""CSV: one tidy table of everything that was found, the parts list, the closed loop over time, the drives in rows."""
+"""CSV: one tidy table of everything that was found, and beside it tables and series that have files of their own."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import isnan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.validation import Validation
-from drivesizer.output.parts import HEADS, PartLine, SharedLine
-from drivesizer.output.report.lines.rows import COLUMNS, QUANTILES, Row, chance_columns, chances, every_list
-from drivesizer.output.report.sections import SECTIONS
-from drivesizer.output.report.sections.section import Content, rows_of
+from drivesizer.output.document.axes import MachineContent, wide_of
+from drivesizer.output.document.candidates import every_list, set_columns
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.records import WIDE, Printed, Quantity, Row, Series, Status, Table, flat, text_of
 from drivesizer.output.words import csv_cell
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import SizingResult, worst
-from drivesizer.units import KINDS, from_si
+from drivesizer.results.machine import MachineSizing
+from drivesizer.results.sizing import SizingResult
+from drivesizer.units import from_si
 
-__all__ = [
-    "COLUMNS", "columns_csv", "encoded", "report_csv", "set_columns", "sets_csv", "shared_parts_csv", "timeseries_csv",
-]  # fmt: skip
+__all__ = ["columns_csv", "encoded", "files_csv", "report_csv", "sets_csv"]
 
+# UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an empty
+# cell, an unbounded one is ``inf``. Units are spelled as a spec accepts them.
 
-# -- CSV: one tidy table of everything that was found, the parts list, the closed loop over time, and the drives in
-# rows.
-#
-# UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an
-# empty cell, an unbounded one is ``inf``. Units are spelled as a spec accepts them.
-
-
-def render(content: Content, path: Path) -> dict[Path, bytes]:
-    """The files of a CSV report: the table, and beside it the parts list and the time series when there are such."""
-    files = {path: report_csv(content)}
-    if content.result.sets:
-        files[path.with_name(f"{path.stem}-parts{path.suffix}")] = parts_csv(content.bought)
-    if content.validation is not None:
-        files[path.with_name(f"{path.stem}-timeseries{path.suffix}")] = timeseries_csv(content.validation)
-    return files
-
-
-def report_csv(content: Content) -> bytes:
-    """Requirements, sets, what they do, checks, changes, the Pareto front, the parts list, the closed loop.
-
-    One figure in a row.
-    """
-    columns = COLUMNS if content.result.uncertainty is None else (*COLUMNS, *QUANTILES)
-    return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(content)))
-
-
-def _rows(content: Content) -> Iterator[Row]:
-    """Rows of every section: before the drives, of each drive with its rank, and after them."""
-    found = [rows_of(section, content) for section in SECTIONS]
-    for one in found:
-        yield from one.before(content)
-    for where, drive in every_list(content.result, front=False):
-        for one in found:
-            yield from (row | {"set_rank": drive.rank} for row in one.of_drive(content, where, drive))
-    for one in found:
-        yield from one.after(content)
-
-
-_PARTS = (
-    "role", "maker", "family", "part", "order_number", "said", "quantity", "mass", "mass_low", "mass_high", "price",
-    "currency", "pieces", "price_date", "price_confidence", "price_source", "confidence", "document",
-    "date", "url", "note",
+COLUMNS = (
+    "section", "set_rank", "name", "title", "symbol", "equation", "method", "case", "value", "limit", "unit",
+    "si_value", "si_limit", "si_unit", "margin", "needed_margin", "status", "at_time_s", "note",
 )  # fmt: skip
 
 
-def parts_csv(lines: Iterable[PartLine]) -> bytes:
-    """A parts list: a row for each part, mass and price of one piece, and how many the machine has."""
-    heads = (HEADS.get(name, name) for name in _PARTS)
-    return encoded(heads, ([getattr(line, name) for name in _PARTS] for line in lines))
+def files_csv(content: Content | MachineContent, path: Path) -> dict[Path, bytes]:
+    """The files of a CSV report: the tidy table, a file of each table and series that has one."""
+    sections = list(wide_of(content, WIDE))
+    axes = list(dict.fromkeys(one.axis for one in sections if one.axis))
+    files = {path: _tidy(sections)}
+    for section in sections:
+        for block in flat(section.blocks):
+            key = f"axis{1 + axes.index(section.axis)}-" if section.axis else ""
+            name = path.with_name(f"{path.stem}-{key}{getattr(block, 'file', '')}{path.suffix}")
+            if isinstance(block, Series):
+                files[name] = columns_csv(block.columns)
+            elif isinstance(block, Table) and block.file and not section.axis:
+                files[name] = table_csv(block)
+    return files
 
 
-def shared_parts_csv(lines: Iterable[SharedLine]) -> bytes:
-    """The parts list of several axes: as :func:`parts_csv`, with the names of the axes that need a part."""
-    heads = (HEADS.get(name, name) for name in _PARTS)
-    rows = ([*(getattr(one.line, name) for name in _PARTS), "; ".join(one.axes)] for one in lines)
-    return encoded([*heads, "axes"], rows)
+def report_csv(content: Content | MachineContent) -> bytes:
+    """The tidy table of everything that was found: one figure in a row."""
+    return _tidy(list(wide_of(content, WIDE)))
 
 
-def timeseries_csv(validation: Validation) -> bytes:
-    """The closed loop over time: a column per signal, its unit in the head."""
-    units = validation.series_units
-    return columns_csv({name: (values, *units[name]) for name, values in validation.series.items()})
+def _tidy(sections: Sequence[Printed]) -> bytes:
+    columns = ("axis", *COLUMNS) if any(one.axis for one in sections) else COLUMNS
+    return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(sections)))
+
+
+def _rows(sections: Iterable[Printed]) -> Iterator[dict[str, Any]]:
+    """One figure in a row: a table with a column ``value`` has a line for each of its rows, another for each number."""
+    for section in sections:
+        rank = "" if isnan(section.rank) else int(section.rank)
+        for table in flat(section.blocks):
+            if not isinstance(table, Table) or table.media not in WIDE:
+                continue
+            record = table.record or section.section.name
+            lines = _lines(table) if any(c.key == "value" for c in table.columns) else _matrix(table)
+            for line in lines:
+                yield {"axis": section.axis, "section": record, "set_rank": line.pop("rank", rank), **line}
+
+
+def _lines(table: Table) -> Iterator[dict[str, Any]]:
+    for row in table.rows:
+        cells = row.cells
+        line: dict[str, Any] = {"name": row.name, "title": _plain(row.cells.get("title", row.cells.get("role", "")))}
+        line |= {key: _plain(cells[key]) for key in ("symbol", "method", "case", "note") if key in cells}
+        line |= _number(cells.get("value", ""), "value") | _number(cells.get("limit", ""), "limit")
+        line |= {key: cell.value for key, cell in (("margin", cells.get("margin")),
+                                                   ("needed_margin", cells.get("needed")),
+                                                  ("at_time_s", cells.get("at")), ("equation", cells.get("equation")))
+                 if isinstance(cell, Quantity)}  # fmt: skip
+        status = _plain(cells.get("status", ""))
+        unknown = (
+            isinstance(cells.get("value"), Quantity)
+            and line.get("value") != line.get("value")
+            and "status" not in cells
+        )
+        if isinstance(rank := cells.get("rank"), Quantity):
+            line["rank"] = int(rank.value)
+        yield line | {"status": "unknown" if unknown else status}
+        known = {"value", "limit", "margin", "needed", "at", "equation"}
+        for column in table.columns:  # further numbers of the row: lines of their own
+            cell = cells.get(column.key)
+            if isinstance(cell, Quantity) and column.key not in known and column.key not in ("rank", "number"):
+                of = {key: line[key] for key in ("rank",) if key in line}
+                title = f"{line['title']}, {column.head}"
+                yield {**of, "name": f"{row.name}_{column.key}", "title": title, **_number(cell, "value")}
+
+
+def _matrix(table: Table) -> Iterator[dict[str, Any]]:
+    for row in table.rows:
+        title = _plain(row.cells.get("title", row.cells.get("role", row.name)))
+        rank = {"rank": int(cell.value)} if isinstance(cell := row.cells.get("rank"), Quantity) else {}
+        for column in table.columns:
+            cell = row.cells.get(column.key)
+            if isinstance(cell, Quantity) and column.key != "rank":
+                more = {key: _plain(row.cells[key]) for key in ("symbol", "equation", "case") if key in row.cells}
+                named = f"{title}, {column.head or column.key}".removeprefix(", ")
+                status = row.status or ("unknown" if isnan(cell.value) else "")
+                yield {
+                    **rank,
+                    **more,
+                    "name": f"{row.name}_{column.key}".strip("_"),
+                    "title": named,
+                    **_number(cell, "value"),
+                    "status": status,
+                }
+
+
+def _number(cell: Any, key: str) -> dict[str, Any]:
+    if not isinstance(cell, Quantity):
+        return {key: _plain(cell)}
+    if cell.kind == "count" and not isnan(cell.value):
+        return {key: int(cell.value)}
+    shares = 100.0 if cell.kind in ("margin", "probability") else 1.0
+    return {key: shares * cell.number, "unit": cell.unit, f"si_{key}": cell.value, "si_unit": cell.si_unit}
+
+
+def _plain(cell: Any) -> str:
+    """A text; of a status its word, of mathematics the line of text."""
+    if isinstance(cell, tuple) and cell and isinstance(cell[0], Status):
+        return cell[0].text
+    return text_of(cell)
+
+
+def table_csv(table: Table) -> bytes:
+    """A table by itself: a column for each key of wide media, numbers in SI or in their currency; sums at its end."""
+    columns = [column for column in table.columns if column.media in WIDE]
+    return encoded(
+        (_head(c.key, table.rows) for c in columns),
+        ([_value(row.cells.get(c.key, "")) for c in columns] for row in table.rows),
+    )
+
+
+def _head(key: str, rows: Sequence[Row]) -> str:
+    units = {
+        cell.si_unit
+        for row in rows
+        if isinstance(cell := row.cells.get(key), Quantity) and cell.si_unit not in ("", "1")
+    }
+    money = any(isinstance(cell := row.cells.get(key), Quantity) and cell.kind == "money" for row in rows)
+    return f"{key}_{units.pop()}" if len(units) == 1 and not money else key
+
+
+def _value(cell: Any) -> Any:
+    if not isinstance(cell, Quantity):
+        return _plain(cell)
+    return int(cell.value) if cell.kind == "count" else cell.value
+
+
+def sets_csv(result: SizingResult | MachineSizing) -> bytes:
+    """One row per drive, of each axis where there are several: the best, the closest rejected, those of the front."""
+    axes = [(one.name, one.result) for one in result.axes] if isinstance(result, MachineSizing) else [("", result)]
+    found = [(axis, of.objective, every_list(of)) for axis, of in axes]
+    every = [one for _, _, listed in found for one in listed]
+    heads, rows = set_columns(every, found[0][1])
+    names = [axis for axis, _, listed in found for _ in listed]
+    first = ["axis", "list"] if any(names) else ["list"]
+    made = (
+        [*([axis] if any(names) else []), where, *row] for axis, (where, _), row in zip(names, every, rows, strict=True)
+    )
+    return encoded([*first, *heads], made)
 
 
 def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> bytes:
@@ -101,69 +185,6 @@ def _figures(values: NDArray[np.float64]) -> list[str]:
     """Figures as they stand in a CSV, which is to be read bit for bit; what is unknown is empty."""
     texts = [*map(repr, values.tolist())]
     return ["" if text == "nan" else text for text in texts] if np.isnan(values).any() else texts
-
-
-def sets_csv(result: SizingResult) -> bytes:
-    """One row per drive: the best, those below the required confidence, the closest rejected, and those of the front.
-
-    Their probabilities are behind all other columns.
-    """
-    sets = every_list(result)
-    heads, rows = set_columns([one for _, one in sets], result.objective)
-    return encoded(["list", *heads], ([name, *row] for (name, _), row in zip(sets, rows, strict=True)))
-
-
-def set_columns(sets: Sequence[DriveSet], objective: str) -> tuple[list[str], list[list[Any]]]:
-    """Drives in rows, with all that they are, do and hold."""
-    checks = list(dict.fromkeys(c.name for s in sets for c in s.own_checks))
-    figures = {f.name: f.kind for s in sets for f in s.figures}
-    heads = [*_SET_HEADS, "price_of", f"objective_{_slug(objective)}_si", "smallest_margin", "smallest_margin_check"]
-    heads += [*(f"margin_{name}" for name in checks), *(f"figure_{name}_{KINDS[k].si}" for name, k in figures.items())]
-    chance = chance_columns(iter(sets))
-    return [*heads, *chance], [[*_set_row(one, checks, list(figures)), *chances(one, chance)] for one in sets]
-
-
-def _slug(title: str) -> str:
-    """The title of an objective as a word: that of several with weights has blanks.
-
-    >>> _slug("2 mass + 1 price")
-    '2_mass_1_price'
-    """
-    return "_".join(title.replace("+", " ").replace(",", " ").split())
-
-
-_SET_HEADS = (
-    "rank", "status", "motor_family", "motor_part", "gearhead_family", "gearhead_part", "gearhead_ratio",
-    "belt_ratio", "driving_pulley_part", "belt_part", "driven_pulley_part", "centre_distance_m", "teeth_in_mesh",
-    "screw_part", "brake_family", "brake_part", "encoder_family", "encoder_part", "controller_family",
-    "controller_part", "total_ratio", "mass_kg", "mass_of", "price_EUR",
-)  # fmt: skip
-
-
-def _set_row(s: DriveSet, checks: list[str], figures: list[str]) -> list[Any]:
-    tightest = worst(s.deciding)
-    margins, does = {c.name: c.margin for c in s.own_checks}, {f.name: f.value for f in s.figures}
-    chosen = [
-        text for part in (s.brake, s.encoder, s.controller) for text in ((part.family, part.part) if part else ("", ""))
-    ]
-    return [
-        s.rank, s.status, s.motor.family, s.motor.part, s.gearhead.family, s.gearhead.part, s.gearhead.ratio,
-        s.belt_ratio, *_belt(s), s.chosen_screw.screw.part if s.chosen_screw else "", *chosen,
-        s.total_ratio, s.mass, " + ".join(s.mass_of), s.price,
-        " + ".join(s.price_of),
-        s.objective, tightest.margin if tightest else "", tightest.name if tightest else "",
-        *(margins.get(name, "") for name in checks), *(does.get(name, "") for name in figures),
-    ]  # fmt: skip
-
-
-def _belt(s: DriveSet) -> list[Any]:
-    """Belt and pulleys, empty where they are not out of the catalogues."""
-    drive = s.belt_drive
-    return (
-        [*(part.part for part in drive.parts.values()), drive.centre_distance, drive.teeth_in_mesh]
-        if drive
-        else [""] * 5
-    )
 
 
 def encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:

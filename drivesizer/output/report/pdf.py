@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.report.figures.all_figures import IN_TABLES
-from drivesizer.output.report.figures.style import Drawing
-from drivesizer.output.report.machine import MachineContent, shown
-from drivesizer.output.report.machine import document as machine_document
-from drivesizer.output.report.sections import document
-from drivesizer.output.report.sections.section import Content
+from drivesizer.output.document.axes import MachineContent, document_of, drawings_of
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.paper import paper_data, pictures_of
 
 __all__ = ["ReportError", "fonts", "report_pdf"]
 
@@ -30,28 +26,15 @@ PAPERS = ("a4", "us-letter")
 _SOURCE = ("page", "fragments", "blocks", "report")  # files of one source, in order
 
 
-def render(content: Content, path: Path, *, paper: str = "a4", date: str | None = None) -> dict[Path, bytes]:
-    """The file of a PDF report; see :func:`report_pdf`."""
-    return {path: report_pdf(content, paper=paper, date=date)}
-
-
-def report_pdf(content: Content, *, paper: str = "a4", date: str | None = None) -> bytes:
+def report_pdf(content: Content | MachineContent, *, paper: str = "a4", date: str | None = None) -> bytes:
     """The report as a PDF file."""
-    _refuse(paper)
-    drawings = {name: draw for name, draw in content.drawings.items() if name not in IN_TABLES}
-    return typeset(document(content, date), drawings, paper)
-
-
-def _refuse(paper: str) -> None:
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
-
-
-def typeset(filled: dict[str, Any], drawings: Mapping[str, Drawing], paper: str) -> bytes:
-    """A document with its figures as a PDF file."""
-    _refuse(paper)
-    figures = {name: {"svg": draw("typeset").decode()} for name, draw in drawings.items()}
-    return _set(json.dumps(filled | {"sheet": paper, "figures": figures}, ensure_ascii=False, allow_nan=False))
+    filled, drawings = paper_data(document_of(content), date), drawings_of(content)
+    wanted = {name: drawings[name] for name in pictures_of(filled["sections"]) if name in drawings}
+    figures = {name: {"svg": draw("typeset").decode()} for name, draw in wanted.items()}
+    data = json.dumps(filled | {"sheet": paper, "figures": figures}, ensure_ascii=False, allow_nan=False)
+    return _set(data)
 
 
 def _set(data: str) -> bytes:
@@ -79,16 +62,3 @@ def fonts(text: str = "") -> Any:
         include_system_fonts=max(text, default="") > _LAST_OWN_LETTER,
         font_paths=[str(Path(matplotlib.get_data_path()) / "fonts" / "ttf")],
     )
-
-
-# -- PDF of a machine. typst and matplotlib are imported when it is made.
-
-
-def render_machine(
-    content: MachineContent, path: Path, *, paper: str = "a4", date: str | None = None
-) -> dict[Path, bytes]:
-    """The file of a PDF report."""
-    filled = machine_document(content, date)
-    drawings = content.drawings
-    wanted = {name: drawings[name] for name in shown(filled["sections"]) if name in drawings}
-    return {path: typeset(filled, wanted, paper)}

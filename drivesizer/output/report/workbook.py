@@ -1,4 +1,4 @@
-"""XLSX: the report as a workbook, sheets of every section; numbers are numbers, and no text is computed."""
+"""XLSX: a sheet for each section; numbers are numbers, sums and margins are formulas, and no text is computed."""
 
 from __future__ import annotations
 
@@ -6,143 +6,371 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cache
-from pathlib import Path
+from math import isclose, isfinite, isinf, isnan
 from typing import Any
 
-from drivesizer.output.parts import totals
-from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.lines import rows as table
-from drivesizer.output.report.lines.rows import Row, driven_over
-from drivesizer.output.report.machine import (
-    AxisContent,
-    MachineContent,
-    assumptions,
-    drive_name,
-    loop_sheet,
-    loop_summary,
-    notes,
-    power_columns,
-    time_series_sheets,
-    verdict_text,
-    warnings,
-)
-from drivesizer.output.report.sections import SECTIONS
-from drivesizer.output.report.sections.appendix import about, about_sheet, file_sheet
-from drivesizer.output.report.sections.machine import PART_COLUMNS, part_sheet_row
-from drivesizer.output.report.sections.section import (
-    LIMITS,
-    STATUS,
+import numpy as np
+
+from drivesizer.output.document.axes import MachineContent, wide_of
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.records import (
+    BOOK,
+    Bar,
+    Bullets,
     Cell,
-    Content,
-    Sheet,
-    SheetColumn,
-    headed,
-    sheets_of,
+    Code,
+    Column,
+    Mark,
+    Printed,
+    Quantity,
+    Row,
+    Series,
+    Status,
+    Table,
+    Verdict,
+    Words,
+    flat,
     text_of,
-)
-from drivesizer.output.report.sections.summary import check_line, priced, texts
+)  # fmt: skip
+from drivesizer.output.report.figures.style import COLOURS
+from drivesizer.output.thinning import curve_points
 from drivesizer.output.words import likely, visible
-from drivesizer.results.check import GRAVEST, tightest
-from drivesizer.results.machine import CarriedMass
-from drivesizer.results.sizing import objective_figure
+from drivesizer.results.check import GRAVEST
 from drivesizer.units import from_si, label
 
-__all__ = ["MOST_ROWS", "share", "sheets", "shown", "written"]
+__all__ = ["report_xlsx", "shown", "written"]
+
+MOST_ROWS = 1_048_575  # that a sheet has below its head
+MOST_SAMPLES = 50_000  # of series: what a spreadsheet opens at once; the CSV report has all
+_UNDATED = datetime(2000, 1, 1)  # a file with the time of its making is never the same again
+_PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
+_Pen = Callable[..., Any]  # look, and how a number is shown: a format of the workbook
+
+_ACCENT, _ALARM, _SOFT = "#0B5B8C", "#C04A00", "#6E6E6E"
+_MIDDLE: dict[str, Any] = {"align": "center", "valign": "top"}
+_LEFT: dict[str, Any] = {"align": "left", "valign": "top", "indent": 1}  # clear of the number to the left
+_HEAD: dict[str, Any] = {
+    "bold": True,
+    "font_color": "white",
+    "bg_color": _ACCENT,
+    "text_wrap": True,
+    "valign": "vcenter",
+}
+_LOOKS: dict[str, dict[str, Any]] = {
+    "head": {**_HEAD, "align": "left", "indent": 1},
+    "right head": {**_HEAD, "align": "right"},
+    "part": {"bold": True, "indent": 1, "font_color": _ACCENT, "bottom": 1, "bottom_color": _ACCENT},
+    "text": {"text_wrap": True, **_LEFT},
+    "code": {"font_name": "Consolas", "font_size": 10},
+    "unit": {"font_color": _SOFT, **_LEFT},
+    "number": {"valign": "top"},
+    "total": {"valign": "top", "bold": True, "top": 1},
+    "total text": {"bold": True, "top": 1, **_LEFT},
+    "unquoted": {"font_color": _ALARM, "italic": True, **_LEFT},
+    "pass": {"bg_color": "#DDF0E6", "font_color": "#00613F", **_MIDDLE},
+    "fail": {"bg_color": _ALARM, "font_color": "white", "bold": True, **_MIDDLE},
+    "open": {"bg_color": "#FDF0D0", "font_color": "#6B4A00", "italic": True, **_MIDDLE},
+    "unknown": {"bg_color": "#EBEBEB", "font_color": "#404040", "italic": True, **_MIDDLE},
+}
+_FORMS = {
+    "margin": "[>=0.0995]+0 %;[Red][<0]-0.0 %;+0.0 %",
+    "count": "#,##0",
+    "money": "0.00",
+}  # by kind; [Red] is a colour
+_LINE, _NARROW, _MOST_LINES, _WIDEST = (
+    15,
+    1.15,
+    25,
+    60,
+)  # points of a line; letters for each digit of width; lines; letters
 
 
-# -- The chart of a workbook: columns of a sheet over its first, drawn by the spreadsheet itself.
+def shown(value: float, digits: int = 4) -> str:
+    """The number format that shows a value with so many digits; an exponent for what is very small or large.
+
+    >>> shown(26.304), shown(5.0), shown(12345.6), shown(2.3e-7)
+    ('0.0', '0', '0', '0.000E+00')
+    """
+    text = f"{value:.{digits}g}"
+    if value and not 1e-3 <= abs(value) < 1e6:
+        return f"0.{'0' * (digits - 1)}E+00"
+    decimals = len(text.partition(".")[2]) if "e" not in text else 0
+    return f"0.{'0' * decimals}" if decimals else "0"
 
 
-_INKS = (COLOURS["grey"], COLOURS["blue"], COLOURS["vermillion"])
+@dataclass
+class _Page:
+    """A sheet as it is filled: the rows so far, and the longest text of each column."""
+
+    page: Any
+    pen: _Pen
+    row: int = 0
+    widths: dict[int, int] = field(default_factory=dict)
+
+    def write(self, place: int, text: str, look: str) -> None:
+        """A text; no cell without one."""
+        if text:
+            self.page.write_string(self.row, place, visible(text), self.pen(look))
+            if look != "part":
+                longest = (
+                    max(map(len, text.splitlines() or [""])) if "head" not in look else max(map(len, text.split(" ")))
+                )
+                self.widths[place] = min(max(self.widths.get(place, 8), longest), 110 if look == "code" else _WIDEST)
 
 
-def draw(book: Any, page: Any, sheet: Sheet, count: int) -> None:
-    """Draw what a sheet names beside its rows; a column in another unit than the first has its own axis."""
-    drawing, places = book.add_chart(_SCATTER), {column.key: place for place, column in enumerate(sheet.columns)}
-    units = [_unit(sheet.columns[places[key]]) for key in sheet.drawn]
-    for ink, key, unit in zip(_INKS, sheet.drawn, units, strict=True):
-        drawing.add_series({
-            "name": [sheet.name, 0, places[key]],
-            "categories": [sheet.name, 1, 0, count, 0],
-            "values": [sheet.name, 1, places[key], count, places[key]],
-            "line": {"color": ink, "width": 1.0},
-            "y2_axis": unit != units[0],
-            "categories_data": [], "values_data": [],  # read from the sheet: a copy would double the file
-        })  # fmt: skip
-    drawing.set_x_axis({"name": sheet.columns[0].head, "min": 0, "label_position": "low"})
-    drawing.set_y_axis({"name": units[0], "major_gridlines": {"visible": True, "line": {"color": "#DDDDDD"}}})
-    drawing.set_y2_axis({"name": units[-1]})
-    drawing.set_legend({"position": "top"})
-    drawing.set_size({"width": 900, "height": 380})
-    page.insert_chart(1, len(sheet.columns) + 1, drawing)
+@dataclass
+class _Stack:
+    """Tables of equal columns as one: of several drives and axes, which then are columns of it."""
+
+    caption: str
+    columns: Sequence[Column]
+    rows: list[tuple[str, float, Row]] = field(default_factory=list)  # axis, rank of the drive, row
 
 
-def _unit(column: SheetColumn) -> str:
-    return column.head.partition("(")[2].removesuffix(")")
+def report_xlsx(content: Content | MachineContent) -> bytes:
+    """The report as an XLSX file; the same input gives the same bytes."""
+    return written(wide_of(content, BOOK))
 
 
-_SCATTER = {"type": "scatter", "subtype": "straight"}
+def written(sections: Iterable[Printed]) -> bytes:
+    """Sections as an XLSX file."""
+    from xlsxwriter import Workbook
+
+    stream = io.BytesIO()
+    book = Workbook(stream, {"in_memory": True, **_PLAIN})
+    book.set_properties({"title": "Drive sizing", "created": _UNDATED})
+    pen = cache(lambda look, number="": book.add_format(_LOOKS[look] | ({"num_format": number} if number else {})))
+    names, records = list[str](), dict[int, Any]()
+    sheets: dict[str, list[Printed]] = {}
+    title = ""
+    for one in sections:
+        title = one.title or title
+        sheets.setdefault(title, []).append(one)
+    for title, found in sheets.items():
+        items = [*_items(found)]
+        if any(isinstance(item, _Stack) for item in items):
+            _fill(_Page(book.add_worksheet(_name(title, names)), pen), items)
+        for one in found:
+            for series in (block for block in flat(one.blocks) if isinstance(block, Series)):
+                page = book.add_worksheet(_name(f"{one.axis} over time" if one.axis else series.title, names))
+                records[len(book.worksheets())] = _series(book, page, series, pen)
+    book.close()
+    return _with_records(stream.getvalue(), {number: rows for number, rows in records.items() if len(rows) > 1})
 
 
-# -- Long tables of numbers in a workbook: rows put into the finished file, a whole row at a time.
-#
-# xlsxwriter keeps and looks at each cell by itself, which takes four times as long. It writes the head and the first
-# row; the others are made alike, as sheets are in ECMA-376 part 1, 18.3.1: cells ``c`` with their place, format and
-# value.
+def _name(title: str, taken: list[str]) -> str:
+    """The name of a sheet, of which a workbook has each once whatever its capitals, and that it cuts."""
+    bare = re.sub(r"[\[\]:*?/\\]", " ", title).strip("' ") or "Sheet"
+    for number in range(1, 2 + len(taken)):
+        end = "" if number == 1 else f" {number}"
+        name = bare[: 31 - len(end)].strip() + end
+        if name.lower() not in taken:
+            break
+    taken.append(name.lower())
+    return name
 
 
-_LEVEL = 3  # of packing: digits of a record hardly pack better at more
-_END = "</sheetData>"
-_FORMAT = re.compile(r'<c r="A2" s="(\d+)">')
-_EXTENT = re.compile(r'(?<=<dimension ref=")A1:([A-Z]+)2(?=")')
+def _items(found: Sequence[Printed]) -> Iterable[_Stack | Verdict | Words | Bullets]:
+    """Tables and texts of a sheet in their order; those of drives and axes by their columns."""
+    stacks: dict[tuple[str, ...], _Stack] = {}
+    items: list[Any] = []
+    for one in found:
+        shared = bool(one.axis) or not isnan(one.rank)
+        for block in flat(one.blocks):
+            if isinstance(block, Verdict | Words | Bullets) and not shared:
+                items.append(block)
+            elif isinstance(block, Table) and block.media in BOOK and block.rows:
+                columns = [column for column in block.columns if column.media in BOOK]
+                key = (*(column.key for column in columns), *([] if shared else [str(len(items))]))
+                if key not in stacks:
+                    stacks[key] = _Stack(text_of(block.caption) if not shared else "", columns)
+                    items.append(stacks[key])
+                stacks[key].rows += [(one.axis, one.rank, row) for row in block.rows]
+    return items
 
 
-def sampled(sheet: Sheet) -> bool:
-    """Whether a sheet has nothing but numbers in one format."""
-    return len(sheet.rows) > 1 and all(column.form == "sample" for column in sheet.columns)
+def _fill(sheet: _Page, items: Sequence[Any]) -> None:
+    """Write the tables and texts of a sheet, the first table at its top; and set up how it is seen and printed."""
+    tables = [item for item in items if isinstance(item, _Stack)]
+    across, still = max(2, *(len(stack.columns) for stack in tables)), 1
+    for item in items if len(tables) > 1 else sorted(items, key=lambda item: not isinstance(item, _Stack)):
+        if sheet.row:
+            sheet.row += 1
+        if not isinstance(item, _Stack):
+            _write_texts(sheet, item, across)
+            continue
+        if len(tables) > 1 and item.caption:
+            sheet.write(0, item.caption, "part")
+            sheet.row += 1
+        columns, first = _write_table(sheet, item)
+        across = max(across, columns)
+        if len(tables) == 1:
+            sheet.page.autofilter(first, 0, sheet.row - 1, columns - 1)
+            still = 1 + next((n for n, column in enumerate(item.columns) if column.key == "title"), 0)
+    for place in range(across):
+        sheet.page.set_column(place, place, sheet.widths.get(place, 8) + 2.5)
+    sheet.page.freeze_panes(1, still if len(tables) == 1 else 0)
+    sheet.page.set_landscape()
+    sheet.page.set_paper(9)  # A4
+    sheet.page.fit_to_pages(1 if across <= 16 else 2, 0)
+    sheet.page.repeat_rows(0)
+    sheet.page.set_footer("&L&A&Rpage &P of &N")
 
 
-def filled(book: bytes, tables: Mapping[int, Sequence[Row]]) -> bytes:
-    """A workbook with the rest of its long tables."""
-    if not tables:
-        return book
-    stream, names = io.BytesIO(), {f"xl/worksheets/sheet{number}.xml": rows for number, rows in tables.items()}
-    with zipfile.ZipFile(io.BytesIO(book)) as old, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as new:
-        for entry in old.infolist():
-            content = old.read(entry)
-            if entry.filename in names:
-                content = _with_rows(content.decode(), names[entry.filename]).encode()
-            new.writestr(entry, content, compresslevel=_LEVEL)
-    return stream.getvalue()
+def _write_texts(sheet: _Page, block: Verdict | Words | Bullets, across: int) -> None:
+    """Texts over all columns, a row each."""
+    heads = [block.intro] if isinstance(block, Bullets) else []
+    texts = (
+        block.paragraphs if isinstance(block, Verdict) else block.items if isinstance(block, Bullets) else [block.text]
+    )
+    for look, text in [*(("part", text) for text in heads), *(("text", text) for text in texts)]:
+        shown_text = visible(text_of(text))
+        sheet.page.merge_range(sheet.row, 0, sheet.row, across - 1, "", sheet.pen(look))
+        sheet.page.write_string(sheet.row, 0, shown_text, sheet.pen(look))
+        lines = _lines(shown_text, sum(sheet.widths.get(place, 12) for place in range(across)))
+        sheet.page.set_row(sheet.row, _LINE * min(max(lines, 1), _MOST_LINES))
+        sheet.row += 1
 
 
-def _with_rows(sheet: str, rows: Sequence[Row]) -> str:
-    """A sheet whose rows behind the first are added."""
-    found = _FORMAT.search(sheet)
-    assert found is not None
-    cells = [f'<c r="{_letters(place)}%d" s="{found[1]}"><v>%.16G</v></c>' for place in range(len(rows[0]))]
-    made = _rows([row.values() for row in rows[1:]], cells)
-    head, end, rest = sheet.partition(_END)
-    head = _EXTENT.sub(rf"A1:\g<1>{len(rows) + 1}", head)
-    return "".join((head, *made, end, rest))
+def _write_table(sheet: _Page, stack: _Stack) -> tuple[int, int]:
+    """A table with its head; how many columns it has, and the row of its head."""
+    rows, head = stack.rows, sheet.row
+    places: dict[str, int] = {}  # of each column by its key
+    layout: list[
+        tuple[str, str, Column | None, str]
+    ] = []  # key, head, column, what of a cell: value, unit, si or si unit
+    if any(axis for axis, _, _ in rows):
+        layout.append(("axis", "axis", None, "axis"))
+    if any(not isnan(rank) for _, rank, _ in rows):
+        layout.append(("drive", "drive", None, "rank"))
+    units_before: list[str] = []
+    for column in stack.columns:
+        cells = [row.cells.get(column.key, "") for _, _, row in rows if not row.total]
+        units = [cell.unit if isinstance(cell, Quantity) and cell.unit not in ("1", "%") else "" for cell in cells]
+        found = {unit for unit in units if unit}
+        named = column.head or ("status" if column.form == "status" else column.key)
+        named += f" ({label(found.copy().pop())})" if len(found) == 1 else ""
+        places[column.key] = len(layout)
+        layout.append((column.key, named, column, "value"))
+        if len(found) > 1 and units != units_before:
+            layout.append((column.key, "unit", column, "unit"))
+        units_before = units if len(found) > 1 else units_before
+        if len(found) > 1 and column.key == "value":
+            layout += [(column.key, "SI value", column, "si"), (column.key, "SI unit", column, "si unit")]
+    for place, (_, named, wanted, part) in enumerate(layout):
+        right = part in ("si", "rank") or (part == "value" and wanted is not None and wanted.form == "number")
+        sheet.write(place, named, "right head" if right else "head")
+    sheet.page.set_row(
+        head,
+        _LINE * 1.5 * max(1, *(_lines(named, sheet.widths.get(n, 8)) for n, (_, named, _, _) in enumerate(layout))),
+    )
+    sheet.row += 1
+    for axis, rank, row in rows[: MOST_ROWS - sheet.row]:
+        lines = 1
+        for place, (key, _, wanted, part) in enumerate(layout):
+            cell = row.cells.get(key, "")
+            if part == "axis":
+                sheet.write(place, axis, "text")
+            elif part == "rank":
+                if not isnan(rank):
+                    sheet.page.write_number(sheet.row, place, rank, sheet.pen("number", "0"))
+            elif part == "value" and wanted is not None:
+                unit = next(
+                    (c.unit for _, _, r in rows if isinstance(c := r.cells.get(key), Quantity) and not r.total), ""
+                )
+                _write_cell(sheet, place, cell, wanted, row, places, head + 1, rows, unit)
+                if not isinstance(cell, Quantity | Bar) and wanted.form != "code":
+                    lines = max(lines, _lines(text_of(cell), _WIDEST))
+            elif isinstance(cell, Quantity) and part == "si":
+                _write_number(sheet, place, cell.value, shown(cell.value) if isfinite(cell.value) else "", "number")
+            elif isinstance(cell, Quantity):
+                sheet.write(place, label(cell.unit if part == "unit" else cell.si_unit), "unit")
+        if lines > 1:
+            sheet.page.set_row(
+                sheet.row, _LINE * min(lines, _MOST_LINES)
+            )  # not all spreadsheets make room for what wraps
+        sheet.row += 1
+    return len(layout), head
 
 
-def _rows(rows: Sequence[Collection[float]], cells: Sequence[str]) -> Iterable[str]:
-    """The rows from the third on: each at once where all is known, as of most records."""
-    columns, numbers = [*zip(*rows, strict=True)], range(3, len(rows) + 3)
-    if all(math.isfinite(sum(column)) for column in columns):
-        parts = (part for column in columns for part in (numbers, column))
-        whole = f'<row r="%d">{"".join(cells)}</row>'
-        return map(whole.__mod__, zip(numbers, *parts, strict=True))
-    return (f'<row r="{n}">{_known(n, row, cells)}</row>' for n, row in zip(numbers, rows, strict=True))
+def _write_cell(sheet: _Page, place: int, cell: Cell, column: Column, row: Row, places: Mapping[str, int], first: int,
+                rows: Sequence[tuple[str, float, Row]], unit: str) -> None:  # fmt: skip
+    """One cell; what is unknown is left empty, sums and what a column's formula gives are formulas."""
+    if isinstance(cell, Bar):
+        return
+    if not isinstance(cell, Quantity):
+        mark = cell[0] if isinstance(cell, tuple) and cell else ""
+        text = text_of(cell)
+        look: str = (
+            text
+            if isinstance(mark, Status) and text in GRAVEST
+            else "code"
+            if isinstance(mark, Code) or column.form == "code"
+            else "text"
+        )
+        look = "unquoted" if isinstance(mark, Mark) and text not in ("quoted", "computed", "") else look
+        sheet.write(place, text, "total text" if row.total and look == "text" else look)
+        return
+    if row.total and unit and cell.unit != unit and cell.kind not in ("money", "count"):
+        cell = Quantity(cell.value, unit, cell.kind, cell.digits)
+    number = cell.number
+    form = _FORMS.get(cell.kind) or (
+        f"0.{'0' * _decimals(number)} %" if cell.kind == "probability" and isfinite(number) else ""
+    )
+    form = form or (shown(number, cell.digits) if isfinite(number) else "")
+    formula = _formula(sheet, cell, column, row, places, first, rows)
+    _write_number(sheet, place, number, form, "total" if row.total else "number", formula)
 
 
-def _known(number: int, values: Iterable[float], cells: Sequence[str]) -> str:
-    """The cells of a row that are known."""
-    return "".join(cell % (number, v) for cell, v in zip(cells, values, strict=True) if math.isfinite(v))
+def _decimals(share: float) -> int:
+    return len(likely(share).removesuffix(" %").partition(".")[2])
+
+
+def _write_number(sheet: _Page, place: int, number: float, form: str, look: str, formula: str = "") -> None:
+    if isinf(number):
+        sheet.write(place, "unbounded" if number > 0.0 else "unbounded below", "text")
+    elif formula:
+        sheet.page.write_formula(sheet.row, place, formula, sheet.pen(look, form), number)
+    elif not isnan(number):
+        sheet.page.write_number(sheet.row, place, number, sheet.pen(look, form))
+
+
+def _formula(sheet: _Page, cell: Quantity, column: Column, row: Row, places: Mapping[str, int], first: int,
+             rows: Sequence[tuple[str, float, Row]]) -> str:  # fmt: skip
+    """The formula of a cell where it gives the cell's own number; nothing else."""
+
+    def numbers(key: str) -> list[float]:
+        return [
+            c.number
+            for _, _, r in rows
+            if not r.total and isinstance(c := r.cells.get(key), Quantity) and isfinite(c.number)
+        ]
+
+    if row.total:
+        here = _letters(places[column.key])
+        last = next(n for n, (_, _, r) in enumerate(rows) if r.total)
+        same = isclose(math.fsum(numbers(column.key)), cell.number, rel_tol=1e-9)
+        return f"=SUM({here}{first + 1}:{here}{first + last})" if same and last else ""
+    if not column.formula:
+        return ""
+    kind, *keys = column.formula
+    given = [row.cells.get(key) for key in keys]
+    values = [c.number for c in given if isinstance(c, Quantity)]
+    if len(values) < 2 or not all(map(isfinite, values)) or not values[0]:
+        return ""
+    refs = [f"{_letters(places[key])}{sheet.row + 1}" for key in keys]
+    found, formula = (
+        (values[0] * values[1], "={}*{}") if kind == "product" else (values[1] / values[0] - 1.0, "={1}/{0}-1")
+    )
+    return formula.format(*refs) if isclose(found, cell.number, rel_tol=1e-9, abs_tol=1e-12) else ""
+
+
+def _lines(text: str, width: float) -> int:
+    return sum(math.ceil(max(len(line), 1) / (_NARROW * width)) for line in text.splitlines())
 
 
 def _letters(place: int) -> str:
@@ -154,391 +382,89 @@ def _letters(place: int) -> str:
     return (_letters(place // 26 - 1) if place >= 26 else "") + chr(ord("A") + place % 26)
 
 
-# -- Sheets as the bytes of an XLSX file: numbers are numbers, and no text is computed or made a link.
+# -- Series: long columns of numbers, and a chart of some of them over the first, drawn by the spreadsheet itself.
 #
-# xlsxwriter is imported when a workbook is made. The same input gives the same bytes: the file carries no date.
+# xlsxwriter keeps and looks at each cell by itself, which takes four times as long. It writes the head and the first
+# row; the others are put into the finished file, made as sheets are in ECMA-376 part 1, 18.3.1: cells ``c`` with their
+# place, format and value.
 
 
-MOST_ROWS = 1_048_575  # that a sheet has below its head
-_UNDATED = datetime(2000, 1, 1)  # a file with the time of its making is never the same again
-_PLAIN = {"strings_to_formulas": False, "strings_to_urls": False, "strings_to_numbers": False}
-_Pen = Callable[..., Any]  # look, and how a number is shown: a format of the workbook
+_INKS = (COLOURS["grey"], COLOURS["blue"], COLOURS["vermillion"], COLOURS["green"])
 
 
-def written(sheets: Sequence[Sheet]) -> bytes:
-    """Sheets as an XLSX file; of one that has more rows than a sheet may have, the first, and a note says so."""
-    from xlsxwriter import Workbook
-
-    stream = io.BytesIO()
-    book = Workbook(stream, {"in_memory": True, **_PLAIN})
-    book.set_properties({"title": "Drive sizing", "created": _UNDATED})
-    pen = cache(lambda look, number="": book.add_format(_LOOKS[look] | ({"num_format": number} if number else {})))
-    tables = {}
-    for number, sheet in enumerate(sheets, 1):
-        rows = sheet.rows[:MOST_ROWS]
-        page = book.add_worksheet(sheet.name)
-        _write(page, sheet, rows, pen)
-        if sampled(sheet):
-            tables[number] = rows
-        if sheet.drawn and rows:
-            draw(book, page, sheet, len(rows))
-    book.close()
-    return filled(stream.getvalue(), tables)
-
-
-_ACCENT, _ALARM, _SOFT = "#0B5B8C", "#C04A00", "#6E6E6E"
-_MIDDLE: dict[str, Any] = {"align": "center", "valign": "top"}
-_LEFT: dict[str, Any] = {"align": "left", "valign": "top", "indent": 1}  # clear of the number to the left
-_HEAD: dict[str, Any] = {
-    "bold": True, "font_color": "white", "bg_color": _ACCENT, "text_wrap": True, "valign": "vcenter",
-}  # fmt: skip
-_LOOKS: dict[str, dict[str, Any]] = {
-    "head": {**_HEAD, "align": "left", "indent": 1},
-    "right head": {**_HEAD, "align": "right"},
-    "part": {"bold": True, "indent": 1, "font_color": _ACCENT, "bottom": 1, "bottom_color": _ACCENT},
-    "note": {"italic": True, "indent": 1, "font_color": _SOFT, "valign": "vcenter"},
-    "text": {"text_wrap": True, **_LEFT},
-    "line": _LEFT,
-    "code": {"font_name": "Consolas", "font_size": 10},
-    "unit": {"font_color": _SOFT, **_LEFT},
-    "number": {"valign": "top"},
-    "unquoted": {"font_color": _ALARM, "italic": True, **_LEFT},
-    "pass": {"bg_color": "#DDF0E6", "font_color": "#00613F", **_MIDDLE},
-    "fail": {"bg_color": _ALARM, "font_color": "white", "bold": True, **_MIDDLE},
-    "open": {"bg_color": "#FDF0D0", "font_color": "#6B4A00", "italic": True, **_MIDDLE},
-    "unknown": {"bg_color": "#EBEBEB", "font_color": "#404040", "italic": True, **_MIDDLE},
-}
-_NUMBERS = {  # form -> how a spreadsheet shows it; [Red] is a colour of every spreadsheet
-    "percent": "[>=0.0995]+0 %;[Red][<0]-0.0 %;+0.0 %",
-    "needed": "0.0 %",
-    "error": "0.00 %",
-    "correlation": "0.00",
-    "count": "0",
-    "money": "0.00",
-    "sample": "General",
-}
-
-
-def shown(value: float, digits: int = 4) -> str:
-    """The number format that shows a value with so many digits; General for what is very small or large.
-
-    Examples
-    --------
-    >>> shown(26.304), shown(5.0), shown(12345.6), shown(2.3e-7)
-    ('0.0', '0', '0', '0.000E+00')
-    """
-    text = f"{value:.{digits}g}"
-    if value and not 1e-3 <= abs(value) < 1e6:
-        return f"0.{'0' * (digits - 1)}E+00"
-    decimals = len(text.partition(".")[2]) if "e" not in text else 0
-    return f"0.{'0' * decimals}" if decimals else "0"
-
-
-def share(value: float) -> str:
-    """The number format of a probability, with the digits that are printed elsewhere: never 100 % where a sample fails.
-
-    >>> share(0.6866), share(0.99996), share(1.0)
-    ('0.0 %', '0.000 %', '0 %')
-    """
-    decimals = len(likely(value).removesuffix(" %").partition(".")[2])
-    return f"0.{'0' * decimals} %" if decimals else "0 %"
-
-
-def _write(page: Any, sheet: Sheet, rows: Sequence[Row], pen: _Pen) -> None:
-    note = sheet.note if len(rows) == len(sheet.rows) else f"the first {len(rows)} of {len(sheet.rows)} rows"
-    widths = [_width(column, rows) for column in sheet.columns]
-    for place, (column, width) in enumerate(zip(sheet.columns, widths, strict=True)):
-        page.write_string(0, place, visible(column.head), pen("right head" if _counts(column, rows) else "head"))
-        page.set_column(place, place, width + 2.5)
+def _series(book: Any, page: Any, series: Series, pen: _Pen) -> Any:
+    """Write the head and the first row; all rows, of a longer record some evenly and with the peaks of every column."""
+    names, units = list(series.columns), [unit for _, _, unit in series.columns.values()]
+    columns = [from_si(values, unit, kind) for values, kind, unit in series.columns.values()]
+    kept = curve_points(tuple(columns), MOST_SAMPLES)
+    rows = np.column_stack([values[kept] for values in columns])
+    for place, (name, unit) in enumerate(zip(names, units, strict=True)):
+        head = f"{name.replace('_', ' ')} ({label(unit)})" if label(unit) else name.replace("_", " ")
+        page.write_string(0, place, head, pen("right head"))
+        page.set_column(place, place, max(12, len(head) + 1))
+        if len(rows) and isfinite(rows[0, place]):
+            page.write_number(1, place, rows[0, place], pen("number", "General"))
+    left = (
+        f"{len(kept)} of {len(columns[0])} samples, evenly and with the peaks of every column"
+        if len(kept) < len(columns[0])
+        else ""
+    )
+    note = "; ".join(filter(None, (series.note, left)))
     if note:
-        page.write_string(0, len(sheet.columns), visible(note), pen("note"))
-    for number, row in enumerate(rows[:1] if sampled(sheet) else rows, 1):
-        lines = _write_row(page, number, sheet.columns, widths, row, pen)
-        if lines > 1:
-            page.set_row(number, _LINE * lines)  # not all spreadsheets make room for what wraps
-    page.set_row(0, _LINE * (0.5 + max(_lines(c.head, w) for c, w in zip(sheet.columns, widths, strict=True))))
-    _set_up(page, sheet, len(rows))
-
-
-_LINE = 15  # points
-_ONE_LINE = ("code", "line")
-
-
-def _write_row(
-    page: Any, number: int, columns: Sequence[SheetColumn], widths: Sequence[float], row: Row, pen: _Pen
-) -> int:
-    """One row; how many lines of text it takes."""
-    if set(row) <= {"part", "across"}:
-        return _write_across(page, number, widths, row, pen)
-    lines = 1
-    for place, column in enumerate(columns):
-        value = row.get(column.key)
-        form, value = (value.form, value.value) if isinstance(value, Cell) else (column.form, value)
-        _write_cell(page, number, place, value, form, pen)
-        if isinstance(value, str) and form not in _ONE_LINE:
-            lines = max(lines, _lines(value, widths[place]))
-    return min(lines, _MOST_LINES)
-
-
-def _write_across(page: Any, number: int, widths: Sequence[float], row: Row, pen: _Pen) -> int:
-    """A row of one text over all columns; how many lines it takes."""
-    ((look, text),) = row.items()
-    page.merge_range(number, 0, number, len(widths) - 1, "", pen(_ACROSS[look]))
-    page.write_string(number, 0, visible(text), pen(_ACROSS[look]))
-    return min(_lines(text, sum(widths)), _MOST_LINES)
-
-
-_ACROSS = {"part": "part", "across": "text"}
-_MOST_LINES = 25  # a row may be 409 points high
-
-
-def _lines(text: str, width: float) -> int:
-    return sum(math.ceil(max(len(line), 1) / (_NARROW * width)) for line in text.splitlines())
-
-
-_NARROW = 1.15  # letters of a text for each digit that a column is wide
-
-
-def _write_cell(page: Any, row: int, place: int, value: Any, form: str, pen: _Pen) -> None:
-    """One cell; what is unknown is left empty."""
-    if isinstance(value, str):
-        text = label(value) if form == "unit" else visible(value)
-        if text:
-            page.write_string(row, place, text, pen(_look(text, form)))
-    elif value is not None and math.isinf(value):
-        page.write_string(row, place, _endless(value), pen("text"))
-    elif value is not None and not math.isnan(value):
-        number = share(value) if form == "share" else _NUMBERS.get(form) or shown(value, 6 if form == "datum" else 4)
-        page.write_number(row, place, value, pen("number", number))
-
-
-def _endless(value: float) -> str:
-    return "unbounded" if value > 0.0 else "unbounded below"
-
-
-def _look(text: str, form: str) -> str:
-    if form == "status" and text in GRAVEST:
-        return text
-    if form == "confidence" and text not in ("quoted", "computed"):
-        return "unquoted"
-    return form if form in ("code", "line", "unit") else "text"
-
-
-def _counts(column: SheetColumn, rows: Sequence[Row]) -> bool:
-    """Whether a column holds a number at all: its head stands to the right then, as numbers do."""
-    values = (row.get(column.key) for row in rows)
-    return any(isinstance(value, float | int | Cell) for value in values)
-
-
-def _width(column: SheetColumn, rows: Sequence[Row]) -> int:
-    """Letters of the longest text, within bounds, and room for a number; a head may wrap."""
-    longest = max(8, *(len(word) for word in (column.head or " ").split(" ")))
-    values = (row.get(column.key) for row in rows)
-    texts = (line for text in values if isinstance(text, str) for line in text.splitlines())
-    return min(max(longest, max(map(len, texts), default=0)), column.widest)
-
-
-_ON_PAPER = 16  # columns that can still be read on one sheet
-
-
-def _set_up(page: Any, sheet: Sheet, count: int) -> None:
-    """Set up the frozen panes, the filter and the printed page."""
-    page.freeze_panes(1, sheet.still)
-    if sheet.filtered:
-        page.autofilter(0, 0, max(count, 1), len(sheet.columns) - 1)
+        page.write_string(0, len(names), note, pen("text"))
+    page.freeze_panes(1, 1)
     page.set_landscape()
-    page.set_paper(9)  # A4
-    page.fit_to_pages(1 if len(sheet.columns) <= _ON_PAPER else 2, 0)
-    page.repeat_rows(0)
-    page.print_area(0, 0, max(count, 1), len(sheet.columns) - 1)
-    page.set_footer("&L&A&Rpage &P of &N")
+    drawn = [name for name in series.drawn if name in names]
+    if drawn and len(rows):
+        chart, sheet = book.add_chart({"type": "scatter", "subtype": "straight"}), page.get_name()
+        of = [units[names.index(name)] for name in drawn]
+        for ink, name, unit in zip(_INKS, drawn, of, strict=False):
+            place = names.index(name)
+            chart.add_series({
+                "name": [sheet, 0, place], "categories": [sheet, 1, 0, len(rows), 0], "values": [sheet, 1, place,
+                                                                                                 len(rows), place],
+                "line": {"color": ink, "width": 1.0}, "y2_axis": unit != of[0],
+                "categories_data": [], "values_data": [],  # read from the sheet: a copy would double the file
+            })  # fmt: skip
+        chart.set_x_axis({"name": f"time ({units[0]})", "min": 0, "label_position": "low"})
+        chart.set_y_axis({"name": label(of[0]), "major_gridlines": {"visible": True, "line": {"color": "#DDDDDD"}}})
+        chart.set_y2_axis({"name": label(of[-1])})
+        chart.set_legend({"position": "top"})
+        chart.set_size({"width": 900, "height": 380})
+        page.insert_chart(1, len(names) + 1, chart)
+    return rows
 
 
-def render(content: Content, path: Path) -> dict[Path, bytes]:
-    """The file of an XLSX report."""
-    return {path: written(sheets(content))}
+def _with_records(book: bytes, tables: Mapping[int, Any]) -> bytes:
+    """A workbook with the rest of its series."""
+    if not tables:
+        return book
+    stream, names = io.BytesIO(), {f"xl/worksheets/sheet{number}.xml": rows for number, rows in tables.items()}
+    with zipfile.ZipFile(io.BytesIO(book)) as old, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as new:
+        for entry in old.infolist():
+            content = old.read(entry)
+            if entry.filename in names:
+                content = _with_rows(content.decode(), names[entry.filename]).encode()
+            new.writestr(entry, content, compresslevel=3)  # digits of a record hardly pack better at more
+    return stream.getvalue()
 
 
-def sheets(content: Content) -> list[Sheet]:
-    """The sheets of a report in their order, as plain data."""
-    found = [sheet for section in SECTIONS for sheet in sheets_of(section, content)]
-    return [*found, about(content, found)]
-
-
-# -- XLSX of a machine: sheets of the machine, its axes, parts and closed loops, then those of each axis.
-
-
-def render_machine(content: MachineContent, path: Path) -> dict[Path, bytes]:
-    """The file of an XLSX report."""
-    return {path: written(sheets_of_machine(content))}
-
-
-def sheets_of_machine(content: MachineContent) -> list[Sheet]:
-    """The sheets of a report in their order, as plain data."""
-    machine = content.sizing.machine
-    file = file_sheet(content.file, machine.text, machine.entered)
-    own = [_machine(content), _axes(content), _parts(content), *_power(content), *loop_sheet(content)]
-    taken = {sheet.name for sheet in (*own, file)} | {"About"}
-    axes, simulated = [one.name for one in content.axes], [*content.proofs]
-    names = sheet_names([*axes, *(f"{name} over time" for name in simulated)], taken)
-    found = [*own, *(_axis(one, name) for one, name in zip(content.axes, names, strict=False))]
-    found += [*time_series_sheets(content, dict(zip(simulated, names[len(axes) :], strict=True))), file]
-    return [*found, about_sheet(content.catalogs, content.method, content.sizing.objective, found)]
-
-
-_LONGEST = 31  # letters of a sheet's name
-
-
-def sheet_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:
-    """Names of sheets, of which a workbook has each once whatever its capitals, and that it cuts.
-
-    Examples
-    --------
-    >>> sheet_names(["x", "X", "axes"], ["Axes"])
-    ['x', 'X 2', 'axes 2']
-    """
-    used, made = {name.lower() for name in taken}, []
-    for name in names:
-        for number in range(1, 2 + len(used)):
-            end = "" if number == 1 else f" {number}"
-            short = name[: _LONGEST - len(end)].strip() + end
-            if short.lower() not in used:
-                break
-        used.add(short.lower())
-        made.append(short)
-    return made
-
-
-# -- the machine
-
-
-_COLUMNS = (
-    SheetColumn("Machine", "title"), SheetColumn("value", "value"), SheetColumn("unit", "unit", "unit"),
-    STATUS, SheetColumn("note", "note", "", 90),
-)  # fmt: skip
-
-
-def _machine(content: MachineContent) -> Sheet:
-    sizing = content.sizing
-    rows: list[table.Row] = [{"title": "Machine", "note": sizing.machine.name}]
-    rows += [{"title": name, "note": value} for name, value in content.title_block]
-    rows += [{"title": "Verdict", "status": content.status, "note": text_of(verdict_text(content))},
-             {"title": "Drives", "value": Cell(content.drives, "count")}]  # fmt: skip
-    rows += [{"part": "Smallest margin of each axis"}, *map(_tight, content.axes)]
-    if sizing.checks:
-        rows += [{"part": "Checks of all axes together"}, *map(check_line, sizing.checks)]
-    if sizing.power:
-        rows += [{"part": "All axes on one supply"}]
-        rows += [table.figure_row("power", figure) for figure in sizing.power.figures]
-    rows += loop_summary(content)
-    if content.bought:
-        rows += [{"part": "All parts"}, *map(priced, table.total_rows(content.totals))]
-    rows += [*texts("Of all axes together", notes(content)), *texts("Assumptions", assumptions(content)),
-             *texts("Warnings", warnings(content))]  # fmt: skip
-    return Sheet(name="Machine", columns=_COLUMNS, rows=rows, filtered=False)
-
-
-def _tight(one: AxisContent) -> table.Row:
-    """An axis by its tightest check."""
-    drive = one.content.drive
-    check = next(iter(tightest(drive.deciding, 1)), None) if drive else None
-    named = {"title": one.name, "status": one.status}
-    return check_line(check) | named | {"note": check.title} if check else named | {"note": "no candidate"}
-
-
-# -- axes and parts
-
-
-_AXES = (
-    SheetColumn("axis", "axis"), SheetColumn("drives", "drives", "count"), SheetColumn("drive", "drive", "", 60),
-    STATUS, SheetColumn("carries", "carries"), SheetColumn("mass of these (kg)", "carried"),
-    SheetColumn("mass of its parts (kg)", "mass"), SheetColumn("price of its parts", "price", "money"),
-    SheetColumn("currency", "currency"), SheetColumn("energy of its cycle (J)", "energy"),
-    SheetColumn("smallest margin (%)", "margin", "percent"), SheetColumn("tightest check", "check"),
-    SheetColumn("not in mass", "no_mass"), SheetColumn("not in price", "no_price"),
-)  # fmt: skip
-
-
-def _axes(content: MachineContent) -> Sheet:
-    note = "mass and price are those of all drives of an axis, as far as they are known"
-    return Sheet(name="Axes", columns=_AXES, rows=[*map(_axis_row, content.axes)], note=note, still=1)
-
-
-def _axis_row(one: AxisContent) -> table.Row:
-    drive = one.content.drive
-    found: table.Row = {"axis": one.name, "drives": one.sizing.drives, "status": one.status,
-                        "carries": ", ".join(riding.of for riding in one.sizing.carried),
-                        "carried": one.sizing.carried_mass if one.sizing.carried else None}  # fmt: skip
-    if drive is None:
-        return found | {"drive": "no candidate"}
-    check = next(iter(tightest(drive.deciding, 1)), None)
-    found |= {"drive": text_of(drive_name(one)), "energy": objective_figure(drive, "energy").value}
-    for total in totals(one.lines):
-        found |= {total.name: total.value, f"no_{total.name}": ", ".join(total.lacks)}
-        found |= {"currency": total.unit} if total.name == "price" else {}
-    return found | ({"margin": check.margin, "check": check.title} if check else {})
-
-
-def _parts(content: MachineContent) -> Sheet:
-    """The parts of all axes."""
-    columns = (*PART_COLUMNS[:1], SheetColumn("axes", "axes"), *PART_COLUMNS[1:])
-    rows = [part_sheet_row(one.line) | {"axes": ", ".join(one.axes)} for one in content.bought]
-    known = "mass and price are empty where no catalogue has them; a mass with from and to is estimated"
-    note = known if rows else "no drive meets all limits: nothing to buy"
-    return Sheet(name="Parts list", columns=columns, rows=rows, note=note, still=1)
-
-
-# -- power
-
-
-def _power(content: MachineContent) -> Iterator[Sheet]:
-    """Power of all axes over time."""
-    power = content.sizing.power
-    if power is None:
-        return
-    columns = power_columns(power)
-    heads = tuple(SheetColumn(headed(name, unit), name, "sample") for name, (_, _, unit) in columns.items())
-    rows = zip(*(from_si(values, unit, kind).tolist() for values, kind, unit in columns.values()), strict=True)
-    yield Sheet(name="Power", columns=heads, note="mean powers, each from its time to that of the next row", still=1,
-                filtered=False, rows=[dict(zip(columns, row, strict=True)) for row in rows])  # fmt: skip
-
-
-# -- one axis
-
-
-def _carried(found: CarriedMass) -> table.Row:
-    lacks = f"without {', '.join(found.lacking)}" if found.lacking else ""
-    named = table.plain_row("carried", found.of, f"Drives of {found.of} on it", found.mass, "kg")
-    return named | {"note": lacks}
-
-
-def _axis(one: AxisContent, name: str) -> Sheet:
-    columns = (SheetColumn(f"Axis {one.name}", "title"), *LIMITS)
-    rows = [*_axis_rows(one)]
-    return Sheet(name=name, columns=columns, rows=rows, filtered=False, still=1)
-
-
-def _axis_rows(one: AxisContent) -> Iterator[table.Row]:
-    """Its drive, what it carries, its checks, figures, and the requirements of its load."""
-    drive, result = one.content.drive, one.content.result
-    if drive is None:
-        yield {"title": "Drive", "status": "fail", "note": "no candidate"}
-        return
-    yield {"title": "Drive", "status": one.status, "note": text_of(drive_name(one))}
-    v = one.content.validation
-    if v:
-        yield {"title": v.loop.capitalize(), "status": v.status, "note": f"over {driven_over(v)}"}
-    yield from map(_carried, one.sizing.carried)
-    yield {"part": "Parts"}
-    yield from table.set_rows(drive, result.objective)
-    yield {"part": "Checks"}
-    yield from (table.check_row("check", check) for check in drive.every_check)
-    yield {"part": "Figures of the drive over the cycle"}
-    yield from (table.figure_row("figure", figure) for figure in drive.figures)
-    yield {"part": "Requirements of the load"}
-    yield from map(table.requirement_row, (*result.requirements, *drive.requirements))
-    yield from texts("Assumptions", result.assumptions)
-    yield from texts("Warnings", result.warnings)
-    if v:
-        yield from texts("Assumptions of the simulation", v.assumptions)
-        yield from texts("Warnings of the simulation", v.warnings)
+def _with_rows(sheet: str, rows: Any) -> str:
+    """A sheet whose rows behind the first are added; what is unknown has no cell."""
+    style = re.search(r'<c r="[A-Z]+2" s="(\d+)">', sheet)
+    look = f' s="{style[1]}"' if style else ""
+    cells = [f'<c r="{_letters(place)}%d"{look}><v>%.16G</v></c>' for place in range(rows.shape[1])]
+    head, end, rest = sheet.partition("</sheetData>")
+    head = re.sub(r'(?<=<dimension ref=")A1:([A-Z]+)\d+(?=")', rf"A1:\g<1>{len(rows) + 1}", head)
+    numbers = range(3, len(rows) + 2)
+    if np.isfinite(rows).all():
+        whole = f'<row r="%d">{"".join(cells)}</row>'
+        columns = [part for column in rows[1:].T.tolist() for part in (numbers, column)]
+        made: Iterable[str] = map(whole.__mod__, zip(numbers, *columns, strict=True))
+    else:
+        known = (
+            "".join(cell % (n, v) for cell, v in zip(cells, row, strict=True) if isfinite(v))
+            for n, row in zip(numbers, rows[1:].tolist(), strict=True)
+        )
+        made = (f'<row r="{n}">{row}</row>' for n, row in zip(numbers, known, strict=True))
+    return "".join((head, *made, end, rest))

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from math import ceil, floor, isfinite, isnan, log10
-from typing import TYPE_CHECKING, Any, NamedTuple
+from math import ceil, floor, isfinite, log10
+from typing import NamedTuple
 
 from rich import box
 from rich.console import Console, RenderableType
@@ -15,32 +15,13 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
-from drivesizer.catalog import Catalog, columns_of
-from drivesizer.output.tables import required_rows
-from drivesizer.output.words import LESS, about, confidences, not_quoted
-from drivesizer.results.check_kinds import missing_figures
-from drivesizer.results.drive_set import DriveSet, Requirement, made_by, section_of
-from drivesizer.results.sizing import Check, Figure, unknown_parts
-from drivesizer.spec.drive import OBJECTIVES
-from drivesizer.spec.robot import AS_SPECIFIED
-from drivesizer.units import label, show
-
-if TYPE_CHECKING:
-    from drivesizer.control.validation import Validation
-
-__all__ = [
-    "MARK", "STYLE", "Axis", "Series", "bare", "chart", "checks", "console", "dots", "gains", "heading", "loose",
-    "missing", "objective", "parts", "percent", "plain", "required", "requirements", "ticks", "tried",
-    "width_of",
-]  # fmt: skip
+__all__ = ["MARK", "STYLE", "Axis", "Series", "bare", "chart", "console", "dots", "heading", "ticks", "width_of"]
 
 
 # -- Tables for the terminal: they fit 80 columns and use what there is.
 
 
 _WIDTH = 80  # characters where a terminal does not say
-_ALIKE = 0.01  # of a margin, within which it is that of two figures
-_CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
 STYLE = {"pass": "green", "fail": "bold red", "open": "yellow", "unknown": "yellow"}
 MARK = {"pass": "pass", "fail": "FAIL", "open": "open", "unknown": "unknown"}
 
@@ -51,18 +32,6 @@ def console() -> Console:
     if shown.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
         shown.width = _WIDTH
     return shown
-
-
-def tried(proof: Validation, of: str = "") -> Table:
-    """Changes that were simulated on a drive that fails in its loop."""
-    from drivesizer.output.loop_table import remedies  # with what a sizing need not load
-
-    title, rows = remedies(proof)
-    heads = ("change", "left"), ("entered as", "left"), ("tightest", "left"), ("", "left")
-    table = bare(*heads, title=f"{of}{title}")
-    for *cells, status in rows:
-        table.add_row(*map(Text, cells), Text(MARK[status], style=STYLE[status]))
-    return table
 
 
 def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged: bool = True) -> Table:
@@ -80,17 +49,6 @@ def width_of(table: RenderableType) -> int:
     return Measurement.get(wide, wide.options, table).maximum
 
 
-def percent(margin: float) -> str:
-    """A margin as a share, or as a multiple where it is large.
-
-    >>> percent(0.213), percent(11.0)
-    ('+21 %', '×12')
-    """
-    if isnan(margin):
-        return "–"
-    return f"{100 * margin:+.0f} %" if abs(margin) < 10 else f"×{margin + 1:.0f}"
-
-
 def heading(console: Console, name: str, right: str, style: str = "") -> None:
     """Print a heading and a rule."""
     grid = Table.grid(expand=True)
@@ -99,200 +57,6 @@ def heading(console: Console, name: str, right: str, style: str = "") -> None:
     grid.add_row(Text(name, style="bold"), Text(right, style=style))
     console.print(grid)
     console.print(Rule(style="dim"))
-
-
-def requirements(requirements: Iterable[Requirement], title: str) -> Table:
-    """Requirements with their equation numbers."""
-    table = bare(("eq.", "right"), ("", "left"), ("", "left"), ("", "right"), title=title, headed=False)
-    for r in requirements:
-        number = f"({r.equation})" if r.equation else ""
-        table.add_row(number, r.symbol, Text(r.title + (", given" if r.note.startswith("given") else "")), r.text)
-    return table
-
-
-def checks(checks: Iterable[Check], title: str, *, edged: bool = True) -> Table:
-    """Checks: demand, limit, margin, verdict, and the worst instant where one is known."""
-    checks = list(checks)
-    timed = any(check.at_time is not None for check in checks)
-    worst_in = {check.case for check in checks} - {AS_SPECIFIED}
-    if len(worst_in) == 1 and len(checks) > 1 and "" not in worst_in:
-        title += f", worst in {worst_in.pop()}"
-    columns = [("check", "left"), ("demand", "right"), ("limit", "right"), ("margin", "right"), ("", "left")]
-    table = bare(*columns, *([("at", "right")] if timed else []), title=title, edged=edged)
-    for check in checks:
-        status = Text(MARK[check.status], style="dim" if check.advice else STYLE[check.status])
-        figures = [plain(check, check.demand), plain(check, check.limit)]
-        when = [_seconds(check.at_time)] if timed else []
-        where = f" ({check.case})" if check.case in worst_in and check.case else ""
-        needed = f"\nneeds {percent(check.needed)}" if check.needed and not isnan(check.margin) else ""
-        reason = f"\n{check.note}" if check.note and isnan(check.demand) and isnan(check.limit) else ""
-        table.add_row(Text(check.title + where + reason), *figures, percent(check.margin) + needed, status, *when)
-        if check.band and check.status in ("open", "pass") and check.band.least_margin < _CLOSE:
-            worst = _worst_end(check)
-            table.add_row(Text("  at worst, by estimates", style="dim"), *worst, percent(check.band.least_margin), "")
-    return table
-
-
-def required(found: DriveSet) -> Table | None:
-    """Requirements on the machine with what is reached, its margin and the verdict; None where the spec has none."""
-    rows = required_rows(found)
-    if not rows:
-        return None
-    heads = [("requirement", "left"), ("required", "right"), ("reached", "right"), ("margin", "right"), ("", "left")]
-    table = bare(*heads, title="Requirements", edged=False)
-    for row in rows:
-        check = row.check
-        where = f" ({check.case})" if check.case not in ("", AS_SPECIFIED) else ""
-        bound = "≤" if row.bound == "at most" else "≥"
-        figures = f"{bound} {check.shown(row.required)}", check.shown(row.reached), percent(check.margin)
-        note = f"\n{check.note}" if check.note else ""
-        table.add_row(Text(check.title + where + note), *figures, Text(MARK[check.status], style=STYLE[check.status]))
-    return table
-
-
-def _worst_end(check: Check) -> tuple[str, str]:
-    """Demand and limit at the unfavourable end; nothing where the limit is estimated too, and moves with the demand."""
-    high, limit, least = check.band.high, check.limit, check.band.least_margin  # type: ignore[union-attr]
-    alike = high > 0.0 and abs(limit / high - 1.0 - least) < _ALIKE
-    return (plain(check, high), plain(check, limit)) if alike else ("", "")
-
-
-def _seconds(time: float | None) -> str:
-    """A moment to three digits, in whole seconds where there are more.
-
-    >>> _seconds(3600.0), _seconds(0.12345)
-    ('3600 s', '0.123 s')
-    """
-    return "" if time is None else f"{time:.0f} s" if time >= 1000.0 else f"{time:.3g} s"
-
-
-def hanging(found: DriveSet) -> list[str]:
-    """Estimated figures of a drive's open checks: a line for each check, with the probability that it passes."""
-    return [
-        f"open: {check.title} {check.note}" + (f" ({about(check.probability)})" if about(check.probability) else "")
-        for check in found.deciding
-        if check.status == "open"
-    ]
-
-
-def missing(found: DriveSet) -> list[Text]:
-    """A line with what the unknown checks of a drive lack; none without."""
-    names = missing_figures(found)
-    return [Text(f"missing: {', '.join(names)}", style=STYLE["unknown"])] if names else []
-
-
-def plain(check: Check, figure: float) -> str:
-    """Demand or limit as text; empty for a condition without figures."""
-    if isnan(check.demand) and isnan(check.limit) and check.status != "unknown":
-        return ""
-    return check.shown(figure)
-
-
-_PULLEY = {"teeth": "teeth", "mass": "", "price": ""}
-_PARTS: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words behind each
-    "motor": {"assigned_power": "", "nominal_voltage": "", "holding_torque": "holding", "mass": "", "price": ""},
-    "gearhead": {"efficiency": "efficient", "mass": "", "price": ""},
-    "brake": {"static_torque": "static", "supply": "", "mass": "", "price": ""},
-    "encoder": {},
-    "controller": {"continuous_current": "continuous", "peak_current": "peak"},
-    "driving pulley": _PULLEY,
-    "belt": {"teeth": "teeth", "width": "wide", "mass": "", "price": ""},
-    "driven pulley": _PULLEY,
-    "screw": {"dynamic_load": "dynamic", "static_load": "static", "efficiency": "efficient", "mass": "", "price": ""},
-    "actuator": {"nominal_voltage": "", "nominal_torque": "continuous", "peak_torque": "peak", "mass": "", "price": ""},
-}
-
-
-def parts(found: DriveSet, catalog: Catalog) -> Table:
-    """The drive, part by part, with the figures that are not quoted from the maker."""
-    table = bare(("", "left"), ("", "left"), ("", "left"), headed=False)
-    for role, part in found.parts.items():
-        if part is None:
-            why = found.without_controller if role == "controller" else ""
-            table.add_row(role, Text("unknown", style="yellow"), why or "none is listed for this motor")
-        else:
-            table.add_row(role, *_part(role, part, catalog, found))
-        if role == "motor" and "gearhead" not in found.parts:
-            table.add_row("gearhead", Text("none", style="bold"), "the motor drives the load itself")
-        if role in ("gearhead", "actuator") or ("gearhead" not in found.parts and role == "motor"):
-            _belt(table, found)
-    return table
-
-
-def _part(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[Text, Text]:
-    """Name and number of a part; its main figures and their confidence."""
-    reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
-    columns = columns_of(section_of(part))
-    values = [(getattr(part, name), columns[name], words) for name, words in _PARTS[role].items()]
-    shown = [f"{show(value, c.unit, c.kind)} {words}".strip() for value, c, words in values if not isnan(value)]
-    if role == "encoder":
-        shown = [part.resolution]
-    if role == "motor" and part.controller:
-        shown.append(f"{part.controller} inside")
-    if role == "belt":
-        shown += found.belt_running
-    if role == "screw" and found.chosen_screw:
-        shown = [found.chosen_screw.running, *shown]
-    if section_of(part) == "pulleys" and part.bore:
-        shown.append(f"bore {part.bore}")
-    doubt = _doubt(part, role, found, catalog)
-    text = Text(" · ".join(shown)) + (Text(f"\n{doubt}", style="yellow") if doubt else Text(""))
-    name = made_by(part) if len(catalog.digests) > 1 else part.family  # the maker is obvious with one catalogue
-    return Text(f"{name}{reduction}", style="bold") + Text(f"\n{part.part}"), text
-
-
-def _belt(table: Table, found: DriveSet) -> None:
-    """Add the belt where only its ratio is known."""
-    if found.belt_ratio != 1.0 and not found.belt_drive:
-        efficient = show(found.belt_efficiency, "%", "dimensionless") + " efficient"
-        table.add_row("belt", f"{found.belt_ratio:g}", efficient)
-
-
-def _doubt(part: Any, role: str, found: DriveSet, catalog: Catalog) -> str:
-    """Number of figures that are not from the maker's own document; the least certain ones by name."""
-    figures = not_quoted(part, role, found, catalog)
-    doubts = []
-    for level in LESS:
-        names = [name.replace("_", " ") for name, value in figures.items() if value == level]
-        if names and level == "secondary":
-            doubts.append(f"{len(names)} of {len(confidences(part, role, found, catalog))} figures secondary")
-        elif names:
-            more = f" and {len(names) - 4} more" if len(names) > 5 else ""
-            doubts.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
-    return "; ".join(doubts)
-
-
-def objective(found: DriveSet, name: str) -> str:
-    """The figure that ranked a drive, and of which parts it is alone where those of others are unknown."""
-    if name == "margin":
-        return percent(found.objective)
-    if name not in OBJECTIVES:
-        return f"{found.objective:.4g}"
-    declared = OBJECTIVES[name]
-    text = show(found.objective, declared.unit, declared.kind)
-    lacks = declared.over and unknown_parts(found, name, found.objective_of)
-    return f"{text}\n({' and '.join(found.objective_of)} only)" if lacks and found.objective_of else text
-
-
-def loose(figures: Iterable[Figure], title: str) -> Table:
-    """Figures without a limit."""
-    table = bare(("", "left"), ("", "right"), ("", "right"), title=title, headed=False)
-    for figure in figures:
-        when = f"at {figure.at_time:.4g} s" if figure.at_time is not None else ""
-        table.add_row(figure.title, figure.text, when)
-    return table
-
-
-def gains(proof: Validation) -> Table:
-    """The controller's gains in SI, and in its own units where they are known."""
-    from drivesizer.output.loop_table import gain_rows  # with what a sizing need not load
-
-    table = bare(("", "left"), ("", "right"), title=f"{proof.set_up}: {proof.gains.rule}", headed=False)
-    for row in gain_rows(proof.gains):
-        table.add_row(row.title, f"{row.value:.4g} {label(row.unit)}")
-    for gain in proof.controller_gains:
-        table.add_row(f"{gain.place} {gain.name}", f"{gain.value} {gain.unit}")
-    return table
 
 
 # -- A line chart for the terminal, of braille characters: 2 x 4 dots to a cell.

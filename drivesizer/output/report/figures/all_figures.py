@@ -12,7 +12,7 @@ from drivesizer.files.writing import ready, write_files
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import FILES, Drawing
-from drivesizer.output.report.lines.rows import first_wheel, reported
+from drivesizer.output.words import first_wheel, reported
 from drivesizer.results.check_kinds import sorted_by_part
 from drivesizer.results.sizing import SizingResult, objective_figure
 from drivesizer.units import from_si, label

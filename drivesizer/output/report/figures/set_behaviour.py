@@ -23,9 +23,10 @@ from drivesizer.output.report.figures.cycle import (
 from drivesizer.output.report.figures.field import TOGETHER, efficiency_map
 from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
 from drivesizer.output.report.figures.style import Drawing
-from drivesizer.output.report.lines.rows import first_wheel
+from drivesizer.output.words import first_wheel
 from drivesizer.physics.stepper import copper_loss, idle_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient
+from drivesizer.results.check import Figure
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
@@ -157,8 +158,8 @@ class Behaviour:
         return "unknown" if isnan(net) else show(net, energy_unit(abs(net)), "energy")
 
     @property
-    def heat(self) -> list[dict[str, str]]:
-        """Losses and temperatures of the case as specified, as a table."""
+    def heat(self) -> list[Figure]:
+        """Losses and temperatures of the case as specified."""
         found, motor = self.specified, self.drive_set.motor
         copper = float(found.figures.copper[0]) if found.known else float("nan")
         if self.drive_set.steps:
@@ -177,7 +178,9 @@ class Behaviour:
             ("Winding in periodic steady state, mean", winding, "degC", "temperature"),
             ("Winding, permitted", motor.max_winding_temperature, "degC", "temperature"),
         ]
-        return [{"title": title, "text": show(value, unit, kind), "at": ""} for title, value, unit, kind in rows]
+        return [Figure(name="_".join(title.lower().replace(",", "").split()), title=title, value=value, kind=kind,
+                       unit=unit)
+                for title, value, unit, kind in rows]  # fmt: skip
 
     @property
     def heat_lacks(self) -> str:

@@ -10,11 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.output.derivation import cleaned, margin
+from drivesizer.output.document.candidates import gearhead_words
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.paper import as_data
+from drivesizer.output.document.records import Picture
 from drivesizer.output.json.documents import number
 from drivesizer.output.report.html.curves import Plot, above, figure, line, plain
-from drivesizer.output.report.sections.appendix import file_name
-from drivesizer.output.report.sections.candidates import gearhead_words
-from drivesizer.output.report.sections.section import Content, Picture, as_data
 from drivesizer.output.words import number_of
 from drivesizer.results.sizing import Choice, Choices, SizingResult, objective_figure, used_share, weighted_order
 from drivesizer.spec.drive import BOUGHT, OBJECTIVES
@@ -369,5 +370,5 @@ def _left_out(every: list[Criterion], offered: list[Criterion]) -> Iterator[str]
 def _command(content: Content, chosen: Choices) -> dict[str, Any]:
     """The search of all drives by the same weights."""
     named = ",".join(f"{name}={weight:g}" for name, weight in chosen.weights.items())
-    command = shlex.join(["drivesizer", "size", file_name(content) or "robot.yaml", "--objective"])
+    command = shlex.join(["drivesizer", "size", content.file or "robot.yaml", "--objective"])
     return {"command": f"{command} ", "objective": named}

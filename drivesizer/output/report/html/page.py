@@ -6,9 +6,12 @@ import base64
 import colorsys
 import re
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
+from drivesizer.output.document.axes import MachineContent, document_of, drawings_of
+from drivesizer.output.document.candidates import candidate_numbers
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.paper import paper_data, pictures_of
 from drivesizer.output.report.figures.all_figures import STILL
 from drivesizer.output.report.figures.field import conditions, panels
 from drivesizer.output.report.figures.style import COLOURS, Drawing
@@ -26,13 +29,8 @@ from drivesizer.output.report.html.plots import (
     step_plots,
 )
 from drivesizer.output.report.html.templates import digest, environment, mathematics, mathml, own_file, unbroken
-from drivesizer.output.report.machine import MachineContent, shown
-from drivesizer.output.report.machine import document as machine_document
-from drivesizer.output.report.sections import document
-from drivesizer.output.report.sections.candidates import candidate_numbers
-from drivesizer.output.report.sections.section import Content
 
-__all__ = ["both_schemes", "filled_page", "image", "machine_parts", "page_parts", "report_html"]
+__all__ = ["both_schemes", "filled_page", "image", "page_parts", "report_html"]
 
 
 # -- Still figures of the page: drawings whose colours follow the light or dark scheme of the reader.
@@ -93,27 +91,36 @@ SCRIPTS = ("tables.js", "plots.js", "weights.js", "weights_view.js", "page.js") 
 _MOST_PANELS = 6  # of the motor's field that can be moved
 
 
-def render(content: Content, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
-    """The file of an HTML report; see :func:`report_html`."""
-    return {path: report_html(content, date=date)}
-
-
-def report_html(content: Content, *, date: str | None = None) -> bytes:
+def report_html(content: Content | MachineContent, *, date: str | None = None) -> bytes:
     """The report as one HTML file."""
     return filled_page(*page_parts(content, date))
 
 
-def page_parts(content: Content, date: str | None = None) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
+def page_parts(
+    content: Content | MachineContent, date: str | None = None
+) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
     """The document of a report, its figures that can be moved, and those that cannot, by name."""
-    still = {name: content.drawings[name] for name in STILL if name in content.drawings}
-    filled = document(content, date)
-    return filled | {"sections": [*_with_weights(filled, content)]}, movable(content), still
+    filled, drawings = paper_data(document_of(content), date), drawings_of(content)
+    wanted, figures = {*pictures_of(filled["sections"])}, dict[str, Plot]()
+    if isinstance(content, MachineContent) and len(content.axes) > 1:
+        stacked = power_plot(content.sizing.power) if content.sizing.power else None
+        figures |= {"power": stacked} if stacked else {}
+        figures |= {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
+        still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
+    else:
+        alone = content.axes[0].content if isinstance(content, MachineContent) else content
+        figures, still = movable(alone), [*STILL]
+        filled["sections"] = [*_with_weights(filled["sections"], alone)]
+        wanted |= {"choices"}
+    kinds = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered
+    pictures = {name: drawings[name] for name in still if name in wanted and name in drawings}
+    return filled, {name: figures[name] for name in figures if kinds[name] in wanted}, pictures
 
 
-def _with_weights(filled: dict[str, Any], content: Content) -> Iterator[dict[str, Any]]:
+def _with_weights(sections: list[dict[str, Any]], content: Content) -> Iterator[dict[str, Any]]:
     """The sections, with the choice by weights behind the candidates and what belongs to them."""
     chosen, reached = weights_section(content), False
-    for section in filled["sections"]:
+    for section in sections:
         if chosen and reached and section["level"] == 1:
             yield chosen
             chosen = None
@@ -175,27 +182,3 @@ def movable(content: Content) -> dict[str, Plot]:
             for n, (title, plot) in enumerate(step_plots(validation.loops).items(), 1):
                 made[f"step-{n}"] = plot | {"title": title}
     return {name: plot for name, plot in made.items() if plot}
-
-
-# -- HTML of a machine: one page, with the figures of every axis that can be moved.
-
-
-def render_machine(content: MachineContent, path: Path, *, date: str | None = None) -> dict[Path, bytes]:
-    """The file of an HTML report."""
-    return {path: filled_page(*machine_parts(content, date))}
-
-
-def machine_parts(
-    content: MachineContent, date: str | None = None
-) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
-    """The document of a machine's report, its figures that can be moved, and those that cannot, by name."""
-    filled = machine_document(content, date)
-    wanted, drawings = set(shown(filled["sections"])), content.drawings
-    still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
-    pictures = {name: drawings[name] for name in still if name in wanted and name in drawings}
-    power = content.sizing.power
-    stacked = power_plot(power) if power else None
-    figures = {"power": stacked} if stacked else {}
-    figures |= {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
-    several = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered
-    return filled, {name: figures[name] for name in figures if several[name] in wanted}, pictures

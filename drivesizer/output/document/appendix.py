@@ -1,0 +1,197 @@
+"""The appendix: the specification as it was entered, what made the document out of what, and the data sheets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from drivesizer.catalog import Catalog, columns_of, singular
+from drivesizer.catalog.query import Hit, origins
+from drivesizer.output.document.content import Content
+from drivesizer.output.document.records import (
+    Block,
+    Code,
+    Column,
+    Fragment,
+    Mark,
+    Picture,
+    Quantity,
+    Row,
+    Section,
+    Table,
+    Words,
+)  # fmt: skip
+from drivesizer.output.part import datasheets
+from drivesizer.results.drive_set import section_of
+from drivesizer.version import __version__
+
+__all__ = ["DATA_SHEETS", "FIGURES_OF_PARTS", "REPEAT", "SPECIFICATION", "repeat_blocks", "sheet_blocks"]
+
+
+# -- The specification as it was entered, by section, with the figures of the motion.
+
+
+def _specification(content: Content) -> Iterator[Block]:
+    entered = content.result.spec.entered
+    top = [[key, _scalar(value)] for key, value in entered.items() if not isinstance(value, dict | list)]
+    groups = [{"title": "general", "rows": top}]
+    groups += [{"title": key.replace("_", " "), "rows": _flat(value)} for key, value in entered.items()
+               if isinstance(value, dict | list)]  # fmt: skip
+    groups = [group for group in groups if group["rows"]]
+    if groups:
+        yield Words(("The figures as they were entered", *((" in ", Code(content.file)) if content.file else ()), "."))
+    yield Fragment("spec", groups)
+    yield Picture("way", "The path from above, to scale, and the robot with its heading at intervals.",
+                  "the path in plan view", about="shows the path.")  # fmt: skip
+    several = ", as specified" if content.cases else ""
+    motion = (
+        "The motion of the platform on its path, in its own axes."
+        if content.wheel
+        else f"The motion of one cycle{several}."
+    )
+    yield Picture("profile", motion, "speed over time", about="shows the motion.")
+
+
+def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
+    if isinstance(value, dict):
+        return [row for key, entry in value.items() for row in _flat(entry, (*path, str(key)))]
+    if isinstance(value, list) and any(isinstance(entry, dict) for entry in value):
+        rows = []
+        for number, entry in enumerate(value, 1):
+            plain = isinstance(entry, dict) and not any(isinstance(v, dict | list) for v in entry.values())
+            if plain and "name" in entry:  # in one row under its name where it holds no more than figures
+                figures = [f"{key.replace('_', ' ')} {_scalar(v)}" for key, v in entry.items() if key != "name"]
+                rows.append([" › ".join((*path, _scalar(entry["name"]))), ", ".join(figures)])
+            else:
+                rows += _flat(entry, (*path, str(number)))
+        return rows
+    shown = ", ".join(_scalar(entry) for entry in value) if isinstance(value, list) else _scalar(value)
+    return [[" › ".join(path), shown]]
+
+
+def _scalar(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return "" if value is None else str(value)
+
+
+SPECIFICATION = Section(name="specification", title="Specification", blocks=_specification, media="paper")
+
+
+# -- What made the document out of what.
+
+
+_FEW = 4  # catalogues in the table; more are listed in a file of their own
+_MEANING = {
+    "pass, fail, unknown": "a check with an unknown figure is unknown: it neither passes nor fails",
+    "open": "a check that passes at one end of the 5 to 95 % band of estimated figures and fails at the other",
+    "empty cell": "the figure is unknown; never zero",
+    "numbers": "with all their digits, shown with four; the unit is beside or in the head",
+    "SI value": "the same figure in the unit of the SI",
+    "margin": "limit over demand less 1; of a required minimum what there is over what is required less 1",
+    "quoted": "from the maker's own document",
+    "secondary": "copied by others",
+    "derived": "computed or inferred",
+    "recalled": "from memory: to be checked before anything is built",
+}
+
+
+def _repeat(content: Content) -> Iterator[Block]:
+    result = content.result
+    yield from repeat_blocks(
+        result.catalog.digests, result.method, result.objective, content.file, result.spec.text, result.spec.entered
+    )
+
+
+def repeat_blocks(
+    catalogs: Mapping[str, str], method: str, objective: str, file: str, text: str, entered: Mapping[str, Any]
+) -> Iterator[Block]:
+    """Versions, digests and the file that a result came from; without one the fields as they were entered."""
+    import yaml
+
+    few = catalogs.items() if len(catalogs) <= _FEW else ()
+    made = {"drivesizer": __version__, "method": method, "objective": objective.replace("_", " ")}
+    rows = [Row({"title": title, "note": said}) for title, said in made.items()]
+    rows += [Row({"title": f"catalogue {name}, digest", "note": (Code(digest),)}) for name, digest in few]
+    columns = Column("title", "", "name"), Column("note", "", width=1.0)
+    yield Table("", columns, rows, look="figures")
+    if not few:
+        yield Fragment("digests", [list(one) for one in catalogs.items()])
+        listed = [Row({"title": f"catalogue {name}, digest", "note": digest}) for name, digest in catalogs.items()]
+        yield Table("Catalogues", columns, listed, media="book")
+    yield Table(
+        "Words", columns, [Row({"title": word, "note": meaning}) for word, meaning in _MEANING.items()], media="book"
+    )
+    lines = text.splitlines()
+    if lines:
+        yield Fragment("file", [file or "spec.yaml", *lines])
+    written = lines or yaml.safe_dump(dict(entered), allow_unicode=True, sort_keys=False).splitlines()
+    numbered = [Row({"line": Quantity(number), "text": line}) for number, line in enumerate(written, 1)]
+    yield Table(
+        f"The spec file: {file or 'spec'}",
+        (Column("line", "line", "number"), Column("text", file or "spec", "code")),
+        numbered,
+        media="book",
+    )
+
+
+REPEAT = Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, early="never")
+
+
+# -- data sheets
+
+
+def _datasheets(content: Content) -> Iterator[Block]:
+    if content.drive is not None:
+        yield from sheet_blocks(datasheets(content.drive, content.result.catalog))
+
+
+def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[Block]:
+    """Data sheets of parts, below the meaning of their marks."""
+    yield Words((
+        "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", Mark("secondary"),
+        " copied by others, ", Mark("derived"), " computed or inferred, ", Mark("recalled"),
+        " from memory, to be checked before anything is built. Figures that the catalogue does not know are not "
+        "listed.",
+    ))  # fmt: skip
+    yield Fragment("datasheets", sheets)
+
+
+DATA_SHEETS = Section(name="datasheets", title="Data sheets", blocks=_datasheets, appendix=True, media="paper")
+
+
+def _figures(content: Content) -> Iterator[Block]:
+    """Every known figure of the drive's parts with its source and confidence."""
+    if content.drive is None:
+        return
+    once = {(section_of(part), part.part): part for part in content.drive.parts.values() if part is not None}
+    rows = [row for (section, _), part in once.items() for row in _part_rows(section, part, content.result.catalog)]
+    columns = (
+        Column("role", "part"), Column("maker", "maker"), Column("family", "family"), Column("number", "number"),
+        Column("title", "figure"), Column("value", "value", "number"), Column("confidence", "confidence", "mark"),
+        Column("note", "note"), Column("date", "source date"), Column("source", "source"),
+    )  # fmt: skip
+    yield Table("Figures of the parts with their sources", columns, rows)
+
+
+def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[Row]:
+    """The known figures of a part, and the notes on them."""
+    known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
+    notes = catalog.notes_on(section, part.part)
+    named = {"role": singular(section), "maker": part.manufacturer, "family": part.family, "number": part.part}
+    for name, column in columns_of(section).items():
+        if name in known and name not in ("family", "manufacturer"):
+            value, source = getattr(part, name), known[name]
+            money = column.kind.startswith("price")
+            shown = (
+                str(value)
+                if column.kind == "text"
+                else Quantity(value, column.unit, "money" if money else column.kind, 6)
+            )
+            on = [note.text for note in notes if (name in note.fields if name != "part" else not note.fields)]
+            yield Row({**named, "title": name.replace("_", " "), "value": shown,
+                       "confidence": (Mark(source.confidence),),
+                       "note": "; ".join(on), "date": source.date, "source": source.document}, name=name)  # fmt: skip
+
+
+FIGURES_OF_PARTS = Section(name="figures", title="Selected drive", blocks=_figures, media="book")

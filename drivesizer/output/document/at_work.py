@@ -1,0 +1,452 @@
+"""The drive at work: requirements of the load, its load cycle piece by piece, heat and energy, the closed loop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import groupby
+from math import isnan
+
+from drivesizer.control.validation import Loop, Validation
+from drivesizer.output.derivation import margin, step
+from drivesizer.output.document.content import Content, OfDrives, OfLoop, driven_over
+from drivesizer.output.document.records import (
+    Block,
+    Bullets,
+    Cell,
+    Code,
+    Column,
+    Equation,
+    Heading,
+    Math,
+    Pair,
+    Picture,
+    Quantity,
+    Row,
+    Section,
+    Series,
+    Status,
+    Strong,
+    Table,
+    TableLink,
+    Text,
+    Words,
+)  # fmt: skip
+from drivesizer.output.document.rows import check_table, figures_table, requirements_table, tightest_table
+from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain_rows, left_out, loop_figures, loop_name
+from drivesizer.results.check import sentence_case
+from drivesizer.results.drive_set import DriveSet, Requirement
+from drivesizer.units import show
+
+__all__ = [
+    "CYCLE", "CYCLE_PICTURES", "DERIVATION", "ENERGY", "FIELD", "HEAT", "LINEAR_LOOPS", "LOOP", "LOOP_DETAILS",
+    "PIECES",
+]  # fmt: skip
+
+
+# -- The requirements of the load: the paper's equations with the numbers put in, or the figures of the load cycle.
+
+
+_ABOUT_CYCLE = {
+    "paper": "is the cycle of one drive over time, as the checks by physics use it.",
+    "physics": "shows the load cycle.",
+}
+_SOURCE = (
+    "C. Prados Sesmero, L. R. Buonocore, M. Di Castro, Omnidirectional Robotic Platform for Surveillance of Particle "
+    "Accelerator Environments with Limited Space Areas, Appl. Sci. 2021, 11, 6631"
+)
+_OF_WHEELS = (
+    "The motion of the platform takes a torque at each of its wheels: where there are more torques than the motion "
+    "needs, those of the least sum of squares. Each driven wheel is a load case, and the drive is sized for the worst "
+    "of them; the worst is {wheel} by its RMS torque."
+)
+_OF_CYCLE = "Figures of the load cycle, segment by segment, at the {shaft}."
+
+
+def _derivation(content: Content) -> Iterator[Block]:
+    from drivesizer.output.report.figures.cycle import stretches
+
+    found, by_paper = content.result.requirements, content.result.method == "paper"
+    notes = "".join(f", {note}" for note in dict.fromkeys(r.note for r in found if r.note)) if not by_paper else ""
+    table = requirements_table(f"The {content.shaft}, of one drive{notes}", found, halves=True)
+    if by_paper:
+        yield from _equations(content)
+        yield replace(table, media="listed")
+    else:
+        yield Words(_OF_WHEELS.format(wheel=content.wheel) if content.wheel else _OF_CYCLE.format(shaft=content.shaft))
+        yield table
+    cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
+    inertia, many = "The load's own inertia is in the torque.", len(content.cases)
+    further = " Load cases beyond the fourth are shown when they are selected above." if many > 4 else ""
+    if content.wheel:
+        first = ", of the first eight" if many > 8 else ""
+        caption = (
+            f"Torque and speed of each driven wheel on the path{{}}; those of equal demand are shown as one. {inertia}"
+        )
+    else:
+        first = ", in the first four load cases" if many > 4 else ""
+        caption = f"Torque and speed of the {content.shaft} over the cycle, of one drive{{}}. {inertia}"
+    yield Picture("cycle", caption.format(first) + cut, "torque and speed of the driven shaft over time",
+                  about=_ABOUT_CYCLE[content.result.method], on_page=caption.format("") + further)  # fmt: skip
+
+
+def _equations(content: Content) -> Iterator[Block]:
+    yield Words((
+        f"Equation numbers are those of {_SOURCE}. Where the printed form and the computed one differ, both are shown. "
+        "Numbers are put in in SI units; results follow in customary units. The three factors that the paper calls ",
+        Math("eta"), " are ", Math('eta_"v"'), " in (1), ", Math('eta_"R"'), " in (10) and ", Math('eta_"g"'),
+        " in (17), (18).",
+    ))  # fmt: skip
+    yield Heading("The vehicle and its wheels")
+    yield from map(_equation, content.result.requirements)
+    if content.drive and content.drive.requirements:
+        yield Heading("At the motor shaft")
+        yield Words(f"For {content.drive.label}.")
+        yield from map(_equation, content.drive.requirements)
+
+
+def _equation(r: Requirement) -> Equation:
+    value = None if isnan(r.shown) else r.shown
+    return Equation(step(r) | {"exact": {"name": r.name, "value": value}})
+
+
+DERIVATION = Section(
+    name="derivation", blocks=_derivation, early="derivation",
+    title=lambda content: "Derivation" if content.result.method == "paper" else "Requirements of the load",
+)  # fmt: skip
+
+
+# -- The motor's own torque piece by piece of the motion: accelerate, run, brake, rest, and over the whole cycle.
+
+
+_FIGURES = (  # key, head, unit and kind of each figure
+    ("start", "from", "s", "time"), ("duration", "for", "s", "time"), ("speed", "speed", "rpm", "rotary_speed"),
+    ("load_torque", "load torque", "N*m", "torque"), ("motor_torque", "motor torque", "mN*m", "torque"),
+    ("rms_torque", "RMS", "mN*m", "torque"), ("current", "current", "A", "current"),
+    ("rms_current", "RMS current", "A", "current"),
+)  # fmt: skip
+
+
+def _pieces(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+    columns = (Column("case", "load case", media="wide"), Column("piece", "piece", "name", 1.0),
+               *(Column(key, head, "number", media="paper" if key in ("start", "rms_current") else "all")
+                 for key, head, *_ in _FIGURES))  # fmt: skip
+    for case, pieces in groupby(drive.pieces, key=lambda one: one.case):
+        of = f" in load case {case}" if case else ""
+        rows = [
+            Row({"case": one.case, "piece": one.name, "title": one.name,
+                 **{key: Quantity(getattr(one, key), unit, kind) for key, _, unit, kind in _FIGURES}},
+                name="_".join(filter(None, (one.case, one.name))).replace(" ", "_"), total=one.name == "cycle")
+            for one in pieces
+        ]  # fmt: skip
+        caption = f"The motor in each piece of the motion{of}: largest figures, and RMS; below 0 torque brakes."
+        yield Table(caption, columns, rows, "pieces", "pieces", "figures", dense=True)
+
+
+PIECES = Section(name="pieces", title="The motor piece by piece", level=2, blocks=_pieces, of_drive=True)
+
+
+# -- The drive over the load cycle: torque and speed, current and voltage, heat, energy.
+
+
+_VOLTAGE = (
+    "Voltage is what the controller can give at the lowest voltage of the supply, with the winding at its highest "
+    "temperature and at the ambient. Torque is that of the motor's shaft, its rotor's acceleration included; below 0 "
+    "it brakes."
+)
+_PULL_OUT = (
+    "Torque and speed of the stepper: its pull-out torque at the lowest voltage of the supply, and the part of it that "
+    "the cycle may take by the factor of the spec. Torque is that of the motor's shaft, its rotor's acceleration "
+    "included; below 0 it brakes."
+)
+_DOT = "The dot draws the RMS current of the cycle at its RMS speed."
+_ON_PAGE = (
+    "Shaded dark: allowed continuously; light: over short times, as rated for controller and gearhead; both with a hot "
+    "winding."
+)
+_EFFICIENCY = (
+    "Efficiency of motor and gearhead at constant speed, in per cent: copper losses at the mean temperature of the "
+    "winding over the cycle, the motor's friction, and the gearhead's loss on the side that the power comes from. "
+    "Where it brakes, the share of the power that reaches the supply. Dots, where there are few, are the ends of the "
+    "cycle's segments."
+)
+
+
+def _field(content: Content) -> Iterator[Block]:
+    """The motor's torque-speed field with the load cycle in it."""
+    if content.drive is None:
+        return
+    if content.drive.steps:
+        yield Picture("field", _PULL_OUT, "torque-speed field of the stepper with the load cycle")
+        return
+    more = ""
+    if content.result.method == "paper":
+        more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
+    if "fields" in content.drawings and content.cycles[0][0]:
+        more += f" The load cycle is that of {content.cycles[0][0]}; each load case has a diagram of its own below."
+    yield Picture(
+        "field", f"Torque and speed of the motor: the shaded field is allowed continuously. {_VOLTAGE} {_DOT}{more}",
+        "torque-speed field of the motor with the load cycle",
+        on_page=f"Torque and speed of the motor. {_ON_PAGE} {_VOLTAGE} {_DOT}{more}")  # fmt: skip
+
+
+FIELD = Section(name="field", title="", blocks=_field, media="paper")
+
+
+def _unknown(subject: str) -> Words:
+    reason = "the motor's current depends on figures that the catalogue does not know"
+    return Words((f"{subject}: {reason} (", TableLink("unknown"), ")."))
+
+
+def _figures(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
+    if drive.steps:
+        yield Words("The rated current flows in the stepper's windings at any time, whatever the load.")
+    if drive.figures:
+        wheel = f"; energy and power of the supply as if every drive did what that of {of.wheel} does"
+        words = of.of_machine(wheel, "; energy is that of the case as specified, the rest of the worst case")
+        yield figures_table(f"Figures of the drive over the cycle{words}", drive.figures, halves=True)
+
+
+CYCLE = Section(name="cycle", title="Over the cycle", level=2, blocks=_figures, of_drive=True)
+
+
+def _cycle_pictures(content: Content) -> Iterator[Block]:
+    from drivesizer.output.report.figures.cycle import MOST_WHEELS, stretches
+    from drivesizer.output.report.figures.field import TOGETHER
+
+    best = content.drive
+    if best is None:
+        return
+    if not best.steps and "demand" not in content.drawings:
+        yield _unknown("The motor's current over time is unknown")
+    if "fields" in content.drawings:
+        yield Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
+                      "torque-speed field of the motor with each load cycle",
+                      about="sets each load case against the limits of the motor.")  # fmt: skip
+    first = f" The load cycle is that of {content.cycles[0][0]}." if len(content.cycles) > TOGETHER else ""
+    yield Picture("efficiency", _EFFICIENCY + first,
+                  "efficiency of motor and gearhead over torque and speed with the load cycle",
+                  about="shows the share of the power that arrives.", floats=True)  # fmt: skip
+    cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
+    of = "" if content.wheel else " those of the case as specified,"
+    cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
+    yield Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the winding "
+                  f"over the cycle{cases}. Limits are{of} without the margins that the spec requires.{cut}",
+                  "current and voltage over the cycle with their limits",
+                  about="shows current and voltage over time, as the checks by physics use them.",
+                  floats=True)  # fmt: skip
+
+
+CYCLE_PICTURES = Section(name="over-time", title="Over the cycle", blocks=_cycle_pictures, level=2, media="paper")
+
+
+def _heat(content: Content) -> Iterator[Block]:
+    behaviour = content.behaviour
+    if behaviour is None:
+        return
+    of = content.of_drives.of_machine(f" at {content.wheel}", " in the case as specified")
+    yield figures_table(
+        f"Losses and temperatures{of}, in periodic steady state", behaviour.heat, "heat", name="heat", halves=True
+    )
+    if behaviour.hottest is None:
+        yield Words(f"The course of the temperatures over time is not drawn: {behaviour.heat_lacks}.")
+        return
+    several = len(behaviour.cycles) > 1
+    worst = f" {'at' if content.wheel else 'in load case'} {behaviour.hottest[0]}, the warmest" if several else ""
+    yield Picture("heat", f"Winding and housing{worst}. Left from cold to where less than 1 % of the rise remains, the "
+                  "winding as a band between its lowest and its highest in each cycle; right the periodic steady "
+                  "state, with its peak.", "temperatures of winding and housing from cold and over the cycle",
+                  about="shows the motor warming up.")  # fmt: skip
+
+
+HEAT = Section(name="heat", title="Heat", level=2, blocks=_heat, early="never")
+
+
+def _energy(content: Content) -> Iterator[Block]:
+    behaviour = content.behaviour
+    if behaviour is None:
+        return
+    if not behaviour.energy.known:
+        yield _unknown("Unknown")
+        return
+    kept = show(content.result.spec.supply.regeneration, "%", "dimensionless")
+    yield Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({kept} of it, "
+                "by the spec).")  # fmt: skip
+    of = content.of_drives.of_machine(", each at its wheel", ", as specified")
+    yield Picture("energy", f"Energy of one cycle, all drives{of}. Each bar begins where the one above it ends.",
+                  "losses and work in the energy of a cycle",
+                  about="splits the energy that the supply gives in a cycle; the parts sum to the whole.")  # fmt: skip
+
+
+ENERGY = Section(name="energy", title="Energy", level=2, blocks=_energy, media="paper")
+
+
+# -- The closed loop: its verdict and tightest checks first, what helps, then all checks, figures, gains and courses.
+
+
+def _loop(content: Content | OfLoop) -> Iterator[Block]:
+    v = content.validation
+    if v is None:
+        return
+    yield Words((f"{v.drive_set.label} over {driven_over(v)}: ", Status(v.status), f" {v.failed}" if v.failed else ""))
+    if v.checks:
+        count = len([check for check in v.checks if not check.advice])
+        yield replace(
+            tightest_table(f"In {v.loop}: the tightest of {count} checks", v.checks, "loop-tightest"), media="terminal"
+        )
+    if v.tried:
+        yield remedies(v)
+
+
+def remedies(v: Validation, axis: str = "") -> Table:
+    """Changes that help a drive that fails in its loop, and those that were tried in vain."""
+    rows = []
+    for one in sorted(v.tried, key=lambda one: one.status == "fail"):
+        tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
+        rows.append(
+            Row({"title": one.what, "entry": (Code(one.entry),), "tight": tight, "status": (Status(one.status),)})
+        )
+    helps = any(one.status != "fail" for one in v.tried)
+    caption = "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps"
+    caption = f"{axis}: {caption[0].lower()}{caption[1:]}" if axis else caption
+    columns = (Column("title", "change", "name", 1.0), Column("entry", "entered as", "code", 1.4),
+               Column("tight", "tightest", "small", 0.8), Column("status", "", "status"))  # fmt: skip
+    return Table(caption, columns, rows, record="remedy")
+
+
+def _loop_title(content: Content | OfLoop) -> str:
+    return content.validation.loop.capitalize() if content.validation else "Closed loop"
+
+
+LOOP = Section(name="loop", title=_loop_title, blocks=_loop, early="answer")
+
+
+def _loop_details(content: Content | OfLoop) -> Iterator[Block]:
+    v = content.validation
+    if v is None:
+        return
+    from drivesizer.output.report.figures.cycle import closed_loop_rows
+    from drivesizer.output.report.figures.style import windows
+
+    if v.checks:
+        yield check_table(f"Checks of the {v.loop}", v.checks, "loop-checks", grouped=True, record="validation")
+    if v.linear:
+        yield Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
+                      "radius of the load's travel, J the inertia at the motor with the load.",
+                      "block diagram of the closed loop", about="is its block diagram.")  # fmt: skip
+    *first, last = [title for _, title in closed_loop_rows(v)]
+    shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
+    cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
+    yield Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
+                  on_page=f"{shown} All diagrams share the axis of time.")  # fmt: skip
+    columns = (
+        Column("title", "gain", "name", 1.0),
+        Column("value", "value", "number"),
+        Column("note", "note", media="wide"),
+    )
+    rule = f"{v.gains.rule}. Source: {v.gains.source}."
+    gains = [
+        Row({"title": row.title, "value": _gain(row.value, row.unit), "note": rule}, name=row.name)
+        for row in gain_rows(v.gains)
+    ]
+    yield Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
+               [Table(f"{v.set_up} of the controller", columns, gains, record="validation", look="figures"),
+                Words(f"Rule of the {v.set_up.lower()}: {rule}", "note")])  # fmt: skip
+    if v.controller_gains:
+        columns3 = (
+            Column("place", "object", "code"),
+            Column("title", "gain", "name", 1.0),
+            Column("value", "value", "number"),
+        )
+        own = [Row({"place": (Code(g.place),), "title": g.name,
+                    "value": Quantity(g.value, g.unit, "count", own=f"{g.value} {g.unit}")},
+                   name=g.place) for g in v.controller_gains]  # fmt: skip
+        yield Table("The same gains as they are written into the controller", columns3, own, record="validation")
+    yield from _linear_run(v)
+    if v.assumptions:
+        yield Bullets("Assumptions of the simulation:", list(v.assumptions))
+    if v.warnings:
+        yield Bullets("Warnings of the simulation:", list(v.warnings))
+    columns_of = {name: (values, *v.series_units[name]) for name, values in v.series.items()}
+    yield Series("Time series", "timeseries", columns_of, _DRAWN)
+
+
+_DRAWN = ("speed_reference", "speed", "current", "load_angle")
+
+
+def _gain(value: float, unit: str) -> Quantity:
+    """A gain in SI; a period in ms."""
+    return Quantity(value, "ms", "time") if unit == "s" else Quantity(value, unit, "plain")
+
+
+def _linear_run(v: Validation) -> Iterator[Block]:
+    """The same by python-control, beside the engine."""
+    if v.linear is None:
+        yield Words(NO_LINEAR, "note")
+        return
+    columns = (Column("title", "figure", "name", 1.0), Column("linear", "python-control", "number"),
+               Column("linear_at", "at", "number"), Column("engine", "engine", "number"),
+               Column("engine_at", "at", "number"))  # fmt: skip
+    rows = []
+    for one in v.linear.figures:
+        cells: dict[str, Cell] = {"title": one.linear.title}
+        for key, f in (("linear", one.linear), ("engine", one.engine)):
+            known = f is not None and not isnan(f.value)
+            cells[key] = Quantity(f.value, f.unit, f.kind) if f is not None and known else "–"
+            cells[f"{key}_at"] = (
+                Quantity(f.at_time, "s", "time") if f is not None and known and f.at_time is not None else ""
+            )
+        rows.append(Row(cells, name=one.linear.name))
+    yield Table(BESIDE, columns, rows, "python-control", dense=True)
+    yield Words(left_out(v.linear), "note")
+
+
+LOOP_DETAILS = Section(name="loop-details", title="", blocks=_loop_details)
+
+
+def _linear(content: Content | OfLoop) -> Iterator[Block]:
+    loops = content.validation.loops if content.validation else ()
+    if not loops:
+        return
+    directed, unstable = any(loop.direction for loop in loops), any(not loop.stable for loop in loops)
+    of_power = (", power flowing in the direction that is nearer to instability; margins and bandwidth are the least "
+                "of both directions") if directed else ""  # fmt: skip
+    yield Words(f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all its "
+                "poles lie inside 1.")  # fmt: skip
+    figures = loop_figures(loops[0])
+    columns = (
+        Column("title", "loop", "name", 1.0),
+        *(Column(f.name, f.title, "number", yields=n > 5) for n, f in enumerate(figures)),
+    )
+    yield Table("The loops by linear analysis, from the inside out; gain margin as a factor", columns,
+                [*map(_loop_row, loops)],
+                "loops", "loop", "loops", dense=True)  # fmt: skip
+    other = (
+        "Where the other direction of power has the lesser bandwidth or margin, the mark of the bandwidth is beside "
+    )
+    other += "the curve"
+    line = other + " and the line is longer than the margin that is given." if directed else ""
+    none = " An unstable loop has no margins." if unstable else ""
+    ends = "and the bandwidth, 3 dB below rest. Each curve ends at the Nyquist frequency of its loop. "
+    yield Picture(
+        "bode", "Frequency response. Marked are the crossover, the phase margin there (a thick line from the phase to "
+        f"−180°) {ends}{line}{none}", "Bode diagram of the loops", about="is the frequency response.",
+        on_page="Frequency response. Marked are the crossover, with the phase margin to −180°, "
+        f"{ends}{other + '.' if directed else ''}{none}")  # fmt: skip
+    band = "The grey band is 2 % to either side of the end, the dashed line the settling time."
+    yield Picture("step", f"Response of each loop to a step of its reference. {band}", "step responses of the loops",
+                  about="is the response to a step.",
+                  on_page=f"Response of each stable loop to a step of its reference. {band}")  # fmt: skip
+
+
+def _loop_row(loop: Loop) -> Row:
+    """A loop by its figures: three digits, the pole's modulus with four; a dash where one does not exist."""
+    name: Text = loop_name(loop) if loop.stable else (f"{loop_name(loop)} ", Strong("unstable"))
+    cells: dict[str, Cell] = {"title": name, "case": loop.direction}
+    for f in loop_figures(loop):
+        digits = 4 if f.name == "pole_radius" else 3
+        cells[f.name] = Quantity(f.value, f.unit, f.kind, digits, own="–" if isnan(f.value) else "")
+    return Row(cells, name=loop.name, status="pass" if loop.stable else "fail")
+
+
+LINEAR_LOOPS = Section(name="linear", title="The loops by linear theory", level=2, blocks=_linear)

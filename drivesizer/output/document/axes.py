@@ -1,0 +1,540 @@
+"""The document of a machine of several axes: what all of them are, then a chapter for each of the sections of one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf, isnan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.document import SECTIONS, document, printed, summary, wide
+from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
+from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
+from drivesizer.output.document.content import Content, driven_over
+from drivesizer.output.document.records import (
+    PAPER,
+    Block,
+    Bullets,
+    Cell,
+    Code,
+    Column,
+    Document,
+    Pair,
+    Picture,
+    Printed,
+    Quantity,
+    Row,
+    Section,
+    Series,
+    Small,
+    Status,
+    Strong,
+    Table,
+    Tiles,
+    Verdict,
+    Words,
+)  # fmt: skip
+from drivesizer.output.document.rows import (
+    CHECK_COLUMNS,
+    check_row,
+    check_table,
+    consumers_table,
+    figures_table,
+    tight_of,
+)
+from drivesizer.output.part import datasheets
+from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
+from drivesizer.output.several_axes import choice_text, mass_tree, sampled_text, supply_texts
+from drivesizer.output.words import moved, number_of
+from drivesizer.results.check import Status as CheckStatus
+from drivesizer.results.check import gravest, tightest, worst
+from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
+from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.output.report.figures.all_figures import Drawing
+    from drivesizer.output.report.figures.field import Panel
+
+__all__ = [
+    "AxisContent", "MachineContent", "document_of", "drawings_of", "machine_document", "machine_printed",
+    "machine_wide", "wide_of",
+]  # fmt: skip
+
+
+_FIELDS = 6  # of axes in one figure, which leaves room for a heading on its page
+_PIECES = 2000  # of the power over time: finer than a screen
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisContent:
+    """An axis, with what a document of it alone would print."""
+
+    key: str  # before the names of its figures and tables, which every axis has
+    sizing: AxisSizing
+    content: Content
+    lines: list[PartLine]  # parts that are bought
+    own_supply: bool  # whether what it regenerates is its own affair
+
+    @property
+    def name(self) -> str:
+        """Name in the file."""
+        return self.sizing.name
+
+    @property
+    def status(self) -> CheckStatus:
+        """Verdict of its drive and its closed loop; a fail without one."""
+        return self.content.status
+
+
+@dataclass(frozen=True)
+class MachineContent:
+    """A sizing of a machine; each part that takes time is computed once, when it is used."""
+
+    sizing: MachineSizing
+    proofs: Mapping[str, Validation] = field(default_factory=dict)  # closed loops, by the name of the axis
+
+    @property
+    def status(self) -> CheckStatus:
+        """The gravest of the machine's verdict and those of all closed loops."""
+        return gravest([self.sizing.status, *(proof.status for proof in self.proofs.values())])
+
+    @cached_property
+    def axes(self) -> list[AxisContent]:
+        """Every axis, in the order of the file; without its front, which served the choice."""
+        lines, given = parts_by_axis(self.sizing), self.sizing.machine.axes
+        return [
+            AxisContent(
+                key=f"axis{number}-", sizing=one, lines=lines[one.name], own_supply=len(given) == 1 or axis.own_supply,
+                content=Content(replace(one.result, front=(), pareto=()), self.proofs.get(one.name)),
+            )
+            for number, (one, axis) in enumerate(zip(self.sizing.axes, given, strict=True), 1)
+        ]  # fmt: skip
+
+    @cached_property
+    def bought(self) -> list[SharedLine]:
+        """The parts list of all axes."""
+        return machine_parts_of_axes(self.sizing)
+
+    @cached_property
+    def totals(self) -> list[Total]:
+        """Mass and price of all parts."""
+        return totals_of_axes(self.bought)
+
+    @property
+    def drives(self) -> int:
+        """Drives of all axes that have one."""
+        return sum(one.drives for one in self.sizing.axes if one.best)
+
+    @property
+    def drives_words(self) -> str:
+        """Those in words."""
+        return "the one drive" if self.drives == 1 else f"all {self.drives} drives"
+
+    @property
+    def title_block(self) -> list[tuple[str, str]]:
+        """Rows of the title block, as of a spec of one axis."""
+        given = self.sizing.machine.report.model_dump(exclude_none=True)
+        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
+
+    @property
+    def file(self) -> str:
+        """The name of the machine's file without its folder."""
+        return self.sizing.machine.file.replace("\\", "/").rsplit("/", 1)[-1]
+
+    @cached_property
+    def loads(self) -> dict[str, Drawing]:
+        """Figures with the field of every axis, as many on each as a page has room for."""
+        from drivesizer.output.report.figures.field import torque_speed_panels
+
+        fields = [*self._fields()]
+        parts = [fields[n : n + _FIELDS] for n in range(0, len(fields), _FIELDS)]
+        return {f"loads{n}": torque_speed_panels(part) for n, part in enumerate(parts, 1)}
+
+    def _fields(self) -> Iterator[Panel]:
+        """The field of each axis' drive with its first load case, under the name of the axis."""
+        from drivesizer.output.report.figures.field import panels
+
+        for one in self.axes:
+            drive, result = one.content.drive, one.content.result
+            found = panels(result.problem, drive, result.requirements) if drive else []
+            for panel in found[:1]:
+                number, _, field = panel.cases[0]
+                yield replace(panel, cases=((number, one.name, field),), points=())
+
+    @cached_property
+    def drawings(self) -> dict[str, Drawing]:
+        """Every figure by name: those of all axes, then those of each."""
+        from drivesizer.output.report.figures.machine import axes_power
+
+        power = self.sizing.power
+        known = power is not None and len(power.unknown) < len(power.axes)
+        shared = {"power": axes_power(power)} if power is not None and known else {}
+        own = {f"{one.key}{name}": draw for one in self.axes for name, draw in one.content.drawings.items()}
+        return self.loads | shared | own
+
+
+# -- The first page: the verdict, a row for each axis, all parts, and the machine's own checks.
+
+
+def _verdict(content: MachineContent) -> Iterator[Any]:
+    sizing = content.sizing
+    without = [one.name for one in sizing.axes if one.best is None]
+    drives, ranked = number_of(content.drives, "drive"), f"ranked by {sizing.objective.replace('_', ' ')}"
+    failed = [
+        f"{name} fails on {proof.failed}".removesuffix(" on ")
+        for name, proof in content.proofs.items()
+        if proof.status == "fail"
+    ]
+    yield Status(content.status)
+    yield Strong(f" No drive for {', '.join(without)}." if without else " Every axis has a drive.")
+    together = ", ".join(check.title for check in sizing.checks if check.status == "fail" and not check.advice)
+    if together and not without:
+        yield Strong(f" Together they fail on: {together}.")
+    if failed:
+        yield Strong(f" Simulated in its hardest load case, {'; '.join(failed)}.")
+    elif len(content.proofs) == len(content.axes):
+        passed = all(proof.status == "pass" for proof in content.proofs.values())
+        yield f" Simulated in its hardest load case, {'every axis passes' if passed else 'no axis fails'}."
+    if not without:
+        yield f" {drives} on {number_of(len(sizing.axes), 'axis', 'axes')}, {ranked}."
+    elif content.drives:
+        yield f" The others: {drives}, {ranked}."
+
+
+def _summary(content: MachineContent) -> Iterator[Block]:
+    sizing = content.sizing
+    yield Verdict(sizing.status != "fail", [tuple(_verdict(content))])
+    columns = (Column("axis", "axis", "name", 0.7), Column("drive", "drive", width=1.2),
+               Column("mass", "mass", "number"),
+               Column("price", "price", "number"), Column("energy", "energy", "number"),
+               Column("margin", "margin", "number"),
+               Column("tight", "tightest check", "small", 0.8, yields=True),
+               Column("status", "", "status"))  # fmt: skip
+    caption = (
+        "The axes: mass of other axes' drives on each, mass and price of one drive as far as known, energy of its cycle"
+    )
+    yield Table(caption, columns, [*map(_axis_row, content.axes)], "axes", "axis", dense=True)
+    found = [(one.name, one.content.drive) for one in content.axes]
+    tight = [
+        Row({**check_row(check).cells, "axis": name})
+        for name, drive in found
+        for check in tightest(drive.deciding if drive else (), 1)
+    ]
+    columns = (Column("axis", "axis", "name"), *CHECK_COLUMNS)
+    yield Table("The smallest margin of each axis", columns, tight, "axes_tightest", media="terminal")
+    if sizing.checks:
+        yield check_table("Checks of all axes together", sizing.checks, "machine_checks")
+    if content.bought:
+        axes = [one.name for one in content.axes if one.sizing.best]
+        whole = f"{content.drives_words} of {f'{len(axes)} axes' if len(axes) > 1 else axes[0]}"
+        yield summary.shared_parts_table(content.bought, content.totals, whole)
+        yield from summary.lacking_words(content.totals)
+    power = sizing.power
+    notes = [*(supply_texts(power) if power else ()), *sizing.notes, choice_text(sizing)]
+    if any(notes):
+        yield Bullets("Of all axes together:", [note for note in notes if note])
+
+
+def _axis_row(one: AxisContent) -> Row:
+    """An axis by its drive, mass, price, energy and smallest margin, with what rides on it."""
+    drive, sizing = one.content.drive, one.sizing
+    names = ", ".join("its own" if riding.of == one.name else riding.of for riding in sizing.carried)
+    riding = f"on it {show(sizing.carried_mass, 'g', 'mass', 3)}: {names}" if sizing.carried else ""
+    if drive is None:
+        return Row(
+            {"axis": one.name, "drive": ("no candidate", Small(riding)), "status": (Status("fail"),)}, name=one.name
+        )
+    cells = dict(short_drive(drive).cells)
+    label, *below = cells["drive"] if isinstance(cells["drive"], tuple) else (cells["drive"],)
+    count = f"{sizing.drives} × " if sizing.drives > 1 else ""
+    head = (Strong("none; closest: "), label) if sizing.best is None else (count, label)
+    margin, title = tight_of(drive, one.content.validation)
+    cells |= {"axis": one.name, "drive": (*head, *below, Small(riding)), "margin": margin, "tight": title,
+              "status": (Status(one.status),)}  # fmt: skip
+    return Row(cells, name=one.name, status=one.status, data={"axis": one.name})
+
+
+def _glance(content: MachineContent) -> Iterator[Block]:
+    checks = [(c, one.name) for one in content.axes if one.sizing.best for c in tightest(one.sizing.best.deciding, 1)]
+    checks += [(c, f"{name}, {v.loop}") for name, v in content.proofs.items() for c in tightest(v.checks, 1)]
+    checks += [(c, "all axes") for c in tightest(content.sizing.checks, 1)]
+    tiles = []
+    if checks:
+        check, name = min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
+        said = Quantity(check.margin, "%", "margin").text
+        tiles.append(("Smallest margin", said or "none", f"{name}: {check.title}"))
+    tiles += [summary.summed_tile(content.totals, figure, content.drives_words) for figure in ("mass", "price")]
+    yield Tiles(tiles)
+
+
+# -- Chapters on all axes: their loads side by side, power, who carries whom, closed loops, assumptions, the appendix.
+
+
+def _loads(content: MachineContent) -> Iterator[Block]:
+    cases = any(len(one.content.cycles) > 1 for one in content.axes)
+    first = " Of several load cases the first is drawn." if cases else ""
+    lacking = [one.name for one in content.axes if one.sizing.best is None and one.content.drive]
+    missed = f" Of {', '.join(lacking)} it is the closest rejected drive." if lacking else ""
+    names = [*content.loads]
+    for name in names:
+        caption = (f"Torque and speed of the motor of each axis, its rotor's acceleration included; below 0 it brakes. "
+                   f"The shaded field is allowed continuously.{first}{missed}")  # fmt: skip
+        about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
+        last = caption if name == names[-1] else "Continued below."
+        yield Picture(name, last, "torque-speed field of each axis with its cycle", about)
+
+
+def _power(content: MachineContent) -> Iterator[Block]:
+    power = content.sizing.power
+    if power is None:
+        return
+    if power.unknown:
+        yield Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
+    together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
+    case = f" Load case {power.case}." if power.case else ""
+    stacked = "Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns."
+    moved_ = "Pointed at, an axis has what it draws less what it returns."
+    yield Picture("power", f"{stacked} The black line is what the source gives.{case}{together}",
+                  "power of every axis over time", about="shows the power over the machine's cycle.",
+                  on_page=f"{stacked} The line is what the source gives. {moved_}{case}{together}")  # fmt: skip
+    yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
+    if power.exceeded:
+        titles = {check.name: check.title for check in power.checks}
+        columns = (Column("title", "limit of the supply", "name", 1.0), Column("value", "power", "number"),
+                   Column("least", "share of the time, from", "number"), Column("most", "to", "number"))  # fmt: skip
+        rows = [
+            Row({"title": titles.get(one.check, one.check), "value": Quantity(one.limit, "W", "power"),
+                 **{key: Quantity(x, "%", "dimensionless") for key,
+                    x in (("least", one.least), ("most", one.most))}}, name=one.check)
+            for one in power.exceeded
+        ]  # fmt: skip
+        yield Table("Share of the time in which axes at random phases draw more than the supply gives", columns, rows)
+    if power.braking and any(figure.value for figure in power.braking.figures):
+        of = f" with brake resistor {power.braking.name}" if power.braking.name else ""
+        yield figures_table(f"What is regenerated, stored and burnt{of}", power.braking.figures, "braking")
+    if power.energy:
+        yield Pair([consumers_table(power.energy)], [figures_table("The battery", power.energy.figures, "battery")])
+    if power.reliability:
+        found, said = power.reliability, sampled_text(power.reliability)
+        yield Words(f"{said[0].upper()}{said[1:]}.")
+        if moved(found):
+            caption = "Limits of the supply that samples change: share that passes, and quantiles of the margin"
+            yield spreads_table(caption, moved(found), "supply-checks")
+        yield percentiles_table("All axes over the samples: percentiles", found, "supply-figures")
+    texts = dict.fromkeys(
+        text for record in (power, power.braking, power.energy) if record for text in record.assumptions
+    )
+    yield Bullets("Assumptions:", list(texts))
+    yield Series("Power", "power", power_columns(power), note="mean powers, each from its time to that of the next row")
+
+
+def power_columns(power: MachinePower) -> dict[str, tuple[Any, str, str]]:
+    """Mean powers, each from its time to that of the next row; the last row repeats them at the end."""
+    course = power.course(_PIECES)
+    rows = {f"{name} drawn": values for name, values in zip(power.axes, course.drawn, strict=True)}
+    rows |= {f"{name} returned": values for name, values in zip(power.axes, course.returned, strict=True)}
+    rows |= {"out of the source": course.total, "left": course.left}
+    held = {name: (np.append(values, values[-1:]), "power", "W") for name, values in rows.items()}
+    return {"time": (course.time, "time", "s"), **held}
+
+
+def _carried(content: MachineContent) -> Iterator[Block]:
+    sizing, rows = content.sizing, []
+    if not any(one.carried for one in sizing.axes):
+        return
+    for branch in mass_tree(sizing.machine):
+        axis = sizing.axis(branch.name)
+        if not (branch.on or axis.carried):
+            continue
+        above = sizing.axis(branch.on).carried if branch.on else ()
+        found = next((one for one in above if one.of == branch.name), None)
+        indent = f"└{'──' * (branch.depth - 1)} " if branch.depth else ""
+        cells: dict[str, Cell] = {"axis": indent + branch.name, "drive": axis.best.label if axis.best else "none"}
+        if found:
+            mass = Quantity(found.mass, "g", "mass")
+            cells["own"] = replace(mass, own=f"at least {mass.text}") if found.lacking else mass
+            cells |= {"distance": Quantity(found.distance, "mm", "length")} if found.distance is not None else {}
+        cells |= {"on": Quantity(axis.carried_mass, "g", "mass")} if axis.carried else {}
+        rows.append(Row(cells, name=branch.name))
+    turning = any("distance" in row.cells for row in rows)
+    columns = (Column("axis", "axis", "name", 0.8), Column("drive", "drive", width=1.2),
+               Column("own", "drives on the axis above", "number"), *([
+               Column("distance", "at", "number")] if turning else []),
+               Column("on", "all drives on it", "number"))  # fmt: skip
+    yield Table("Each axis below the one that carries its drives; masses are in the load of the carrying axis",
+                columns, rows,
+                "riding", look="wide carried")  # fmt: skip
+    yield Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the upper "
+                "end of its band.", "note")  # fmt: skip
+
+
+def _loops(content: MachineContent) -> Iterator[Block]:
+    """A row for each axis with a drive: what it was simulated over, and its tightest check."""
+    if not content.proofs:
+        return
+    rows = [_loop_row(one) for one in content.axes if one.sizing.best]
+    columns = (Column("axis", "axis", "name", 0.7), Column("over", "simulated in", width=1.0),
+               Column("title", "tightest check", "small", 1.0),
+               Column("value", "demand", "number"), Column("limit", "limit", "number"),
+               Column("margin", "margin", "number"),
+               Column("status", "", "status"))  # fmt: skip
+    yield Table(
+        "Every axis simulated in its hardest load case, with the drives that ride on it",
+        columns,
+        rows,
+        "axes_loops",
+        "loop",
+    )
+    yield Words("Figures, gains and the loop over time are in the chapter of each axis.", "note")
+
+
+def _loop_row(one: AxisContent) -> Row:
+    v = one.content.validation
+    if v is None:
+        return Row(
+            {"axis": one.name, "over": "not simulated, see its warnings", "status": (Status("unknown"),)}, name=one.name
+        )
+    tight = worst(v.checks)
+    cells: dict[str, Cell] = dict(check_row(tight).cells) if tight else {}
+    cells |= {"axis": one.name, "over": f"{v.loop}, {driven_over(v)}", "title": tight.title if tight else ""}
+    return Row(cells | {"status": (Status(v.status),)}, name=one.name, data={"axis": one.name})
+
+
+def _assumptions(content: MachineContent) -> Iterator[Block]:
+    for intro, look, name in (("Assumptions of the sizing:", "", "assumptions"), ("Warnings:", "alarm", "warnings")):
+        found: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
+        for one in content.axes:
+            for text in getattr(one.content.result, name):
+                found.setdefault(text, []).append(one.name)
+        whole = len(content.axes)
+        texts = [text if len(names) == whole else f"{', '.join(names)}: {text}" for text, names in found.items()]
+        if texts:
+            yield Bullets((Strong(intro),) if look else intro, texts, look)
+
+
+def _repeat(content: MachineContent) -> Iterator[Block]:
+    machine, results = content.sizing.machine, [one.content.result for one in content.axes]
+    yield Words(("A report of one axis, with its candidates and its heat: ",
+                 Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
+    catalogs = {name: digest for result in results for name, digest in result.catalog.digests.items()}
+    methods = ", ".join(dict.fromkeys(result.method for result in results))
+    yield from repeat_blocks(catalogs, methods, content.sizing.objective, content.file, machine.text, machine.entered)
+
+
+def _datasheets(content: MachineContent) -> Iterator[Block]:
+    """Every part once, however many axes have it."""
+    sheets = [sheet for one in content.axes if one.content.drive
+              for sheet in datasheets(one.content.drive, one.content.result.catalog)]  # fmt: skip
+    if sheets:
+        yield from sheet_blocks([sheet for n, sheet in enumerate(sheets) if sheet not in sheets[:n]])
+
+
+FRONT = (
+    Section(name="summary", title="Summary", blocks=_summary, early="answer"),
+    Section(name="glance", title="", blocks=_glance, media="paper"),
+    Section(name="loads", title="Loads of the axes", blocks=_loads, media="paper"),
+    Section(name="supply", title="Power of all axes", blocks=_power),
+    Section(name="carried", title="Carried drives", blocks=_carried),
+    Section(name="loops", title="Closed loops of the axes", blocks=_loops, early="answer"),
+)
+BACK = (
+    Section(name="assumptions", title="Assumptions", blocks=_assumptions, early="never"),
+    Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, early="never"),
+    Section(name="datasheets", title="Data sheets", blocks=_datasheets, appendix=True, media="paper"),
+)
+
+
+# -- The chapter of one axis: its answer, then sections of a document of it alone, without what the machine has once.
+
+
+_ELSEWHERE = {  # sections of one axis that the machine prints once, or that `--axis` alone prints
+    "heat", "candidates", "ranking", "rejected", "specification", "pieces", "assumptions", "physics", "repeat",
+    "datasheets",
+}  # fmt: skip
+
+
+def _chapter(one: AxisContent) -> list[Section]:
+    left = _ELSEWHERE | (set() if one.own_supply else {"braking"})
+    left |= {"derivation"} if one.content.result.method == "paper" else set()
+    riding = ", ".join(f"{found.of} ({show(found.mass, 'g', 'mass')})" for found in one.sizing.carried)
+
+    def opening(content: Content) -> Iterator[Block]:
+        yield from summary.SUMMARY.blocks(content)
+        if riding:
+            yield Words(f"In its load are the drives of other axes: {riding}.")
+
+    unknown = Section(
+        name="unknown", title="Unknown and unquoted figures", blocks=summary.unknown_blocks, level=2, early="never"
+    )
+    first = replace(_AXIS, title=f"Axis {one.name}", blocks=opening, new_page=True)
+    return [first, *(replace(section, level=2) for section in SECTIONS[1:] if section.name not in left), unknown]
+
+
+def machine_printed(
+    content: MachineContent, media: frozenset[str] = PAPER, wanted: Callable[[Section], bool] = lambda _: True
+) -> Iterator[Printed]:
+    """Sections of all axes, and a chapter of each; those that are wanted."""
+    yield from _of_all(content, filter(wanted, FRONT), media)
+    for one in content.axes:
+        if wanted(_AXIS):
+            for found in printed(one.content, tuple(filter(wanted, _chapter(one))), media):
+                yield found._replace(axis=one.key)
+    yield from _of_all(content, filter(wanted, BACK), media)
+
+
+_AXIS = Section(name="axis", title="", blocks=lambda _: (), early="checks")
+
+
+def _of_all(content: MachineContent, sections: Iterable[Section], media: frozenset[str]) -> Iterator[Printed]:
+    for section in sections:
+        blocks = [*section.blocks(content)] if section.media in media else []
+        if blocks:
+            yield Printed(section, section.headed(content), blocks)
+
+
+def machine_wide(content: MachineContent, media: frozenset[str]) -> Iterator[Printed]:
+    """The same for wide media: sections of every axis with its name."""
+    yield from _of_all(content, (*FRONT, *BACK), media)
+    for one in content.axes:
+        yield from (
+            found for found in wide(one.content, media, one.name) if found.section.name not in ("repeat", "summary")
+        )
+
+
+def machine_document(content: MachineContent) -> Document:
+    """Everything that a report prints on paper but its figures; of one axis that of a plain spec."""
+    sizing, names = content.sizing, [one.name for one in content.axes]
+    words = f"Machine of {number_of(len(names), 'axis', 'axes')}: {', '.join(names)}"
+    return Document(name=sizing.machine.name, machine=words, block=content.title_block,
+                    sections=[*machine_printed(content)],
+                    found=sizing.complete)  # fmt: skip
+
+
+# -- A sizing or a machine, for all kinds of reports; a machine of one axis gives the document of a plain spec.
+
+
+def document_of(content: Content | MachineContent) -> Document:
+    """What is printed on paper but the figures."""
+    if isinstance(content, Content):
+        return document(content)
+    if len(content.axes) == 1:
+        return replace(document(content.axes[0].content), name=content.sizing.machine.name, block=content.title_block)
+    return machine_document(content)
+
+
+def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterator[Printed]:
+    """What workbook and CSV have."""
+    if isinstance(content, Content):
+        return wide(content, media)
+    return wide(content.axes[0].content, media) if len(content.axes) == 1 else machine_wide(content, media)
+
+
+def drawings_of(content: Content | MachineContent) -> dict[str, Drawing]:
+    """Every figure by name."""
+    if isinstance(content, MachineContent) and len(content.axes) == 1:
+        return content.axes[0].content.drawings
+    return content.drawings

@@ -1,0 +1,194 @@
+"""What a document is made of: a sizing and its closed loop, each part that takes time computed once; and its words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from drivesizer.catalog import Catalog
+from drivesizer.control.validation import Validation
+from drivesizer.load_cases.platform import WheelLoad, trajectory_of
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.output.parts import PartLine, machine_parts
+from drivesizer.output.words import confidence, first_wheel, number_of, outcome
+from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.results.check import Reliability, gravest
+from drivesizer.results.check import Status as CheckStatus
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.sizing import SizingResult
+from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.output.report.figures.set_behaviour import Behaviour
+    from drivesizer.output.report.figures.style import Drawing
+
+__all__ = ["Content", "OfDrives", "OfLoop", "driven_over", "error_and_weakest", "machine_words", "none_reaches"]
+
+
+@dataclass(frozen=True)
+class OfDrives:
+    """What sections of a drive need beside it."""
+
+    catalog: Catalog
+    cases: tuple[str, ...] = ()  # names of the load cases; none where there is one without a name
+    wheel: str = ""  # the worst wheel of a platform, such as ``wheel 1``; empty for other machines
+
+    def of_machine(self, wheel: str, cases: str) -> str:
+        """Words for a platform with wheels, for several load cases, or none."""
+        return wheel if self.wheel else cases if self.cases else ""
+
+
+@dataclass(frozen=True)
+class OfLoop:
+    """What sections of a closed loop need."""
+
+    validation: Validation | None
+
+
+@dataclass(frozen=True)
+class Content:
+    """A sizing and its closed loop."""
+
+    result: SizingResult
+    validation: Validation | None = None
+
+    @cached_property
+    def of_drives(self) -> OfDrives:
+        """What sections of a drive need of it."""
+        cases = tuple(case.name for case in self.result.problem.cases if case.name)
+        return OfDrives(self.result.catalog, cases, first_wheel(self.result.problem))
+
+    @property
+    def cases(self) -> tuple[str, ...]:
+        """The names of the load cases; none where there is one without a name."""
+        return self.of_drives.cases
+
+    @property
+    def wheel(self) -> str:
+        """The worst wheel of a platform, such as ``wheel 1``; empty for other machines."""
+        return self.of_drives.wheel
+
+    @property
+    def drive(self) -> DriveSet | None:
+        """The drive that is reported: the best, else the most probable, else the closest rejected one."""
+        return self.result.shown
+
+    @property
+    def status(self) -> CheckStatus:
+        """The gravest of the reported drive's verdict and that of its closed loop; a fail without a drive."""
+        own: list[CheckStatus] = [self.drive.status if self.drive and self.outcome != "missed" else "fail"]
+        return gravest([*own, *([self.validation.status] if self.validation else [])])
+
+    @property
+    def outcome(self) -> str:
+        """``found``, ``unsure`` where no drive reaches the required confidence, or ``missed``."""
+        return outcome(self.result)
+
+    @cached_property
+    def behaviour(self) -> Behaviour | None:
+        """Behaviour of the reported drive over the load cycles."""
+        from drivesizer.output.report.figures.set_behaviour import Behaviour
+
+        return Behaviour(self.result.problem, self.drive) if self.drive else None
+
+    @cached_property
+    def drawings(self) -> dict[str, Drawing]:
+        """Every figure by name."""
+        from drivesizer.output.report.figures.all_figures import report_drawings
+
+        return report_drawings(self.result, self.validation, self.behaviour)
+
+    @cached_property
+    def cycles(self) -> list[tuple[str, LoadCycle]]:
+        """The load cycle of each case by name."""
+        return [(case.name, case.cycle) for case in self.result.problem.cases]
+
+    @property
+    def shaft(self) -> str:
+        """Shaft at which the load is given."""
+        return "wheel" if self.result.spec.load.kind == "wheeled_vehicle" else "load's shaft"
+
+    @property
+    def title_block(self) -> list[tuple[str, str]]:
+        """Names and texts of the customer, project, author and revision, as far as the spec gives them."""
+        given = self.result.spec.report.model_dump(exclude_none=True)
+        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
+
+    @property
+    def motors(self) -> int:
+        """Number of drives of this kind in the machine."""
+        return self.result.spec.load.motors
+
+    @property
+    def drives(self) -> str:
+        """Those in words."""
+        return "the one drive" if self.motors == 1 else f"all {self.motors} drives"
+
+    @cached_property
+    def bought(self) -> list[PartLine]:
+        """The parts list of the drive that is reported."""
+        return machine_parts(self.drive, self.result.problem) if self.drive else []
+
+    @property
+    def file(self) -> str:
+        """The name of the spec's file without its folder."""
+        return self.result.spec.file.replace("\\", "/").rsplit("/", 1)[-1]
+
+
+# -- words
+
+
+def driven_over(v: Validation) -> str:
+    """The reference of a closed loop in words: the profile, or the cycle of a wheel."""
+    wheel = isinstance(v.spec.load, WheelLoad) and v.profile == v.spec.load.file
+    return f"the cycle of {v.profile}" if wheel else v.over
+
+
+def none_reaches(result: SizingResult) -> str:
+    """Statement that no drive reaches the required confidence; empty where one does, or none meets all limits."""
+    if outcome(result) != "unsure" or result.uncertainty is None:
+        return ""
+    return f"no drive reaches the confidence of {confidence(result.uncertainty.confidence)}"
+
+
+def error_and_weakest(found: Reliability) -> str:
+    """The error of a probability, the weakest check and the unknown ones."""
+    number = "1 check is" if len(found.unknown) == 1 else f"{len(found.unknown)} checks are"
+    unknown = f"; {number} unknown: {'; '.join(found.unknown)}" if found.unknown else ""
+    return f"± {100 * found.error:.2g} %; weakest check: {found.weakest}{unknown}"
+
+
+def machine_words(spec: RobotSpec) -> str:
+    """The machine in a line: a platform with its wheels and its path, else the kind of load with mass or inertia."""
+    load, platform = spec.load, spec.platform
+    figures = ((getattr(load, name, None), name, unit) for name, unit in (("mass", "kg"), ("inertia", "kg*m^2")))
+    mass = next((show(value, unit, kind) for value, kind, unit in figures if value), "")
+    motion = spec.motion if spec.carries else None
+    payloads = [getattr(motion, name, None) for name in ("payload", "payload_back")]
+    payloads += [piece.payload for piece in getattr(motion, "segments", ())]
+    most = max(filter(None, payloads), default=0.0)
+    mass += f" and a payload of up to {show(most, 'kg', 'mass')}" if most else ""
+    if platform is None or not isinstance(load, WheeledVehicle):
+        kind = load.kind.replace("_", " ").capitalize()
+        return ", ".join(filter(None, (kind, mass, number_of(load.motors, "drive"))))
+    wheels = [number_of(count, f"{'driven' if driven else 'free'} {kind} wheel")
+              for (kind, driven), count in Counter((place.kind, place.driven)
+                                                   for place in platform.places).items()]  # fmt: skip
+    wheels += [number_of(len(platform.casters), "caster")] if platform.casters else []
+    diameter = show(load.wheel_diameter, "mm", "length")
+    return "; ".join(
+        [f"Platform of {mass} on {' and '.join(wheels)}, wheel diameter {diameter}", *_size_and_path(spec)]
+    )
+
+
+def _size_and_path(spec: RobotSpec) -> Iterator[str]:
+    size, path = spec.platform.size if spec.platform else None, trajectory_of(spec)
+    if size:
+        sides = (show(x, "mm", "length").removesuffix(" mm") for x in (size.length, size.width, size.height))
+        yield f"{' × '.join(sides)} mm"
+    if path is not None:
+        yield f"path of {show(path.length, 'm', 'length')} in {show(path.total, 's', 'time')}"

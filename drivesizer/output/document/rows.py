@@ -1,0 +1,239 @@
+"""Tables that several sections have: checks, figures, requirements, masses, consumers; each row is made once."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from math import inf, isfinite, isnan, nan
+from typing import Any
+
+from drivesizer.control.validation import Validation
+from drivesizer.output.derivation import margin, symbol, use
+from drivesizer.output.document.records import Bar, Column, Math, Note, Quantity, Row, Small, Status, Table, Text
+from drivesizer.results.check import Check, Figure, tightest
+from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, part_of, sorted_by_part
+from drivesizer.results.drive_set import DriveSet, EnergyBudget, MassRow, Relaxation, Requirement
+from drivesizer.spec.robot import AS_SPECIFIED
+
+__all__ = [
+    "CHECK_COLUMNS",
+    "changes_table",
+    "check_row",
+    "check_table",
+    "consumers_table",
+    "error_text",
+    "figure_row",
+    "figures_table",
+    "margin_quantity",
+    "masses_table",
+    "required_table",
+    "requirements_table",
+    "tight_of",
+    "tightest_table",
+]  # fmt: skip
+
+
+# -- checks
+
+
+CHECK_COLUMNS = (
+    Column("part", "part", media="wide"), Column("title", "check", "name", 1.0),
+    Column("method", "method", media="wide"), Column("case", "load case", media="wide"),
+    Column("value", "demand", "number"), Column("limit", "limit", "number"),
+    Column("margin", "margin", "number", formula=("margin", "value", "limit")),
+    Column("needed", "needed margin", "number", media="wide"), Column("used", "limit used", "bar", media="paper"),
+    Column("status", "", "status"), Column("at", "at", "number", media="wide"), Column("note", "note", media="wide"),
+)  # fmt: skip
+_CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
+_ALIKE = 0.01  # of a margin, within which it is that of two figures
+_TIGHTEST = 3
+
+
+def case_of(c: Check) -> str:
+    """The load case in which a check is worst; a wheel and a passage are named without "case"."""
+    alone = not c.case or c.name.startswith("passage_") or re.match(r"wheels? \d", c.case)
+    return c.case if alone else f"case {c.case}"
+
+
+def check_row(c: Check) -> Row:
+    """A check: its demand, limit and margin, the share of the limit that it uses, and what is remarked on it."""
+    bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
+    at = nan if c.at_time is None else c.at_time
+    chosen = "selected to be so: not a measure of the load" if c.by_choice and c.status == "pass" else ""
+    note = c.note or chosen
+    remarks = [
+        "" if bare or c.case == AS_SPECIFIED else case_of(c), "" if isnan(at) else f"at {_moment(at)}", note
+    ]  # fmt: skip
+    needed = f"needs {margin(c.needed)}" if c.needed and not isnan(c.margin) else ""
+    return Row({
+        "part": part_of(c.name), "title": (c.title, Note("; ".join(filter(None, remarks)))), "method": c.method,
+        "case": c.case, "value": "" if bare else Quantity(c.demand, c.unit, c.kind),
+        "limit": "" if bare else Quantity(c.limit, c.unit, c.kind),
+        "margin": Quantity(c.margin, "%", "margin", note=needed), "needed": Quantity(c.needed, "%", "margin"),
+        "used": Bar(use(c.margin), use(c.needed), c.status), "status": (Status(c.status),),
+        "at": "" if isnan(at) else Quantity(at, "s", "time"), "note": note,
+    }, name=c.name, status=c.status, data={"check": c.name, "unit": c.unit})  # fmt: skip
+
+
+def _moment(time: float) -> str:
+    return f"{time:.0f} s" if time >= 1000.0 else f"{time:.4g} s"
+
+
+def _worst_end(c: Check) -> Iterator[Row]:
+    """The same at the unfavourable end of estimated figures; without a limit that is estimated too and moves."""
+    if not c.band or c.status not in ("open", "pass") or not c.band.least_margin < _CLOSE:
+        return
+    high, least = c.band.high, c.band.least_margin
+    alike = high > 0.0 and abs(c.limit / high - 1.0 - least) < _ALIKE
+    yield Row({
+        "part": part_of(c.name), "title": (Small("at worst, by estimates"),), "method": c.method, "case": c.case,
+        "value": Quantity(high, c.unit, c.kind) if alike else "",
+        "limit": Quantity(c.limit, c.unit, c.kind) if alike else "", "margin": Quantity(least, "%", "margin"),
+        "used": Bar(use(least)), "status": "", "at": "", "note": "at worst, by estimates",
+    }, name=f"{c.name}_at_worst")  # fmt: skip
+
+
+def check_table(
+    caption: Text, checks: Iterable[Check], name: str = "", *, grouped: bool = False, record: str = "check"
+) -> Table:
+    """Checks with their limits, margins and bars; under the part that they concern where they are grouped."""
+    ordered = sorted_by_part([*checks]) if grouped else [*checks]
+    rows = [row for check in ordered for row in (check_row(check), *_worst_end(check))]
+    return Table(caption, CHECK_COLUMNS, rows, name, record, "checks", group="part" if grouped else "")
+
+
+def tightest_table(caption: Text, checks: Sequence[Check], name: str = "tightest") -> Table:
+    """Three checks: conditions that fail, then the smallest margins; those kept small by selection are left out."""
+    return replace(check_table(caption, tightest(tuple(checks), _TIGHTEST), name), media="shown")
+
+
+def tight_of(drive: DriveSet, proof: Validation | None) -> tuple[str, str]:
+    """The smallest margin of a drive, in its closed loop too, and its check; a condition that fails has none."""
+    found = [(check, "") for check in tightest(drive.deciding, 1)]
+    found += [(check, f"{proof.loop}: ") for check in tightest(proof.checks, 1)] if proof else []
+    if not found:
+        return "unknown", ""
+    check, where = min(found, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
+    title = f"{where}{check.title}"
+    return ("none", f"{title}: not met") if isnan(check.margin) else (margin(check.margin), title)
+
+
+# -- figures without a limit, requirements of the load, requirements on the machine
+
+
+_FIGURES = (Column("title", "", width=1.0), Column("value", "", "number"), Column("at", "", "small"))
+
+
+def figure_row(f: Figure) -> Row:
+    """A figure with the moment at which it is reached."""
+    at = "" if f.at_time is None else Quantity(f.at_time, "s", "time", own=f"at {f.at_time:.4g} s")
+    return Row({"title": f.title, "value": Quantity(f.value, f.unit, f.kind), "at": at}, name=f.name)
+
+
+def figures_table(
+    caption: Text, figures: Iterable[Figure], record: str = "figure", *, name: str = "", halves: bool = False
+) -> Table:
+    """Names and figures without a limit."""
+    return Table(caption, _FIGURES, [*map(figure_row, figures)], name, record, "figures", halves=halves)
+
+
+def requirements_table(caption: Text, requirements: Iterable[Requirement], **more: Any) -> Table:
+    """Requirements of a load with their symbols, and the paper's number of their equations."""
+    columns = (Column("equation", "equation", "number", media="listed"), Column("symbol", "", "math"),
+               Column("title", "", width=1.0), Column("value", "", "number"),
+               Column("note", "note", media="wide"))  # fmt: skip
+    rows = [
+        Row({"equation": Quantity(r.equation, own=f"({r.equation})") if r.equation else "",
+             "symbol": (Math(symbol(r.symbol), r.symbol),),
+             "title": (r.title, Note("given" if r.note.startswith("given") else "")),
+             "value": Quantity(float(r.value), r.unit,
+                               r.kind), "note": r.note}, name=r.name, data={"requirement": r.name})
+        for r in requirements
+    ]  # fmt: skip
+    return Table(caption, columns, rows, record="requirement", look="figures", **more)
+
+
+def required_table(caption: Text, found: DriveSet) -> Table | None:
+    """Requirements on the machine, what is reached and by what margin; None where the spec has none."""
+    if not any(check.name in OWN_REQUIREMENTS for check in found.budget):
+        return None
+    order = list(REQUIREMENTS)
+    rows = []
+    for c in sorted((c for c in found.budget if c.name in REQUIREMENTS), key=lambda c: order.index(c.name)):
+        upper = REQUIREMENTS[c.name] == "limit"
+        demand, limit = (Quantity(value, c.unit, c.kind) for value in (c.demand, c.limit))
+        remarks = "; ".join(filter(None, ("" if c.case == AS_SPECIFIED else case_of(c), c.note)))
+        rows.append(Row({
+            "title": (c.title, Note(remarks)), "bound": "≤" if upper else "≥", "required": limit if upper else demand,
+            "reached": demand if upper else limit, "margin": Quantity(c.margin, "%", "margin"),
+            "status": (Status(c.status),),
+        }, name=c.name))  # fmt: skip
+    columns = (Column("title", "requirement", "name", 1.0), Column("bound", "", "number"),
+               Column("required", "required", "number"), Column("reached", "reached", "number"),
+               Column("margin", "margin", "number"), Column("status", "", "status"))  # fmt: skip
+    return Table(caption, columns, rows, record="required")
+
+
+def changes_table(caption: str, changes: Sequence[Relaxation]) -> Table:
+    """Fields of the spec as they are and as they would have to be."""
+    if any(one.status != "pass" for one in changes):
+        caption = caption.replace(" passes,", " passes or fails no check,", 1)
+    columns = (Column("field", "field", "name"), Column("value", "now", "number"), Column("limit", "needed", "number"),
+               Column("title", "drive", width=1.0))  # fmt: skip
+    rows = [
+        Row({"field": r.field.replace("_", " ").replace(".", " › "),
+             "value": Quantity(r.before, r.unit, r.kind, own=r.now),
+             "limit": Quantity(r.after, r.unit, r.kind, own=r.needed), "title": r.set_label}, name=r.field)
+        for r in changes
+    ]  # fmt: skip
+    return Table(caption, columns, rows, record="change")
+
+
+# -- masses of the machine, consumers of its battery
+
+
+def masses_table(masses: Sequence[MassRow], sums: Sequence[Figure]) -> Table:
+    """The masses of the machine one by one, and their sums."""
+    columns = (Column("title", "part", "name", 1.0), Column("number", "", "number"), Column("each", "each", "number"),
+               Column("value", "together", "number", formula=("product", "number", "each")),
+               Column("status", "", "status", media="wide"))  # fmt: skip
+    rows = [
+        Row({"title": one.name, "number": Quantity(one.number, own=f"{one.number} ×"),
+             "each": Quantity(one.each, "kg", "mass", own=one.text(one.each, "kg") if one.band else ""),
+             "value": Quantity(one.total, "kg", "mass"), "status": (Status("unknown"),) if isnan(one.each) else ""},
+            name=one.name)
+        for one in masses
+    ]  # fmt: skip
+    rows += [Row({"title": f.title, "value": Quantity(f.value, f.unit, f.kind)}, name=f.name, total=True) for f in sums]
+    return Table("Masses of the machine", columns, rows, "masses", "mass", "figures")
+
+
+def consumers_table(budget: EnergyBudget) -> Table:
+    """Mean and highest power of each consumer of the battery, and their sum."""
+    columns = (Column("title", "consumer", "name", 1.0), Column("number", "", "number"),
+               Column("value", "mean", "number"), Column("limit", "peak", "number"), Column("duty", "on", "number"),
+               Column("note", "", "small"))  # fmt: skip
+    rows = [
+        Row({"title": one.name, "number": Quantity(one.number) if one.number > 1 else "",
+             "value": Quantity(one.mean, "W", "power"),
+             "limit": Quantity(one.peak, "W", "power") if one.peak or isnan(one.peak) else "",
+             "duty": "" if isnan(one.duty) or one.duty == 1.0 else Quantity(one.duty, "%", "dimensionless"),
+             "note": "assumed" if one.assumed else ""}, name=one.name)
+        for one in budget.consumers if one.mean or isnan(one.mean)
+    ]  # fmt: skip
+    lacks = any(isnan(one.mean) for one in budget.consumers)
+    rows.append(Row({"title": "total", "value": Quantity(budget.mean_power, "W", "power"),
+                     "limit": Quantity(budget.peak_power, "W", "power"), "note": "of the known ones" if lacks else ""},
+                    name="total", total=True))  # fmt: skip
+    return Table("Consumers of the battery", columns, rows, "", "consumer", "consumers")
+
+
+def error_text(value: float) -> str:
+    """The error of a probability."""
+    return f"± {100 * value:.2g} %"
+
+
+def margin_quantity(value: float) -> Quantity:
+    """A margin over samples; a dash where there is none."""
+    return Quantity(value if isfinite(value) else nan, "%", "margin", own="" if isfinite(value) else "–")

@@ -1,0 +1,615 @@
+"""The first pages: the outcome, the drive with its parts, where it is tight, how certain that is, what would help."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import isfinite, isnan
+from typing import Any
+
+from drivesizer.machine.battery import lacking, pack_of
+from drivesizer.output.derivation import margin
+from drivesizer.output.document.content import Content, OfDrives, driven_over, error_and_weakest, machine_words
+from drivesizer.output.document.records import (
+    Block,
+    Bullets,
+    Cell,
+    Column,
+    Mark,
+    Media,
+    Note,
+    Quantity,
+    Row,
+    Section,
+    Small,
+    Status,
+    Strong,
+    Table,
+    TableLink,
+    Text,
+    Tiles,
+    Verdict,
+    Words,
+)  # fmt: skip
+from drivesizer.output.document.rows import (
+    changes_table,
+    check_table,
+    required_table,
+    requirements_table,
+    tight_of,
+    tightest_table,
+)  # fmt: skip
+from drivesizer.output.parts import OWN_SUPPLY, PartLine, SharedLine, Total, part_figures, totals
+from drivesizer.output.tables import most_fail_on, not_enough
+from drivesizer.output.words import about, confidence, likely, meeting, not_quoted, number_of, reported
+from drivesizer.results.check import GRAVEST, Check, verdict, worst
+from drivesizer.results.check_kinds import marked_figures, missing_figures, part_of, unknown_figures
+from drivesizer.results.drive_set import BrakingBudget, DriveSet
+from drivesizer.results.sizing import ranked_by
+
+__all__ = [
+    "ASSUMPTIONS", "CHANGES", "CHECKS", "CONFIDENCE", "DRIVE", "ESTIMATES", "GLANCE", "OUTCOMES", "PHYSICS", "REQUIRED",
+    "SUMMARY", "lacking_words", "outcome_texts", "parts_table", "shared_parts_table", "summed_tile", "total_of",
+    "unknown_blocks",
+]  # fmt: skip
+
+
+# -- The parts list of the machine: families large, order numbers small, masses and prices with their totals.
+
+
+_PARTS = (
+    Column("quantity", "", "number"), Column("role", "", "name"), Column("named", "part", media="print", width=1.6),
+    Column("axes", "axes", media="all"), Column("maker", "maker", media="wide"),
+    Column("family", "family", media="wide"),
+    Column("part", "part", media="wide"), Column("order_number", "order number", media="wide"),
+    Column("is", "", "small", media="paper"), Column("said", "is", media="wide"),
+    Column("mass", "mass of one", "number", media="wide"),
+    Column("mass_low", "from", "number", media="wide"), Column("mass_high", "to", "number", media="wide"),
+    Column("masses", "mass", "number", formula=("product", "quantity", "mass")),
+    Column("price", "price each", "number"),
+    Column("prices", "together", "number", formula=("product", "quantity", "price")),
+    Column("currency", "currency", media="wide"),
+    Column("price_from_pieces", "price from (pieces)", "number", media="wide"),
+    Column("price_date", "price date", media="wide"),
+    Column("price_confidence", "price confidence", "mark", media="wide"),
+    Column("price_source", "price source", media="wide"),
+    Column("part_confidence", "part confidence", "mark", media="wide"),
+    Column("part_source", "part source", media="wide"), Column("part_source_date", "source date", media="wide"),
+    Column("url", "page", media="wide"), Column("note", "note", media="wide"),
+)  # fmt: skip
+
+
+def parts_table(lines: Sequence[PartLine], drives: str, outcome: str) -> Table:
+    """Parts to order for the whole machine, with the totals of mass and price."""
+    return _parts(f"Parts of {drives}: {outcome}", [(line, "") for line in lines], totals(lines))
+
+
+def shared_parts_table(lines: Sequence[SharedLine], every: Sequence[Total], whole: str) -> Table:
+    """Parts to order for a machine of several axes, each with the axes that need it."""
+    return _parts(f"Parts of {whole}", [(one.line, ", ".join(one.axes)) for one in lines], every)
+
+
+def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> Table:
+    dates = ", ".join(dict.fromkeys(line.price_date for line, _ in lines if line.price_date))
+    remarks = [f"prices of {dates}"] if dates else []
+    remarks += ["without cables, connectors and couplings"]
+    remarks += ["≈ estimated"] if any(total.estimated for total in every) else []
+    columns = [column for column in _PARTS if column.key != "axes" or any(axes for _, axes in lines)]
+    single = all(line.quantity == 1 for line, _ in lines)
+    columns = [
+        replace(c, yields=not single) if c.key == "price" else c for c in columns if not (single and c.key == "prices")
+    ]
+    mass, prices = (next((t for t in every if t.name == "mass"), None), [t for t in every if t.name == "price"])
+    sums: dict[str, Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
+    sums["price" if single else "prices"] = _sum_of(prices) if prices else "unknown"
+    rows = [_part_row(line, axes) for line, axes in lines]
+    return Table(
+        (caption, Note("; ".join(remarks))),
+        columns,
+        [*rows, Row(sums, name="total", total=True)],
+        "parts",
+        "part",
+        "parts",
+        file="parts",
+    )
+
+
+def _sum_of(prices: Sequence[Total]) -> Cell:
+    if len(prices) == 1:
+        return total_of(prices[0])
+    return " + ".join(total_of(one).text for one in prices)
+
+
+def total_of(total: Total) -> Quantity:
+    """A total: at least that where something is unknown, and with a digit less where it is estimated."""
+    unit, kind = ("kg", "mass") if total.name == "mass" else (total.unit, "money")
+    bare = Quantity(total.value, unit, kind, 3 if total.estimated else 4)
+    return replace(bare, own=f"≥ {bare.text}" if total.lacks else "")
+
+
+def lacking_words(every: Sequence[Total]) -> Iterator[Block]:
+    """The band of what is estimated in the totals, and the parts that they leave out."""
+    said = []
+    for one in every:
+        if one.estimated:
+            low, high = (Quantity(end, "kg", "mass", 2).text for end in (one.low, one.high))
+            said.append(f"{one.name} {low.removesuffix(' kg')} to {high}, by estimates")
+        said += [f"without the {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
+    if said:
+        yield Words(f"In all: {'; '.join(said)}.", "note")
+
+
+def _part_row(line: PartLine, axes: str) -> Row:
+    named = named_part(line)
+    mass, low, high = (Quantity(value, "g", "mass") for value in (line.mass, line.mass_low, line.mass_high))
+    guessed = not isnan(line.mass_low)
+    masses = Quantity(line.quantity * line.mass, "g", "mass", 2 if guessed else 4)
+    if guessed:
+        masses = Quantity(masses.value, "g", "mass", own=f"≈ {masses.text}")
+    price, prices = (Quantity(n * line.price, line.currency, "money") for n in (1, line.quantity))
+    return Row({
+        "quantity": Quantity(line.quantity, own=f"{line.quantity} ×"), "role": line.role, "named": named, "axes": axes,
+        "maker": line.maker, "family": line.family, "part": line.part, "order_number": line.order_number,
+        "is": line.said if line.part else "", "said": line.said, "mass": mass,
+        "mass_low": low if guessed else "", "mass_high": high if guessed else "",
+        "masses": masses, "currency": line.currency, "price": price, "prices": prices,
+        "price_from_pieces": "" if line.pieces is None else Quantity(line.pieces), "price_date": line.price_date,
+        "price_confidence": (Mark(line.price_confidence),), "price_source": line.price_source,
+        "part_confidence": (Mark(line.confidence),), "part_source": line.document, "part_source_date": line.date,
+        "url": line.url, "note": line.note,
+    }, name=line.role.replace(" ", "_"))  # fmt: skip
+
+
+def named_part(line: PartLine) -> Text:
+    """Maker, family and ratio in large letters; below it the order number, and what the part is."""
+    if not line.part:
+        return line.said or "none is listed for this motor"
+    maker = "" if line.maker in line.family else line.maker
+    ratio = line.said.partition(",")[0] if line.role in ("gearhead", "actuator") and ":" in line.said else ""
+    part = "" if line.part == line.family else f"{line.part}, "
+    number = line.order_number or f"{part}no order number"
+    supply = f", {line.said}" if line.said.endswith(OWN_SUPPLY) else ""
+    return (
+        Strong(" ".join(filter(None, (maker, line.family, ratio)))),
+        supply,
+        Small("" if number == line.family else number),
+    )
+
+
+# -- The answer: the outcome, the parts, the smallest margins.
+
+
+OUTCOMES = {
+    "found": "the selected drive",
+    "unsure": "the most probable drive: below the required confidence",
+    "missed": "the closest rejected drive: it fails",
+}
+
+
+def _summary(content: Content) -> Iterator[Block]:
+    result, best = content.result, content.drive
+    yield Verdict(bool(result.sets), [tuple(outcome_texts(content))])
+    yield _title_table(content)
+    if best is None:
+        return
+    parts = parts_table(content.bought, content.drives, OUTCOMES[content.outcome])
+    yield replace(parts, media="print", file="") if content.outcome == "missed" else parts  # it is not bought
+    yield from lacking_words(totals(content.bought))
+    if content.outcome == "missed":
+        failed = [c for c in best.deciding if c.status == "fail"] or [c for c in best.deciding if c.status != "pass"]
+        yield replace(check_table("The checks that it fails", failed, "failed"), media="shown")
+    else:
+        count = number_of(len(best.deciding), "check")
+        yield tightest_table((f"The smallest margins of {count}", TableLink("checks", "; all are in ")), best.deciding)
+
+
+def _title_table(content: Content) -> Table:
+    """The machine in a workbook, which has no title page."""
+    result = content.result
+    said = {"Machine": result.spec.name, "Kind": machine_words(result.spec), **dict(content.title_block)}
+    said |= {"Ranked by": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
+    rows = [Row({"title": title, "note": text}) for title, text in said.items()]
+    rows.append(Row({"title": "Verdict", "note": (Status(content.status),)}))
+    return Table("Drive sizing", (Column("title"), Column("note")), rows, media="book")
+
+
+def outcome_texts(content: Content) -> Iterator[Any]:
+    """Result of the search, and whether the closed loop passes."""
+    yield from _found(content) if content.outcome != "missed" else _missed(content)
+    v = content.validation
+    if v:
+        yield from (
+            f" {v.loop.capitalize()} over {driven_over(v)}: ",
+            Status(v.status),
+            f" {v.failed}" if v.failed else "",
+        )
+
+
+def _found(content: Content) -> Iterator[Any]:
+    result, best, sampled, v = content.result, content.drive, content.result.uncertainty, content.validation
+    assert best is not None
+    counts = result.counts
+    some = 0 < counts.judged < counts.feasible
+    numbers = (
+        f"Of {number_of(counts.considered, 'drive')} {meeting(counts, best.status, ' of the drive' if some else '')}"
+    )
+    numbers += f", {counts.judged:,} were checked in the machine" if some else ""
+    required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
+    if content.outcome == "unsure":
+        yield Strong(f"No drive reaches the confidence of {required}.")
+        yield f" {numbers}, at nominal figures; {best.label} is the most probable."
+        return
+    undecided = [check.title for check in best.deciding if check.status in ("unknown", "open")]
+    but = (
+        f", which fails in {v.loop}" if v and v.failed else ", with figures unknown" if best.status == "unknown" else ""
+    )
+    but = f", by estimates: {', '.join(undecided)}" if not but and best.status == "open" else but
+    if sampled and required:
+        reach = "reaches" if sampled.reached == 1 else "reach"
+        numbers += f", at nominal figures; {sampled.reached} of {sampled.examined} sampled {reach} the confidence of "
+        numbers += required
+    yield from (Status(content.status), " ", Strong(f"A drive was found{but}."))
+    yield f" {numbers}; {ranked_by(result.objective, result.sets)}."
+
+
+def _missed(content: Content) -> Iterator[Any]:
+    best, counts = content.drive, content.result.counts
+    yield Strong("No drive meets all limits.")
+    if not counts.considered:
+        yield " The families and parts that the spec names leave no combination of motor and gearhead."
+    elif best:
+        failed = ", ".join(c.title for c in best.deciding if c.status == "fail")
+        yield f" {number_of(counts.considered, 'drive')} considered. {most_fail_on(content.result)}"
+        yield f" The closest rejected drive is {best.label}" + (f"; it fails on: {failed}." if failed else ".")
+
+
+SUMMARY = Section(name="summary", title="Summary", blocks=_summary, early="answer")
+
+
+def _glance(content: Content) -> Iterator[Block]:
+    """The figures that a reader wants first."""
+    behaviour, best, lines = content.behaviour, content.drive, content.bought
+    if behaviour is None or best is None:
+        return
+    several = ", as specified" if len(content.result.problem.cases) > 1 else ""
+    tight, title = tight_of(best, content.validation)
+    yield Tiles([
+        ("Smallest margin", tight, title),
+        summed_tile(totals(lines), "mass", content.drives),
+        summed_tile(totals(lines), "price", content.drives),
+        ("Energy per cycle", behaviour.cost,
+         f"drawn from the supply, {content.drives}" + (", each at its wheel" if content.wheel else several)),
+        ("Total ratio", f"{best.total_ratio:.4g}", f"motor turns per turn of the {content.shaft}"),
+    ])  # fmt: skip
+
+
+def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, str, str]:
+    """A total of the parts list: its name, its value, and the parts that it leaves out or estimates."""
+    found = [total for total in every if total.name == name]
+    lacks = [role for role in found[0].lacks if all(role in t.lacks for t in found)] if found else []
+    least = ", at least" if lacks else ""
+    notes = [f"without {', '.join(lacks)}"] if least else []
+    notes += [f"estimated: {', '.join(total.estimated)}" for total in found if total.estimated]
+    value = " + ".join(total_of(total).text.removeprefix("≥ ") for total in found) or "unknown"
+    return f"{name.capitalize()} of {drives}{least}", value, "; ".join(notes)
+
+
+GLANCE = Section(name="glance", title="", blocks=_glance, media="paper")
+
+
+def _required(content: Content) -> Iterator[Block]:
+    if content.drive and (
+        table := required_table("Requirements on the machine, what is reached, and by what margin", content.drive)
+    ):
+        yield table
+
+
+REQUIRED = Section(name="required", title="Requirements on the machine", blocks=_required, early="answer")
+
+
+# -- Changes of the spec that would let a rejected drive pass.
+
+
+def _changes(content: Content) -> Iterator[Block]:
+    """Changes of the spec after which a drive passes, where none does, and those after which the closest one does."""
+    result = content.result
+    if content.outcome != "missed":
+        return
+    if result.relaxations:
+        yield changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
+    elif result.counts.considered:
+        yield Words(not_enough(result))
+    if content.drive and content.drive.changes:
+        yield changes_table(
+            "Changes after which the closest rejected drive passes, one figure at a time", content.drive.changes
+        )
+
+
+CHANGES = Section(name="changes", title="", blocks=_changes, early="answer")
+
+
+# -- Confidence in the verdict: checks by status, estimated figures, tolerances and the closed loop.
+
+
+def _confidence(content: Content) -> Iterator[Block]:
+    if content.drive:
+        number = Counter(check.status for check in content.drive.deciding)
+        said = f"{number['pass']} of {number_of(len(content.drive.deciding), 'check')} pass"
+        rows = [Row({"title": title, "note": text}) for title, text in _grounds(content, content.drive)]
+        columns = Column("title", "", "name"), Column("note", "", width=1.0)
+        yield Table(f"Confidence in the verdict: {said}", columns, rows, "confidence", look="figures")
+
+
+def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, Text]]:
+    result = content.result
+    for status in GRAVEST[:-1]:
+        some = [check for check in best.deciding if check.status == status]
+        if some:
+            yield status, ((Status(status), " ", _undecided(some, best, content)))
+    if missing := missing_figures(best):
+        yield "missing", ", ".join(missing)
+    if best.estimated:
+        hanging = any(check.status == "open" for check in best.deciding)
+        held = "they decide the open checks" if hanging else "every check ends the same at both ends of their bands"
+        yield "estimated figures", f"{', '.join(one.title for one in best.estimated)}; {held}"
+    counts = {role: Counter(not_quoted(part, role, best, result.catalog).values())
+              for role, part in best.parts.items() if part is not None}  # fmt: skip
+    doubts = [
+        f"{role} {', '.join(f'{n} {level}' for level, n in found.items())}" for role, found in counts.items() if found
+    ]
+    if doubts:
+        yield "not quoted", f"{'; '.join(doubts)}: to be confirmed"
+    one = reported(result)
+    if result.uncertainty and one and one.reliability:
+        claim = "no check fails" if one.reliability.unknown else "all checks pass"
+        said = f"{claim} with a probability of {likely(one.reliability.probability)}"
+        yield "tolerances", f"{said} {error_and_weakest(one.reliability)}"
+    if result.method == "paper" and best.beside:
+        status = verdict(best.beside)
+        which = ", ".join(check.title for check in best.beside if check.status == status != "pass")
+        yield (
+            "by physics",
+            ("ranked by the paper's equations and rule; by physics ", Status(status), f" {which}".rstrip()),
+        )
+    v = content.validation
+    if v is not None:
+        tight, unknown = worst(v.checks), ", ".join(c.title for c in v.checks if c.status == "unknown" and not c.advice)
+        smallest = f" smallest margin {margin(tight.margin)}, {tight.title}" if tight else ""
+        yield (
+            v.loop,
+            (Status(v.status), f"{smallest}{f'; unknown: {unknown}' if unknown else ''}; over {driven_over(v)}"),
+        )
+
+
+def _undecided(some: Sequence[Check], best: DriveSet, content: Content) -> str:
+    """Checks by their titles, with what would decide them; those of the battery in one, with the fields that do."""
+    battery, said = content.result.problem.spec.battery, []
+    of_battery = [check for check in some if check.status == "unknown" and part_of(check.name) == "Battery"]
+    if battery and len(of_battery) > 1:
+        fields = ", ".join(lacking(pack_of(battery, content.result.catalog)))
+        said.append(
+            f"{len(of_battery)} checks of the battery" + (f"; the spec's battery gives no {fields}" if fields else "")
+        )
+        some = [check for check in some if check not in of_battery]
+    for check in some:
+        if check.status == "open":
+            said.append(
+                f"{check.title} {check.note}" + (f" ({about(check.probability)})" if about(check.probability) else "")
+            )
+        elif check.name == "bus_voltage" and check.note and best.braking and check.status == "unknown":
+            said.append(f"{check.title}; decided by {_deciding(best.braking)}")
+        elif (check.name, check.method) == ("price", "budget"):
+            said.append(f"{check.title} ({check.note})")
+        else:
+            said.append(check.title)
+    return "; ".join(said)
+
+
+def _deciding(braking: BrakingBudget) -> str:
+    """Fields of a spec that decide whether the bus holds, with what they would have to be."""
+    needed = next(figure for figure in braking.figures if figure.name == "capacitance_needed")
+    least = f" of {needed.text} or more" if isfinite(needed.value) else ""
+    return f"brake_resistor: any, supply.capacitance{least}, or supply.accepts: all of a battery"
+
+
+CONFIDENCE = Section(name="confidence", title="", blocks=_confidence, early="answer")
+
+
+# -- The reported drive part by part, its checks, estimated figures, and the same drive by the other method.
+
+
+_TITLES = {"found": "The selected drive", "unsure": "The most probable drive", "missed": "The closest rejected drive"}
+
+
+def _drive(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
+    yield Words((f"{drive.label}: ", Status(drive.status)), media="paper")
+    rows = []
+    for role, part in drive.parts.items():
+        if part is None:
+            why = drive.without_controller if role == "controller" else ""
+            rows.append(Row({"role": role, "part": "unknown", "note": why or "none is listed for this motor"}))
+            continue
+        name, number, figures, doubt = part_figures(role, part, of.catalog, drive)
+        rows.append(
+            Row(
+                {
+                    "role": role,
+                    "part": (Strong(name), Small(number)),
+                    "note": (figures, Small(doubt)) if doubt else figures,
+                }
+            )
+        )
+    if "gearhead" not in drive.parts and "motor" in drive.parts:
+        rows.insert(1, Row({"role": "gearhead", "part": "none", "note": "the motor drives the load itself"}))
+    if drive.belt_ratio != 1.0 and not drive.belt_drive:
+        efficient = Quantity(drive.belt_efficiency, "%", "dimensionless").text
+        place = 1 + next((n for n, row in enumerate(rows) if row.cells["role"] in ("gearhead", "actuator")), 0)
+        rows.insert(place, Row({"role": "belt", "part": f"{drive.belt_ratio:g}", "note": f"{efficient} efficient"}))
+    columns = Column("role", "", "name"), Column("part"), Column("note", width=1.0)
+    yield Table("", columns, rows, media="terminal", look="figures")
+    yield _identity(drive)
+    if any(r.declared for r in drive.requirements):
+        yield requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="listed")
+
+
+def _identity(s: DriveSet) -> Table:
+    """A drive for other programs: its parts, ratios, mass, price, objective and verdict."""
+    parts = {name: getattr(s, name) for name in ("motor", "gearhead", "encoder", "controller")}
+    parts |= {"brake": s.brake} if s.brake else {}
+    parts |= s.belt_drive.parts if s.belt_drive else {}
+    parts |= {"screw": s.chosen_screw.screw} if s.chosen_screw else {}
+    rows = [
+        Row({"title": f"{part.manufacturer} {part.family}" if part else "", "value": part.part if part else "",
+             "status": "" if part else (Status("unknown"),)}, name=role.replace(" ", "_"))
+        for role, part in parts.items()
+    ]  # fmt: skip
+    figures: dict[str, tuple[str, Cell, str]] = {
+        "gearhead_ratio": ("Ratio of the gearhead", Quantity(s.gearhead.ratio, "1", "plain"), ""),
+        "belt_ratio": ("Ratio of the belt", Quantity(s.belt_ratio, "1", "plain"), ""),
+        "total_ratio": ("Total ratio", Quantity(s.total_ratio, "1", "plain"), ""),
+        "mass": ("Mass", Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}"),
+        "price": ("Price", Quantity(s.price, "EUR", "money"), f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
+        "objective": ("Objective", Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
+    }  # fmt: skip
+    if s.belt_drive:
+        figures["centre_distance"] = "Centre distance", Quantity(s.belt_drive.centre_distance, "mm", "length"), ""
+        figures["teeth_in_mesh"] = "Teeth in mesh", Quantity(s.belt_drive.teeth_in_mesh, "1", "plain"), ""
+    if s.chosen_screw:
+        figures["screw_length"] = "Length of the screw", Quantity(s.chosen_screw.length, "mm", "length"), ""
+    rows += [
+        Row({"title": title, "value": value, "note": note}, name=name) for name, (title, value, note) in figures.items()
+    ]
+    rows.append(Row({"title": "All checks", "status": (Status(s.status),)}, name="verdict"))
+    columns = (
+        Column("title", "what"),
+        Column("value", "value", "number"),
+        Column("status", "", "status"),
+        Column("note", "note"),
+    )
+    return Table("Parts, ratios, mass and price", columns, rows, record="set", media="wide")
+
+
+DRIVE = Section(name="drive", title=lambda content: _TITLES[content.outcome], blocks=_drive, of_drive=True)
+
+
+def _checks(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
+    worst = of.of_machine(
+        "; each at its worst wheel", "; each in its worst load case, the one as specified where none is named"
+    )
+    yield check_table(
+        (f"All checks of {drive.label}{worst}",
+         Note("The bar is the used share of the limit, the long tick 100 %, a short "
+                                                     "one where the margin begins that the spec requires.")),
+        drive.checks, "checks", grouped=True,
+    )  # fmt: skip
+
+
+CHECKS = Section(name="checks", title="Checks", level=2, blocks=_checks, of_drive=True)
+
+
+def _estimates(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+    if not drive.estimated:
+        return
+    yield Words("No data sheet gives these figures; they are estimated from parts of the same kind that have them. One "
+                "part in twenty lies below the band, one above. A check passes where it passes at both ends.",
+                "note")  # fmt: skip
+    columns = (Column("title", "figure", "name"), Column("value", "estimate", "number"),
+               Column("low", "from", "number"),
+               Column("high", "to", "number"), Column("note", "terms; peers", "small", 1.0))  # fmt: skip
+    rows = [
+        Row({"title": one.title, "note": one.law.removeprefix("; "),
+             **{key: Quantity(x, one.unit, one.kind) for key, x in (("value", one.value), ("low", one.low),
+                                                                    ("high", one.high))}},
+            name=f"{one.part}_{one.figure}")
+        for one in drive.estimated
+    ]  # fmt: skip
+    yield Table("Estimated figures", columns, rows, record="estimate")
+    hanging = [check for check in drive.own_checks if check.status == "open"]
+    if hanging:
+        heads = (
+            Column("title", "check", "name"),
+            Column("chance", "it passes with"),
+            Column("note", "estimated figures behind it", "small", 1.0),
+        )
+        yield Table(
+            "Open checks",
+            heads,
+            [Row({"title": c.title, "chance": about(c.probability), "note": c.note}) for c in hanging],
+        )
+
+
+ESTIMATES = Section(name="estimates", title="Estimated figures", level=2, blocks=_estimates, of_drive=True)
+
+
+def _physics(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+    """The drive by the other method; on paper only where the method of the paper ranked."""
+    if not drive.beside:
+        return
+    by_paper = drive.checks[0].method == "paper"
+    other = "physics: the whole load cycle, no factors of the paper" if by_paper else "the paper's equations and rule"
+    media: Media = "all" if by_paper else "listed"
+    if by_paper:
+        yield Words("The drive was ranked by the method of the paper, and its verdict is that method's. Here the same "
+                    "drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
+    checks = check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
+    yield replace(checks, media=media)
+    columns = (Column("title", "demand", "name"), Column("paper", "paper", "number"), Column("by_paper", "", "status"),
+               Column("physics", "physics", "number"), Column("by_physics", "", "status"),
+               Column("note", "why they differ", "small", 1.0))  # fmt: skip
+    rows = [
+        Row({"title": pair.paper.title, "note": pair.why,
+             "paper": Quantity(pair.paper.demand, pair.paper.unit,
+                               pair.paper.kind), "by_paper": (Status(pair.paper.status),),
+             "physics": Quantity(pair.physics.demand, pair.physics.unit, pair.physics.kind),
+             "by_physics": (Status(pair.physics.status),)}, name=pair.paper.name)
+        for pair in drive.comparison
+    ]  # fmt: skip
+    if rows:
+        yield Table("Both methods where they check the same limit", columns, rows, record="comparison", media=media)
+
+
+PHYSICS = Section(
+    name="physics",
+    title="The same drive by the other method",
+    blocks=_physics,
+    of_drive=True,
+    appendix=True,
+    early="paper",
+)
+
+
+# -- Assumptions and warnings, and the figures that are unknown or not from a document.
+
+
+def _assumptions(content: Content) -> Iterator[Block]:
+    result = content.result
+    if result.assumptions:
+        yield Bullets("Assumptions of the sizing:", list(result.assumptions))
+    if result.warnings:
+        yield Bullets((Strong("Warnings:"),), list(result.warnings), "alarm")
+    yield from unknown_blocks(content)
+
+
+def unknown_blocks(content: Content) -> Iterator[Block]:
+    """Checks that are unknown, and figures behind checks that are from no document."""
+    result, best = content.result, content.drive
+    if best is None:
+        return
+    unknown = [Row({"title": title, "note": lacks}) for title, lacks in unknown_figures(best)]
+    yield Table(f"Unknown checks{', and the figures that they lack' if unknown else ': none'}",
+                (Column("title", "check", "name"), Column("note", "not known",
+                                                          width=1.0)), unknown, "unknown")  # fmt: skip
+    marked = [Row({"title": name, "value": value, "mark": (Mark(mark),), "note": checks})
+              for name, value, mark, checks in marked_figures(best, result.catalog)]  # fmt: skip
+    if not marked:
+        yield Words("No check rests on a figure that is derived, recalled or estimated.")
+        return
+    columns = (Column("title", "figure", "name"), Column("value", "value", "number"), Column("mark", "is", "mark"),
+               Column("note", "checks that rest on it", "small", 1.0, merged=True))  # fmt: skip
+    yield Table("Figures that a check rests on and that are not from a document: to be confirmed before anything is "
+                "built",
+                columns, marked, "marked")  # fmt: skip
+
+
+ASSUMPTIONS = Section(name="assumptions", title="Assumptions and unknowns", blocks=_assumptions, early="never")

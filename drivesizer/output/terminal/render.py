@@ -1,0 +1,132 @@
+"""Sections of a document at the terminal: they fit 80 columns and use what there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table as RichTable
+from rich.text import Text as RichText
+
+from drivesizer.output.document.records import (
+    TERMINAL,
+    Block,
+    Bullets,
+    Cell,
+    Code,
+    Column,
+    Heading,
+    Mark,
+    Math,
+    Note,
+    Printed,
+    Quantity,
+    Small,
+    Status,
+    Strong,
+    Table,
+    Verdict,
+    Words,
+    flat,
+    text_of,
+)  # fmt: skip
+from drivesizer.output.terminal.tables import MARK, STYLE, width_of
+
+__all__ = ["blocks", "sections"]
+
+_MANY = 6  # columns, beyond which heads take several lines
+
+
+def sections(console: Console, found: Iterable[Printed]) -> None:
+    """Print sections, one below the other."""
+    for section in found:
+        if section.title and section.section.early != "answer":
+            console.print(RichText(f"\n{section.title}", style="bold underline"))
+        blocks(console, section.blocks)
+
+
+def blocks(console: Console, found: Iterable[Block]) -> None:
+    """Print texts and tables; pictures, equations and what else is for paper are left out."""
+    for block in flat(found):
+        if isinstance(block, Table) and block.media in TERMINAL and block.rows:
+            _table(console, block)
+        elif isinstance(block, Words) and block.media in TERMINAL:
+            console.print(rich_text(block.text, {"note": "dim", "alarm": "bold red"}.get(block.look, "")))
+        elif isinstance(block, Verdict):
+            for text in block.paragraphs:
+                console.print(rich_text(text))
+        elif isinstance(block, Bullets) and block.items:
+            console.print(rich_text(block.intro, "red" if block.look == "alarm" else ""))
+            for item in block.items:
+                console.print(Padding(RichText(item, style="" if block.look == "alarm" else "dim"), (0, 0, 0, 2)))
+        elif isinstance(block, Heading):
+            console.print(RichText(f"\n{block.title}", style="bold"))
+
+
+def rich_text(text: Cell, style: str = "") -> RichText:
+    """A text with its marks in the styles of a terminal."""
+    if isinstance(text, Quantity):
+        doubtful = text.text.startswith(("unknown", "≈"))
+        made = RichText(text.text, style=style or ("yellow" if doubtful else ""))
+        return made.append(f"\n{text.note}", "dim") if text.note else made
+    made = RichText(style=style)
+    for part in (text,) if isinstance(text, str) else text if isinstance(text, tuple) else ():
+        match part:
+            case str():
+                made.append(part)
+            case Status(status):
+                made.append(MARK.get(status, status), STYLE.get(status, ""))
+            case Strong(words):
+                made.append(words, "bold")
+            case Small(words):
+                made.append(f"\n{words}".removeprefix("" if made.plain else "\n") if words else "", "dim")
+            case Note(words):
+                made.append(f"  {words}" if words else "", "dim")
+            case Mark(words):
+                made.append(words, "yellow")
+            case Code(words) | Math(_, words):
+                made.append(words)
+    return made
+
+
+def _table(console: Console, block: Table) -> None:
+    """A table below its caption, without columns that are empty, or yield where there is no room; words wrap."""
+    columns = [c for c in block.columns if c.media in TERMINAL and c.form not in ("bar", "share")]
+    columns = [c for c in columns if any(row.cells.get(c.key, "") != "" for row in block.rows)]
+    made = _made(block, columns)
+    while (over := width_of(made) - console.width) > 0 and any(c.yields for c in columns):
+        columns.remove([c for c in columns if c.yields][-1])
+        made = _made(block, columns)
+    if over > 0:
+        wrapped = [column for column in made.columns if not column.no_wrap] or made.columns[:1]
+        lines = [
+            [line for cell in (column.header, *column.cells) for line in str(cell).split("\n")] for column in wrapped
+        ]
+        room = console.width - width_of(made) + sum(max(map(len, some)) for some in lines)
+        by_length = sorted(zip(wrapped, lines, strict=True), key=lambda pair: max(map(len, pair[1])))
+        for n, (column, some) in enumerate(by_length):  # what needs less than its share leaves it to the others
+            column.no_wrap, column.width = False, max(min(max(map(len, some)), room // (len(wrapped) - n)), 1)
+            room -= column.width
+    console.print()
+    caption = text_of(block.caption)
+    if caption:
+        console.print(RichText(f"{caption[0].upper()}{caption[1:]}", style="bold"))
+    console.print(made)
+
+
+def _made(block: Table, columns: Sequence[Column]) -> RichTable:
+    made = RichTable(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim underline",
+                     show_header=any(column.head for column in columns))  # fmt: skip
+    for column in columns:
+        head = column.head.replace(" ", "\n") if len(columns) > _MANY else column.head
+        made.add_column(head, justify="right" if column.form == "number" else "left", overflow="fold")
+    group = ""
+    for row in block.rows:
+        if block.group and row.cells[block.group] != group:
+            group = text_of(row.cells[block.group])
+            made.add_row(RichText(group, style="bold cyan"), *[""] * (len(columns) - 1))
+        made.add_row(*(rich_text(row.cells.get(c.key, ""), "bold" if row.total else "") for c in columns))
+    for shown, own in zip(made.columns, columns, strict=True):
+        shown.no_wrap = own.form in ("number", "status") or (own.form == "name" and not own.width)
+    return made
