@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from math import atan, tan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -222,17 +223,39 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
         factor = _least_change(passes, figure.direction)
         if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
+            grade = kind == "angle" and _entered(problem.spec, figure.path).endswith("%")
             steps = (factor * (1.0 + _STEP * figure.direction * n) for n in range(_ROUNDINGS))
-            printed = (show(now * step, unit, kind, 3) for step in steps)
+            printed = (_printed(now * step, unit, kind, 3, grade) for step in steps)
             needed = next(
-                (text for text in printed if passes(to_si(text, kind) / now)), show(now * factor, unit, kind, 9)
+                (text for text in printed if passes(_read(text, kind, grade) / now)),
+                _printed(now * factor, unit, kind, 9, grade),
             )
-            after = to_si(needed, kind)
+            after = _read(needed, kind, grade)
             yield Relaxation(
-                field=".".join(figure.path), now=show(now, unit, kind), needed=needed + _together(problem, figure.path),
-                share=abs(after / now - 1.0), kind=kind, unit=unit, before=now, after=after,
+                field=".".join(figure.path), now=_printed(now, unit, kind, 4, grade),
+                needed=needed + _together(problem, figure.path), share=abs(after / now - 1.0),
+                kind=kind, unit=unit, before=now, after=after,
                 **_best(passing, _changed(problem, figure.path, after / now)),
             )  # fmt: skip
+
+
+def _entered(spec: RobotSpec, path: tuple[str, ...]) -> str:
+    """A field as the user wrote it, in the spec or in its first load case that has it; empty where it is no text."""
+    for found in (spec.entered, *(spec.entered.get("cases") or ())):
+        for name in path:
+            found = found.get(name) if isinstance(found, dict) else None
+        if isinstance(found, str):
+            return found.strip()
+    return ""
+
+
+def _printed(value: float, unit: str, kind: str, digits: int, grade: bool) -> str:
+    """A figure as text; a slope that was entered as a grade as one."""
+    return show(tan(value), "%", "dimensionless", digits) if grade else show(value, unit, kind, digits)
+
+
+def _read(text: str, kind: str, grade: bool) -> float:
+    return atan(to_si(text, "dimensionless")) if grade else to_si(text, kind)
 
 
 def _best(passing: _Passing, moved: Problem) -> dict[str, Any]:

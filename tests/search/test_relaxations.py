@@ -211,6 +211,22 @@ cases: [{name: ramp, load: {slope: 6 %}}]
 """
 
 
+@pytest.mark.parametrize("given", ["{slope: 3 %, ", "{"], ids=["of the spec", "of a case"])
+def test_a_slope_that_is_entered_as_a_grade_is_printed_as_one(given, catalog, monkeypatch):
+    """Half the angle of 3 % is 1.4997 %: tan(atan(0.03) / 2)."""
+    text = CART.replace("load: {kind", f"load: {given}kind").replace("6 %", "3 %")
+
+    def passes(moved):
+        return max(case.spec.load.slope for case in moved.cases) <= math.atan(0.03) / 2
+
+    monkeypatch.setattr(module, "any_in_machine", passes)
+    monkeypatch.setattr(module, "best_in_machine", lambda *_: SimpleNamespace(label="a drive", status="pass"))
+    found = {one.field: one for one in relaxations(problem(read_spec(YamlSource(text, "cart.yaml")), catalog))}
+    slope = found["load.slope"]
+    assert slope.now == "3 %" and slope.needed.endswith(" %")
+    assert 1.48 < float(slope.needed.split()[0]) <= 1.4997
+
+
 def test_where_only_the_machine_rejects_what_would_help_is_found_too(catalog, monkeypatch):
     """6 h out of 20 A*h fail; at the capacity that is named a drive passes, and at 1 % less none."""
     spec = read_spec(YamlSource(CART, "cart.yaml"))

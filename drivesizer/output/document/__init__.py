@@ -60,7 +60,7 @@ def printed(
     for section in sections:
         if section.media in media and not (section.of_drive and content.drive is None):
             given = (content.of_drives, content.drive) if section.of_drive else (content,)
-            blocks = [*section.blocks(*given)]
+            blocks = [one for one in section.blocks(*given) if getattr(one, "media", "all") in media]
             if blocks:
                 yield Printed(section, section.headed(content), blocks)
 

@@ -491,7 +491,8 @@ _AXIS = Section(name="axis", title="", blocks=lambda _: (), early="checks")
 
 def _of_all(content: MachineContent, sections: Iterable[Section], media: frozenset[str]) -> Iterator[Printed]:
     for section in sections:
-        blocks = [*section.blocks(content)] if section.media in media else []
+        every = section.blocks(content) if section.media in media else ()
+        blocks = [one for one in every if getattr(one, "media", "all") in media]
         if blocks:
             yield Printed(section, section.headed(content), blocks)
 
