@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import isnan, nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
-from drivesizer.physics.thermal import resistance_at
+from drivesizer.physics.thermal import TwoBodies, resistance_at
 from drivesizer.physics.two_bodies import State
 from drivesizer.prediction.set_at_voltage import (
     Heating,
@@ -37,16 +37,6 @@ _POWER = 9  # of two: samples
 _MOMENTS = 121  # over the duration
 _POINTS = 41  # of the line of speed over torque
 _PER_CENT = (0.05, 0.5, 0.95)
-
-
-class _Declared(NamedTuple):
-    """A predicted figure: its name, what it is called, and the figures of parts that it rests on."""
-
-    name: str
-    title: str
-    kind: str
-    unit: str
-    needs: str
 
 
 # name | title | kind | unit | kinds of figures that it rests on; groups by a line of one word
@@ -139,9 +129,13 @@ def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Con
         "controller": controller,
     }
     bought = {role: hit for role, hit in hits.items() if hit is not None}
+    called = []  # family, reduction and number of each part
+    for hit in bought.values():
+        reduction = f" {hit['reduction']}" if hit.section in ("gearheads", "actuators") and hit["reduction"] else ""
+        called.append(("" if hit["family"] == hit.part else f"{hit['family']} ") + hit.part + reduction)
     return Prediction(
         parts={role: hit.part for role, hit in bought.items()},
-        label=" + ".join(_called(hit) for hit in bought.values()),
+        label=" + ".join(called),
         digests={name: digest for hit in bought.values() for name, digest in hit.catalog.digests.items()},
         conditions=given,
         figures=tuple(_figures(columns, parts, given)),
@@ -193,17 +187,13 @@ def _warm(one: SetAtVoltage, given: Conditions) -> float:
     """Temperature at a warm start: given, or the housing's after long work at the nominal point [K]."""
     if not isnan(given.warm):
         return given.warm
-    motor = {name: one.motor[name][0] for name in ("nominal_current", "nominal_speed")}
-    speed = motor["nominal_speed"]
-    first = np.zeros(1, np.int64)
-    heating = Heating(_rows(one.bodies, first), given.ambient,
-                      lambda w: (motor["nominal_current"] + 0.0 * w,
-                                 (one.losses[0][first] * speed + one.losses[1][first] * speed**2)))  # fmt: skip
+    current, speed = (one.motor[name][0] for name in ("nominal_current", "nominal_speed"))
+    nominal = TwoBodies(
+        **{name: getattr(one.bodies, name)[:1] for name in ("R_25", "R_th1", "R_th2", "tau_w", "tau_h")}
+    )
+    lost = one.losses[0][:1] * speed + one.losses[1][:1] * speed**2
+    heating = Heating(nominal, given.ambient, lambda winding: (current + 0.0 * winding, lost))
     return float(in_the_long_run(heating)[1][0]) if heating.known else nan
-
-
-def _rows(bodies: Any, rows: NDArray[np.int64]) -> Any:
-    return type(bodies)(**{name: getattr(bodies, name)[rows] for name in ("R_25", "R_th1", "R_th2", "tau_w", "tau_h")})
 
 
 def _heated(one: SetAtVoltage, parts: SampledParts, given: Conditions, held: Array) -> dict[str, Heating]:
@@ -275,11 +265,12 @@ def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) 
         if len(cells) == 1:
             group = cells[0]
             continue
-        declared, values = _Declared(*cells), columns.get(cells[0], unknown)
+        name, title, kind, unit, needs = cells
+        values = columns.get(name, unknown)
         band = Band(*(float(x) for x in _band(values)))
         never = float(np.isinf(values[1:]).mean()) if not isnan(band.nominal) else nan
-        lacking = () if not isnan(band.nominal) else tuple(dict.fromkeys(_missing(declared.needs, parts, given)))
-        yield Predicted(declared.name, group, declared.title, declared.kind, declared.unit, band, never, lacking)
+        lacking = () if not isnan(band.nominal) else tuple(dict.fromkeys(_missing(needs, parts, given)))
+        yield Predicted(name, group, title, kind, unit, band, never, lacking)
 
 
 def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str]:
@@ -300,13 +291,6 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
                 yield figure_words(role, name, bool(figures[role]["inside"][0]))
         if need in _CONDITIONS and isnan(getattr(given, _CONDITIONS[need][0])):
             yield _CONDITIONS[need][1]
-
-
-def _called(hit: Hit) -> str:
-    """Family, reduction and number of a part."""
-    reduction = f" {hit['reduction']}" if hit.section in ("gearheads", "actuators") and hit["reduction"] else ""
-    family = "" if hit["family"] == hit.part else f"{hit['family']} "
-    return f"{family}{hit.part}{reduction}"
 
 
 def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
-from drivesizer.catalog.estimates.estimate import SAME_FAMILY, FamilyLimit, estimates, family_limits, law_text
+from drivesizer.catalog.estimates.estimate import SAME_FAMILY, estimates, family_limits, law_text
 from drivesizer.catalog.estimates.laws import Fit
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
@@ -62,64 +62,57 @@ class SampledParts(NamedTuple):
 
 def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, power: int) -> SampledParts:
     """The parts of a set over 2 to the power samples, and their nominal figures before them."""
-    sold = {"actuator" if motor.section == "actuators" else "motor": motor} | (
-        {"gearhead": gearhead} if gearhead else {}
-    )
-    estimated = [(role, hit.section, one) for role, hit in sold.items() for one in estimates_of(hit.table, hit.row)]
+    role = "actuator" if motor.section == "actuators" else "motor"
+    sold = {role: motor} | ({"gearhead": gearhead} if gearhead else {})
+    estimated = [(role, one) for role, hit in sold.items() for one in estimates_of(hit.table, hit.row)]
+    limits = [(role, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
     drawn = [one for one in _classes(motor, gearhead, controller) if one.factor is not None]
     cube = sobol(len(estimated) + len(drawn) + 5, power, [(_SEED, 0)])
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
-    limits = [(role, hit.section, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
-    tables = {role: _rows(hit, len(cube)) for role, hit in sold.items()}
-    laws = {role: {one.fit for other, _, one in estimated if other == role} for role in sold}
-    for (role, _, figure), share in zip(estimated, cube.T, strict=False):
+    tables = {role: _repeated(hit, len(cube)) for role, hit in sold.items()}
+    laws = {role: {one.fit for other, one in estimated if other == role} for role in sold}
+    for (role, figure), share in zip(estimated, cube.T, strict=False):
         tables[role][figure.figure] = _within(figure, laws[role], sold[role], tables[role], share)
-    for role, _, limit in limits:
+    for role, limit in limits:
         tables[role][limit.figure] = np.full(len(cube), limit.value)
-    bought, gear = _split(motor, tables)
+    if "actuator" in tables:
+        inside = _inside(motor.catalog, tables["actuator"], np.full(len(cube), motor.table.source[motor.row]))
+        bought, gear = inside.motors.columns, inside.gearheads.columns
+    else:
+        none = {name: np.full(len(cube), getattr(NO_GEARHEAD, name)) for name in columns_of("gearheads")}
+        bought, gear = tables["motor"], tables.get("gearhead", none)
     factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead", "controller")}
     for one, share in zip(drawn, cube.T[len(estimated) :], strict=False):
-        factors[one.part][one.figure] = _factor(one, share)
-    names = {one.figure for _, _, one in estimated}
+        assert one.factor is not None
+        factors[one.part][one.figure] = one.factor.at(share)
+        factors[one.part][one.figure][0] = 1.0  # of the nominal row
+    names = {one.figure for _, one in estimated}
+    shown = [_shown(role, sold[role].section, one.figure, one[1:4], law_text(one.fit)) for role, one in estimated]
+    shown += [
+        _shown(role, sold[role].section, one.figure, (one.value,) * 3, f"{SAME_FAMILY}, {one.members} alike")
+        for role, one in limits
+    ]
+    stage = None
+    if controller is not None:  # what it does not print of its losses lies between assumed ends
+        stage = _repeated(controller, len(cube))
+        lacking = [name for name in _STAGE if np.isnan(controller[name])]
+        for name, share in zip(lacking, cube.T[-5:], strict=False):
+            (low, high), law = _STAGE[name], "assumed: from an ideal power stage to one of 0.9 and 1 V"
+            stage[name] = low + (high - low) * share
+            middle, wide = (low + high) / 2.0, 0.45 * (high - low)
+            shown.append(_shown("controller", "controllers", name, (middle, middle - wide, middle + wide), law))
+        if "losses" in factors["controller"]:
+            stage |= with_stage_losses(stage, factors["controller"]["losses"])
     return SampledParts(
-        _motor(bought, factors["motor"], names),
-        _gearhead(gear, factors["gearhead"], names),
-        None if controller is None else _controller(controller, cube, factors["controller"]),
-        cube[:, -3:],
-        (
-            *(_estimated(*one) for one in estimated),
-            *(_alike(*one) for one in limits),
-            *(_printed_stage(name) for name in (_assumed(controller, cube) if controller else ())),
-        ),
-        tuple(drawn),
-    )
+        _motor(bought, factors["motor"], names), _gearhead(gear, factors["gearhead"], names), stage, cube[:, -3:],
+        tuple(shown), tuple(drawn),
+    )  # fmt: skip
 
 
-def _estimated(role: str, section: str, one: Estimate) -> EstimatedFigure:
-    """An estimated figure as it is printed."""
-    column, law = columns_of(section)[one.figure], law_text(one.fit)
-    return EstimatedFigure(role, one.figure, one.value, one.low, one.high, column.kind, column.unit, law)
-
-
-def _alike(role: str, section: str, one: FamilyLimit) -> EstimatedFigure:
-    """A limit that all others of the family have."""
-    column, law = columns_of(section)[one.figure], f"{SAME_FAMILY}, {one.members} alike"
-    return EstimatedFigure(role, one.figure, one.value, one.value, one.value, column.kind, column.unit, law)
-
-
-def _assumed(controller: Hit, shares: Array) -> dict[str, Array]:
-    """Voltage drop of a controller that does not print it: columns between the assumed ends."""
-    lacking = [name for name in _STAGE if np.isnan(controller[name])]
-    return {name: low + (high - low) * share for name, share in zip(lacking, shares.T, strict=False)
-            for low, high in (_STAGE[name],)}  # fmt: skip
-
-
-def _printed_stage(name: str) -> EstimatedFigure:
-    """The same as it is printed."""
-    (low, high), column = _STAGE[name], columns_of("controllers")[name]
-    middle, wide = (low + high) / 2.0, 0.45 * (high - low)
-    law = "assumed: from an ideal power stage to one of 0.9 and 1 V"
-    return EstimatedFigure("controller", name, middle, middle - wide, middle + wide, column.kind, column.unit, law)
+def _shown(role: str, section: str, figure: str, band: tuple[float, ...], law: str) -> EstimatedFigure:
+    """An estimated or assumed figure as it is printed: value, low and high."""
+    column = columns_of(section)[figure]
+    return EstimatedFigure(role, figure, *band, column.kind, column.unit, law)
 
 
 def _within(one: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Array) -> Array:
@@ -139,33 +132,13 @@ def _within(one: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Ar
     return np.asarray(np.minimum(values, 1.0 if one.figure == "efficiency" else np.inf))
 
 
-def _factor(one: Class, share: Array) -> Array:
-    """Factors of a printed figure; 1 in the nominal row."""
-    assert one.factor is not None
-    found = one.factor.at(share)
-    found[0] = 1.0
-    return found
-
-
-def _rows(hit: Hit, count: int) -> dict[str, NDArray[Any]]:
+def _repeated(hit: Hit, count: int) -> dict[str, NDArray[Any]]:
     """Figures of a part, in as many rows."""
     return {name: np.full(count, hit.table[name][hit.row]) for name in hit.table.columns}
 
 
-def _split(motor: Hit, tables: Mapping[str, Figures]) -> tuple[Figures, Figures]:
-    """Motor and gearhead; of an actuator those inside it."""
-    if motor.section == "actuators":
-        inside = _inside(
-            motor.catalog, tables["actuator"], np.full(len(tables["actuator"]["part"]), motor.table.source[motor.row])
-        )
-        return inside.motors.columns, inside.gearheads.columns
-    bought = tables["motor"]
-    none = {name: np.full(len(bought["part"]), getattr(NO_GEARHEAD, name)) for name in columns_of("gearheads")}
-    return bought, tables.get("gearhead", none)
-
-
 def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Catalog:
-    """A catalogue of one actuator in many rows, split."""
+    """A catalogue of one actuator in many rows, split into motor and gearhead."""
     tables: dict[str, Any] = {section: empty(section) for section in PARTS}
     tables["actuators"] = Table("actuators", columns, source, np.zeros(len(source), bool))
     return split_actuators(catalog.with_tables(tables, dict.fromkeys(RELATIONS, _NO_PAIRS)))
@@ -173,18 +146,15 @@ def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Ca
 
 def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[Class, ...]:
     """Tolerance classes of the figures of motor, gearhead and controller."""
-    own = _rotating_inertia(motor, gearhead)
+    if motor.section == "actuators":
+        one = _inside(motor.catalog, _repeated(motor, 1), motor.table.source[motor.row : motor.row + 1])
+        own = holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)
+    else:
+        own = holding(motor.catalog, {}, "motor", motor.row)
+        own += holding(gearhead.catalog, {}, "gearhead", gearhead.row) if gearhead else ()
     if controller is None or np.isnan([controller[name] for name in ("voltage_drop", "max_efficiency")]).all():
         return own  # the drop is assumed, with a band of its own
     return own + holding(controller.catalog, {}, "controller", controller.row)
-
-
-def _rotating_inertia(motor: Hit, gearhead: Hit | None) -> tuple[Class, ...]:
-    if motor.section == "actuators":
-        one = _inside(motor.catalog, _rows(motor, 1), motor.table.source[motor.row : motor.row + 1])
-        return holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)
-    own = holding(motor.catalog, {}, "motor", motor.row)
-    return own + (holding(gearhead.catalog, {}, "gearhead", gearhead.row) if gearhead else ())
 
 
 def _motor(bought: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:
@@ -193,12 +163,6 @@ def _motor(bought: Figures, factors: Mapping[str, Array], estimated: set[str]) -
     k_e = back_emf_constant(bought) * times["back_emf_constant"]
     changed = {name: bought[name] * factor for name, factor in times.items() if name not in estimated}
     return dict(bought) | changed | {"back_emf_constant": k_e} | with_dry_share(bought, factors)
-
-
-def _controller(controller: Hit, cube: Array, factors: Mapping[str, Array]) -> Figures:
-    """A controller's figures, its losses times their factor; what it does not print of them within assumed ends."""
-    bought = _rows(controller, len(cube)) | _assumed(controller, cube[:, -5:-3])
-    return bought | with_stage_losses(bought, factors["losses"]) if "losses" in factors else bought
 
 
 def _gearhead(gear: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:
@@ -243,11 +207,10 @@ class Heating(NamedTuple):
 
 def over_time(heating: Heating, start: State, times: Array) -> tuple[Array, Array]:
     """Temperatures of winding and housing at times."""
-    state = _at(heating, start)
-    found = [state]
+    whole = np.ones(np.shape(heating.bodies.R_25))
+    found = [(start.winding * whole, start.housing * whole)]
     for span in np.diff(times):
-        state = _step(heating, state, span)
-        found.append(state)
+        found.append(_step(heating, found[-1], span))
     return tuple(np.where(np.array(x) < _RUNAWAY, x, np.inf) for x in zip(*found, strict=True))  # type: ignore[return-value]
 
 
@@ -268,13 +231,15 @@ def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
 
 def time_to_limit(heating: Heating, start: State, limit: Any) -> Array:
     """Time until the winding has its permitted temperature."""
-    state, body = _at(heating, start), heating.bodies
+    body, whole = heating.bodies, np.ones(np.shape(heating.bodies.R_25))
+    state = start.winding * whole, start.housing * whole
+    at_once = state[0] >= limit
     slope = (_step(heating, state, 1e-6 * body.tau_w)[0] - state[0]) / (1e-6 * body.tau_w)
     with np.errstate(divide="ignore", invalid="ignore"):
         quick = np.where(slope > 0.0, (limit - state[0]) / slope, body.tau_w)
     span = _FIRST * np.clip(quick, 1e-6 * body.tau_w, body.tau_w)
     time, before = np.zeros_like(span), (*state, np.zeros_like(span), span)
-    reached = state[0] >= limit
+    reached = at_once
     for _ in range(_STEPS):
         after = _step(heating, state, span)
         now = ~reached & (after[0] >= limit)
@@ -289,13 +254,7 @@ def time_to_limit(heating: Heating, start: State, limit: Any) -> Array:
         middle = (low + high) / 2.0
         there = _step(heating, (w, h), middle)[0] >= limit
         low, high = np.where(there, low, middle), np.where(there, middle, high)
-    at_once = _at(heating, start)[0] >= limit
     return np.where(at_once, 0.0, np.where(reached, begun + high, np.inf))
-
-
-def _at(heating: Heating, start: State) -> tuple[Array, Array]:
-    whole = np.ones(np.shape(heating.bodies.R_25))
-    return start.winding * whole, start.housing * whole
 
 
 def _step(heating: Heating, state: tuple[Array, Array], span: Any) -> tuple[Array, Array]:
@@ -373,41 +332,25 @@ class HeldAtRest(NamedTuple):
 
 def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     """A set at a supply."""
-    motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
+    motor, controller = parts.motor, parts.controller
     whole = np.ones(len(motor["part"]))
-    own = motor_and_gears(motor, gearhead)
-    duty = whole if controller is None else controller["max_duty"]
-    voltage, feed = given.voltage * whole, None
+    own, duty, voltage, feed = motor_and_gears(motor, parts.gearhead), whole, given.voltage * whole, None
     if controller is not None:
-        feed = Feed(power_stage(controller, given.voltage), given.voltage, given.resistance, 1)
-        voltage = feed.usable
+        duty, feed = (
+            controller["max_duty"],
+            Feed(power_stage(controller, given.voltage), given.voltage, given.resistance, 1),
+        )
+        voltage, most = feed.usable, np.asarray(controller["peak_current"], float)
+    else:  # of one inside an actuator its stall's current, where the winding would take more
+        stall, of_winding = motor["stall_current"][0], motor["nominal_voltage"][0] / motor["resistance"][0]
+        limited = motor["commutation"][0] == ELECTRONICS and stall < _LIMITED * of_winding
+        most = np.asarray((stall if limited else np.inf) * whole)
     return SetAtVoltage(
-        motor=motor,
-        voltage=voltage,
-        duty=duty,
-        leads=duty**2 * given.resistance,
-        feed=feed,
-        most_current=_most_current(motor, controller, whole),
-        R_25=np.asarray(resistance_25(motor)),
-        k_t=own.k_t,
-        k_e=motor["back_emf_constant"],
-        coulomb=own.coulomb + own.idle,
-        viscous=own.viscous,
-        ratio=own.ratio,
-        efficiency=own.efficiency,
-        inertia=own.inertia,
-        bodies=two_bodies(motor),
-        losses=housing_loss(motor, whole),
-    )
-
-
-def _most_current(motor: Figures, controller: Figures | None, whole: Array) -> Array:
-    """Largest current of the controller; of one inside an actuator its stall's, where the winding would take more."""
-    if controller is not None:
-        return np.asarray(controller["peak_current"], float)
-    stall, own = motor["stall_current"][0], motor["nominal_voltage"][0] / motor["resistance"][0]
-    inside = motor["commutation"][0] == ELECTRONICS
-    return np.asarray((stall if inside and stall < _LIMITED * own else np.inf) * whole)
+        motor=motor, voltage=voltage, duty=duty, leads=duty**2 * given.resistance, feed=feed, most_current=most,
+        R_25=np.asarray(resistance_25(motor)), k_t=own.k_t, k_e=motor["back_emf_constant"],
+        coulomb=own.coulomb + own.idle, viscous=own.viscous, ratio=own.ratio, efficiency=own.efficiency,
+        inertia=own.inertia, bodies=two_bodies(motor), losses=housing_loss(motor, whole),
+    )  # fmt: skip
 
 
 def static_hold(one: SetAtVoltage, parts: SampledParts, torque_out: Any) -> HeldAtRest:
