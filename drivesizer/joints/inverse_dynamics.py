@@ -148,14 +148,18 @@ def _model(
     made: dict[str, Any] = {}
     names = {name: f"link{number}" for number, name in enumerate(robot.links)}
     principal: dict[str, Array] = {}
-    for name in _outwards(robot):
+    outwards = [name for name in robot.links if name not in robot.above]
+    for name in outwards:  # each behind the one that it hangs on
+        outwards += [joint.child for joint in robot.joints.values() if joint.parent == name]
+    for name in outwards:
         joint, link = robot.above.get(name), robot.links[name]
         place, turn = (
             (np.zeros(3), np.eye(3)) if joint is None else placed(joint, held.get(joint.name, joint.reference))
         )
         body = (spec.worldbody if joint is None else made[joint.parent]).add_body(name=names[name])
         body.pos, body.quat = place, _quaternion(mujoco, turn)
-        principal[name], axes = _principal(link.inertia)
+        principal[name], axes = np.linalg.eigh(link.inertia)
+        axes[:, 0] *= np.sign(np.linalg.det(axes))  # a right-handed rotation
         _weigh(body, link.centre, _quaternion(mujoco, axes))
         if joint is not None and joint.moves and joint.name not in held:
             kind = mujoco.mjtJoint.mjJNT_HINGE if joint.turns else mujoco.mjtJoint.mjJNT_SLIDE
@@ -170,27 +174,9 @@ def _model(
     return model, {name: (model.body(names[name]).id, principal[name]) for name in robot.links}
 
 
-def _outwards(robot: Robot) -> list[str]:
-    """Links, each behind the one that it hangs on."""
-    found = [name for name in robot.links if name not in robot.above]
-    beyond: dict[str, list[str]] = {}
-    for joint in robot.joints.values():
-        beyond.setdefault(joint.parent, []).append(joint.child)
-    for name in found:
-        found += beyond.get(name, [])
-    return found
-
-
 def _weigh(body: Any, centre: Array, axes: Array) -> None:
     """A mass and inertia of 1, so that the model compiles; the true ones are written into it later."""
     body.mass, body.inertia, body.ipos, body.iquat, body.explicitinertial = 1.0, np.ones(3), centre, axes, True
-
-
-def _principal(inertia: Array) -> tuple[Array, Array]:
-    """Principal moments and their axes, as a right-handed rotation matrix."""
-    moments, axes = np.linalg.eigh(inertia)
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
-    return moments, axes
 
 
 def _quaternion(mujoco: Any, turn: Array) -> Array:

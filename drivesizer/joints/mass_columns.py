@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import PrivateAttr
 
 from drivesizer.errors import FieldError, InputError, quoted
-from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion, Torques, torques_of
+from drivesizer.joints.inverse_dynamics import Array, JointMotion, Torques, torques_of
 from drivesizer.joints.places import (
     carried_by,
     coupling,
@@ -155,10 +155,14 @@ class JointTorques:
         JointLoad
             At the shaft that the joint's drive turns.
         """
-        motion, column = self.cases[case].motion, self.joints.index(joint)
-        torque, static, inertia = (self._sum(values, column, masses, case) for values in self.cases[case].torques)
+        motion, column, place = self.cases[case].motion, self.joints.index(joint), self.section.drives.get(joint)
+        unknown = sorted(set(masses) - set(self.joints))
+        if unknown:
+            raise ValueError(f"no joint of the robot moves: {', '.join(unknown)}")
+        carried = [self.cases[case].payload if name == _PAYLOAD else masses.get(name, 0.0) for name in self.points]
+        weights = np.array([1.0, *carried])
+        torque, static, inertia = (weights @ values[:, :, column] for values in self.cases[case].torques)
         resisting, coulomb = self._friction(motion, column)
-        place = self.section.drives.get(joint)
         cycle = cycle_of(
             joint, motion.duration, (motion.speed @ self.coupling[column], motion.acceleration @ self.coupling[column]),
             torque.reshape(-1, 2) + resisting, static.reshape(-1, 2), float(inertia.max()),
@@ -186,18 +190,6 @@ class JointTorques:
         """Loads of all joints along the trajectory; parameters as of ``load``."""
         return {joint: self.load(joint, masses) for joint in self.joints}
 
-    def _sum(self, values: Array, column: int, masses: Mapping[str, float], case: int) -> Array:
-        """A quantity of one joint in all states of a case."""
-        unknown = sorted(set(masses) - set(self.joints))
-        if unknown:
-            raise ValueError(f"no joint of the robot moves: {', '.join(unknown)}")
-        weights = [
-            1.0,
-            *(self.cases[case].payload if name == _PAYLOAD else masses.get(name, 0.0) for name in self.points),
-        ]
-        found: Array = np.array(weights) @ values[:, :, column]
-        return found
-
 
 def joint_loads(
     section: RobotSection, spec_file: str, masses: Mapping[str, float], gravity: float = _GRAVITY
@@ -210,7 +202,11 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     """Torques of the joints of a section, over all its load cases."""
     expected = "a URDF or MJCF file", "arm.urdf"
     robot = read_description(file_of(spec_file, section.description, ("robot", "description"), expected))
-    motion = _ordered(motion_of(section, robot, spec_file), robot)
+    motion = motion_of(section, robot, spec_file)
+    names = tuple(name for name in robot.joints if name in motion.joints)  # in the order of the description
+    at = [motion.joints.index(name) for name in names]
+    columns = (c[:, :, at] for c in (motion.position, motion.speed, motion.acceleration))
+    motion = JointMotion(names, motion.duration, *columns)
     held = fixed_positions(section, robot, motion.joints)
     drives = drive_places(section, robot, motion.joints)
     payload = payload_place(section, robot, motion.joints)
@@ -222,61 +218,30 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     order, coupled = outermost_first(carried), coupling(section, robot, held, motion.joints)
     down = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw])).T[:, 2] * -gravity
     directions = np.asarray(np.linalg.inv(coupled), dtype=np.float64)
-    system = _System(robot, held, list(points.values()), directions, down)
-    cases = tuple(_cases(section, system, motion))
-    _massive(cases[0], robot)
-    notes = (*robot.notes, *_notes(section, robot, motion, held))
-    return JointTorques(section, robot, motion.joints, held, tuple(points), cases, carried, coupled, order, notes)
 
+    def torques(moved: JointMotion) -> Torques:
+        """At both ends of each segment; one state where a segment starts as the one before ends."""
+        states = [c.reshape(-1, len(names)) for c in (moved.position, moved.speed, moved.acceleration)]
+        new = np.concatenate([[True], np.any([(c[1:] != c[:-1]).any(axis=1) for c in states], axis=0)])
+        position, speed, acceleration = (c[new] for c in states)
+        found = torques_of(robot, held, list(points.values()), names, (position, speed, acceleration), down, directions)
+        return Torques(*(values[:, np.cumsum(new) - 1] for values in found))
 
-def _ordered(motion: JointMotion, robot: Robot) -> JointMotion:
-    """A motion with its joints in the order of the description."""
-    names = tuple(name for name in robot.joints if name in motion.joints)
-    at = [motion.joints.index(name) for name in names]
-    columns = (c[:, :, at] for c in (motion.position, motion.speed, motion.acceleration))
-    return JointMotion(names, motion.duration, *columns)
-
-
-class _System(NamedTuple):
-    """The robot that all load cases move."""
-
-    robot: Robot
-    held: Mapping[str, float]
-    points: Sequence[Attached]
-    directions: Array  # motions of the joints when drives turn alone, one a column
-    down: Array  # m/s^2
-
-
-def _cases(section: RobotSection, system: _System, motion: JointMotion) -> Iterator[JointsCase]:
-    """The trajectory, the same with other payloads, and poses that are held."""
-    found = _columns(system, motion)
-    payload = section.payload.mass if section.payload else 0.0
-    yield JointsCase("", payload, motion, found)
-    for case in section.payloads:
-        yield JointsCase(case.name, case.mass, motion, found)
-    for name, mass, pose in static_poses(section, system.robot, motion):
-        yield JointsCase(name, payload if mass is None else mass, pose, _columns(system, pose))
-
-
-def _columns(system: _System, motion: JointMotion) -> Torques:
-    """Torques at both ends of each segment; one state where a segment starts as the one before ends."""
-    count = len(motion.joints)
-    states = [c.reshape(-1, count) for c in (motion.position, motion.speed, motion.acceleration)]
-    new = np.concatenate([[True], np.any([(c[1:] != c[:-1]).any(axis=1) for c in states], axis=0)])
-    position, speed, acceleration = (c[new] for c in states)
-    found = torques_of(
-        system.robot, system.held, system.points, motion.joints, (position, speed, acceleration), system.down,
-        system.directions,
-    )  # fmt: skip
-    return Torques(*(values[:, np.cumsum(new) - 1] for values in found))
-
-
-def _massive(case: JointsCase, robot: Robot) -> None:
-    """Refuse a joint that nothing hangs on."""
-    for column, name in enumerate(case.motion.joints):
-        if not case.torques.inertia[0, :, column].max() > 0.0 and not case.payload:
+    along, own = torques(motion), section.payload.mass if section.payload else 0.0
+    cases = [
+        JointsCase("", own, motion, along)
+    ]  # the trajectory, the same with other payloads, and poses that are held
+    cases += [JointsCase(case.name, case.mass, motion, along) for case in section.payloads]
+    for name, mass, pose in static_poses(section, robot, motion):
+        cases.append(JointsCase(name, own if mass is None else mass, pose, torques(pose)))
+    for column, name in enumerate(names):
+        if not along.inertia[0, :, column].max() > 0.0 and not own:
             where = f"{robot.file}:{robot.joints[name].line}: joint {quoted(name)}"
             raise InputError(f"{where} moves no mass; expected <inertial> of its links, or a payload")
+    notes = (*robot.notes, *_notes(section, robot, motion, held))
+    return JointTorques(
+        section, robot, motion.joints, held, tuple(points), tuple(cases), carried, coupled, order, notes
+    )
 
 
 def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mapping[str, float]) -> Iterator[str]:

@@ -87,7 +87,11 @@ def fixed_positions(section: RobotSection, robot: Robot, moved: Collection[str])
     found = {name: _fixed_position(section, robot, joint) for name, joint in others.items() if not joint.mimic}
     for joint in others.values():
         if joint.mimic:
-            found[joint.name] = joint.factor * _followed(robot, joint, found) + joint.offset
+            position = found.get(joint.mimic, math.nan)
+            if math.isnan(position) or robot.joints[joint.mimic].mimic:
+                where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)} follows {quoted(joint.mimic)}"
+                raise InputError(f"{where}; expected it to follow a joint that is held, or none")
+            found[joint.name] = joint.factor * position + joint.offset
     return found
 
 
@@ -107,15 +111,6 @@ def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
     return position
 
 
-def _followed(robot: Robot, joint: Joint, held: dict[str, float]) -> float:
-    """Position of the joint that one follows, which must be held."""
-    position = held.get(joint.mimic, math.nan)
-    if math.isnan(position) or robot.joints[joint.mimic].mimic:
-        where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)}"
-        raise InputError(f"{where} follows {quoted(joint.mimic)}; expected it to follow a joint that is held, or none")
-    return position
-
-
 # -- Places of drives and payload on the links, and who carries whom.
 
 
@@ -131,26 +126,18 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
                 f"{quoted(name)} is no joint that moves{nearest(name, joints)}; expected {', '.join(joints)[:200]}",
             )
     found: dict[str, Attached] = {}
-    if section.masses == "with_drives":
-        return found
-    for name in joints:
-        place = section.drives.get(name, DrivePlace())
-        if place.on != "base":
-            found[name] = _place(place, robot, name)
+    for name in joints if section.masses != "with_drives" else ():
+        place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
+        if place.on == "base":
+            continue
+        if place.link is not None and place.link not in robot.links:
+            field = ("robot", "drives", name, "link")
+            raise FieldError(
+                field, f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
+            )
+        at = np.zeros(3) if place.link else joint.place + joint.turn @ joint.anchor  # its axis, in the frame before it
+        found[name] = Attached(place.link or joint.parent, at if place.at is None else np.array(place.at))
     return found
-
-
-def _place(place: DrivePlace, robot: Robot, name: str) -> Attached:
-    """Point of one drive: the joint's axis in the frame of the link before, where the section gives none."""
-    joint, field = robot.joints[name], ("robot", "drives", name)
-    if place.link is None:
-        at = joint.place + joint.turn @ joint.anchor if place.at is None else np.array(place.at)
-        return Attached(joint.parent, at)
-    if place.link not in robot.links:
-        raise FieldError(
-            (*field, "link"), f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
-        )
-    return Attached(place.link, np.zeros(3) if place.at is None else np.array(place.at))
 
 
 def payload_place(section: RobotSection, robot: Robot, joints: Sequence[str]) -> Attached | None:
@@ -215,37 +202,30 @@ _PARALLEL = 1e-6  # rad
 def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joints: Sequence[str]) -> Array:
     """Angles of drives per angle of joints."""
     found = np.eye(len(joints))
+
+    def axis(joint: Joint) -> Array:
+        """In the frame of the root, the joints that move at their references."""
+        along = joint.turn @ joint.axis
+        for one in robot.chain(joint.parent):
+            along = placed(one, held.get(one.name, one.reference))[1] @ along
+        return along
+
     for row, name in enumerate(joints):
-        place, field = section.drives.get(name, DrivePlace()), ("robot", "drives", name, "belt_passes")
-        if place.belt_passes:
-            for other in _passed(robot, place, robot.joints[name], joints, field):
-                found[row, joints.index(other.name)] = _direction(robot, held, robot.joints[name], other, field)
-    return found
-
-
-def _passed(robot: Robot, place: DrivePlace, joint: Joint, joints: Sequence[str], field: Field) -> list[Joint]:
-    """Joints that move between the link of a drive and its own joint."""
-    before = {one.name for one in robot.chain(place.link)} if place.link else set()
-    found = [one for one in robot.chain(joint.parent) if one.name in joints and one.name not in before]
-    if not found:
-        raise FieldError(field, f"no joint moves between the drive of {quoted(joint.name)} and its joint; leave it out")
-    return found
-
-
-def _direction(robot: Robot, held: Mapping[str, float], joint: Joint, other: Joint, field: Field) -> float:
-    """1 of a joint that turns in the same direction about a parallel axis, or -1."""
-    along = float(_axis(robot, held, joint) @ _axis(robot, held, other))
-    if not (joint.turns and other.turns) or 1.0 - abs(along) > _PARALLEL**2 / 2.0 + 1e-15:
-        message = (
-            f"the belt of {quoted(joint.name)} passes joint {quoted(other.name)}; expected one about a parallel axis"
+        place, field, joint = (
+            section.drives.get(name, DrivePlace()),
+            ("robot", "drives", name, "belt_passes"),
+            robot.joints[name],
         )
-        raise FieldError(field, message)
-    return 1.0 if along > 0.0 else -1.0
-
-
-def _axis(robot: Robot, held: Mapping[str, float], joint: Joint) -> Array:
-    """Axis of a joint in the frame of the root, the joints that move at their references."""
-    axis = joint.turn @ joint.axis
-    for one in robot.chain(joint.parent):
-        axis = placed(one, held.get(one.name, one.reference))[1] @ axis
-    return axis
+        if not place.belt_passes:
+            continue
+        before = {one.name for one in robot.chain(place.link)} if place.link else set()
+        passed = [one for one in robot.chain(joint.parent) if one.name in joints and one.name not in before]
+        if not passed:
+            raise FieldError(field, f"no joint moves between the drive of {quoted(name)} and its joint; leave it out")
+        for other in passed:
+            along = float(axis(joint) @ axis(other))
+            if not (joint.turns and other.turns) or 1.0 - abs(along) > _PARALLEL**2 / 2.0 + 1e-15:
+                words = f"the belt of {quoted(name)} passes joint {quoted(other.name)}"
+                raise FieldError(field, f"{words}; expected one about a parallel axis")
+            found[row, joints.index(other.name)] = 1.0 if along > 0.0 else -1.0
+    return found
