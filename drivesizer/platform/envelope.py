@@ -231,25 +231,27 @@ def clearances(trajectory: Trajectory, size: Size, passages: tuple[Passage, ...]
     tuple of Clearance
         In the order of the passages.
     """
-    return tuple(_clearance(trajectory, size, passage) for passage in passages)
-
-
-def _clearance(trajectory: Trajectory, size: Size, passage: Passage) -> Clearance:
     start = np.cumsum(trajectory.duration) - trajectory.duration
-    pieces = _Pieces(_passage_postures(control_points(trajectory), passage), start, trajectory.duration)
-    least, found = math.nan, Clearance(passage.name, math.nan, math.nan, "")
-    for step in _STEPS:
-        pieces = _halved(pieces, size, passage, passage.width * step)
-        left, right = side_room(pieces.ends, size, passage.width, passage.depth)
-        room = np.fmin(left, right)
-        if np.isnan(room).all():
-            return found
-        side, at = (int(i) for i in np.unravel_index(np.nanargmin(room), room.shape))
-        if not room[side, at] >= least:  # written so that NaN is no least
-            least, nearer = float(room[side, at]), "left" if left[side, at] <= right[side, at] else "right"
-            found = Clearance(passage.name, least, float((pieces.start + side * pieces.length)[at]), nearer)
-        pieces = pieces.on(slice(max(at - 2, 0), at + 3))
-    return found
+    points, found = control_points(trajectory), []
+    for passage in passages:
+        x, y = points[0] - passage.x, points[1] - passage.y  # along the passage, and across it to the left
+        cos, sin = math.cos(passage.direction), math.sin(passage.direction)
+        turned = np.stack([cos * x + sin * y, cos * y - sin * x, points[2] - passage.direction])
+        pieces, least = _Pieces(turned, start, trajectory.duration), Clearance(passage.name, math.nan, math.nan, "")
+        for step in _STEPS:
+            pieces = _halved(pieces, size, passage, passage.width * step)
+            left, right = side_room(pieces.ends, size, passage.width, passage.depth)
+            room = np.fmin(left, right)
+            if np.isnan(room).all():
+                break
+            side, at = (int(i) for i in np.unravel_index(np.nanargmin(room), room.shape))
+            if not room[side, at] >= least.least:  # written so that NaN is no least
+                nearer = "left" if left[side, at] <= right[side, at] else "right"
+                time = float((pieces.start + side * pieces.length)[at])
+                least = Clearance(passage.name, float(room[side, at]), time, nearer)
+            pieces = pieces.on(slice(max(at - 2, 0), at + 3))
+        found.append(least)
+    return tuple(found)
 
 
 class _Pieces(NamedTuple):
@@ -273,7 +275,9 @@ def _halved(pieces: _Pieces, size: Size, passage: Passage, step: float) -> _Piec
     """Pieces near the passage, halved until nothing in one moves by more than a step; in the order of time."""
     done = [pieces.on(slice(0))]
     while pieces.start.size:
-        pieces = pieces.on(_near(pieces.points, size, passage))
+        low, high = pieces.points[:2].min(axis=-1) - size.reach, pieces.points[:2].max(axis=-1) + size.reach
+        half = np.array([[passage.depth / 2.0], [passage.width / 2.0]])
+        pieces = pieces.on(((low <= half) & (high >= -half)).all(axis=0))  # that may come between the jambs
         extent = np.ptp(pieces.points, axis=-1)
         small = np.hypot(extent[0], extent[1]) + size.reach * extent[2] <= step
         done.append(pieces.on(small))
@@ -288,20 +292,6 @@ def _halved(pieces: _Pieces, size: Size, passage: Passage, step: float) -> _Piec
 def _joined(parts: list[_Pieces]) -> _Pieces:
     points, start, length = zip(*parts, strict=True)
     return _Pieces(np.concatenate(points, axis=1), np.concatenate(start), np.concatenate(length))
-
-
-def _passage_postures(points: Array, passage: Passage) -> Array:
-    """Postures along the passage, across it to the left, and their heading against it."""
-    x, y = points[0] - passage.x, points[1] - passage.y
-    cos, sin = math.cos(passage.direction), math.sin(passage.direction)
-    return np.stack([cos * x + sin * y, cos * y - sin * x, points[2] - passage.direction])
-
-
-def _near(points: Array, size: Size, passage: Passage) -> Array:
-    """Pieces that may come between the jambs."""
-    low, high = points[:2].min(axis=-1) - size.reach, points[:2].max(axis=-1) + size.reach
-    half = np.array([[passage.depth / 2.0], [passage.width / 2.0]])
-    return np.asarray(((low <= half) & (high >= -half)).all(axis=0))
 
 
 def side_room(posture: Array, size: Size, width: float, depth: float) -> tuple[Array, Array]:

@@ -49,11 +49,7 @@ class Kinematics:
     held: Array  # (k, 3): what must be 0, sideways at wheels without rollers and rolling at blocked ones
     motions: Array  # (3, m): S; the velocities that the set allows are their sums
     K_plus: Array  # (3, n), (54): velocity over the speeds of the driven wheels
-
-    @property
-    def reach(self) -> float:
-        """Distance of the farthest wheel [m]: what turning is compared with driving by."""
-        return _reach(self.wheels)
+    reach: float  # m, distance of the farthest wheel, or the largest radius: what turning is compared with driving by
 
     @property
     def mobility(self) -> int:
@@ -84,11 +80,17 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
     L, alpha, beta, gamma, r = np.array([(w.L, w.alpha, w.beta, w.roller_angle, w.radius) for w in wheels]).T
     phi, delta = alpha + beta + gamma, beta + gamma
     J1, J2 = eq.rolling_rows(phi, delta, L), eq.wheel_matrix(r, gamma)
-    reach = _reach(wheels)
-    E = _exact(eq.wheel_map(J1, J2), reach)
+    reach = max(w.L for w in wheels) or max(w.radius for w in wheels)
+
+    def exact(rows: Array) -> Array:
+        """Rows over velocity without what the sine of a right angle leaves where there is nothing."""
+        entries = np.abs(rows * np.array([1.0, 1.0, 1.0 / reach]))
+        return np.where(entries <= _ROUNDING * row_sizes(rows, reach)[:, None], 0.0, rows)
+
+    E = exact(eq.wheel_map(J1, J2))
     _, across = np.moveaxis(eq.roller_frame_rows(phi, delta, L), -1, 1)
     sideways, turning = _holders(wheels)
-    held = _exact(np.concatenate([across[sideways], r[turning, None] * E[turning]]), reach)
+    held = exact(np.concatenate([across[sideways], r[turning, None] * E[turning]]))
     scale = np.array([1.0, 1.0, 1.0 / reach])
     motions = scale[:, None] * _null_space(held * scale)
     motions /= motions[(motions != 0.0).argmax(axis=0), range(motions.shape[1])]  # the first entry of each is 1
@@ -97,13 +99,8 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
         raise InputError("platform: its wheels hold one another, no motion is left; check headings and places")
     _seen(E[list(driven)] * r[list(driven), None], motions, scale)
     K_plus = motions @ np.linalg.pinv(E[list(driven)] @ motions)
-    rollers = _exact(across + (r * np.sin(gamma))[:, None] * E, reach)
-    return Kinematics(tuple(wheels), driven, J1, J2, E, rollers, held, motions, K_plus)
-
-
-def _reach(wheels: Sequence[Wheel]) -> float:
-    """Distance of the farthest wheel, or the largest radius where all are in the reference point [m]."""
-    return max(w.L for w in wheels) or max(w.radius for w in wheels)
+    rollers = exact(across + (r * np.sin(gamma))[:, None] * E)
+    return Kinematics(tuple(wheels), driven, J1, J2, E, rollers, held, motions, K_plus, reach)
 
 
 def row_sizes(rows: Array, reach: float) -> Array:
@@ -122,12 +119,6 @@ def row_sizes(rows: Array, reach: float) -> Array:
         Shape (n,).
     """
     return np.asarray(np.hypot(np.hypot(rows[:, 0], rows[:, 1]), rows[:, 2] / reach))
-
-
-def _exact(rows: Array, reach: float) -> Array:
-    """Rows over velocity without what the sine of a right angle leaves where there is nothing."""
-    entries = np.abs(rows * np.array([1.0, 1.0, 1.0 / reach]))
-    return np.where(entries <= _ROUNDING * row_sizes(rows, reach)[:, None], 0.0, rows)
 
 
 def _holders(wheels: Sequence[Wheel]) -> tuple[list[int], list[int]]:
