@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from pydantic import PrivateAttr
 
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.joints.inverse_dynamics import Array, JointMotion, Torques, torques_of
@@ -46,25 +45,8 @@ __all__ = ["JointTorques", "joint_loads", "joint_torques", "radius_of"]
 class JointLoad(ComputedLoad):
     """The load cycle of a joint of a robot description."""
 
-    _joint: str = PrivateAttr(default="")
-    _case: str = PrivateAttr(default="")
-
-    @property
-    def joint(self) -> str:
-        """Name of the joint."""
-        return self._joint
-
-    @property
-    def case(self) -> str:
-        """Load case of the robot that it belongs to: empty for the trajectory with its own payload."""
-        return self._case
-
-
-def joint_load(cycle: LoadCycle, joint: str, case: str = "") -> JointLoad:
-    """The load of one joint."""
-    made = JointLoad.model_construct(kind="recorded", file=cycle.name, motors=1, smoothing=0.0, inertia=0.0)
-    made._cycle, made._joint, made._case = cycle, joint, case
-    return made
+    joint: str
+    case: str = ""  # load case of the robot that it belongs to: empty for the trajectory with its own payload
 
 
 def radius_of(joint: Joint, travel_per_turn: float | None) -> float:
@@ -168,7 +150,10 @@ class JointTorques:
             torque.reshape(-1, 2) + resisting, static.reshape(-1, 2), float(inertia.max()),
             radius=radius_of(self.robot.joints[joint], place.travel_per_turn if place else None), friction=coulomb,
         )  # fmt: skip
-        return joint_load(cycle, joint, self.cases[case].name)
+        return JointLoad.model_construct(
+            kind="recorded", file=cycle.name, motors=1, smoothing=0.0, inertia=0.0, cycle=cycle, joint=joint,
+            case=self.cases[case].name,
+        )  # fmt: skip
 
     def _friction(self, motion: JointMotion, column: int) -> tuple[Array, float]:
         """Friction of joints at the drive of one: by their speeds, and Coulomb's against its own speed.

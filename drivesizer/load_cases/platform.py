@@ -11,7 +11,6 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import PrivateAttr
 
 from drivesizer.errors import InputError
 from drivesizer.files.csv_columns import path_from_spec
@@ -53,29 +52,27 @@ def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 
         raise InputError(f"platform: {driven} of its wheels are driven, load.driven_wheels is {load.driven_wheels}")
     C_rr = rolling_resistance(load)
     common = {"inertia": turning_inertia(load), "rolling_resistance": C_rr}
-    placed = [place.record(load.wheel_diameter / 2, **common) for place in section.places]
-    turned = (replace(w, rotor_inertia=rotor_inertia) if w.drive == "motor" else w for w in placed)
-    rolling = (w if w.held else replace(w, roller_resistance=section.roller_resistance) for w in turned)
+    wheels = []
+    for place in section.places:
+        w = place.record(load.wheel_diameter / 2, **common)
+        roller = 0.0 if w.held else section.roller_resistance
+        rotor = rotor_inertia if w.drive == "motor" else 0.0
+        wheels.append(replace(w, rotor_inertia=rotor, roller_resistance=roller))
     centre, own = section.centre_of_mass, _own_mass(section, load)
-    empty = platform_wheels.Platform(
-        wheels=tuple(rolling),
-        mass=own,
-        inertia=box_inertia(section, own) if section.inertia is None else section.inertia,
-        x=centre.x,
-        y=centre.y,
-        height=centre.height or 0.0,
-        casters=tuple(
-            platform_wheels.Caster(
-                x=c.x, y=c.y, rolling_resistance=C_rr if c.rolling_resistance is None else c.rolling_resistance
-            )
-            for c in section.casters
-        ),
-    )
-    carried = (
-        platform_wheels.Payload(mass=p.mass, x=p.x, y=p.y, height=p.height or 0.0, inertia=p.inertia)
-        for p in section.payloads
-    )
-    whole = platform_wheels.loaded(empty, *carried)
+    casters = [
+        platform_wheels.Caster(
+            x=c.x, y=c.y, rolling_resistance=C_rr if c.rolling_resistance is None else c.rolling_resistance
+        )
+        for c in section.casters
+    ]
+    inertia = box_inertia(section, own) if section.inertia is None else section.inertia
+    whole = platform_wheels.Platform(
+        wheels=tuple(wheels), mass=own, inertia=inertia, x=centre.x, y=centre.y, height=centre.height or 0.0,
+        casters=tuple(casters),
+    )  # fmt: skip
+    for p in section.payloads:
+        carried = platform_wheels.Payload(mass=p.mass, x=p.x, y=p.y, height=p.height or 0.0, inertia=p.inertia)
+        whole = platform_wheels.loaded(whole, carried)
     for number in dict.fromkeys(section.failed):
         whole = platform_wheels.without_motor(whole, number, blocked=section.blocked)
     return whole
@@ -119,44 +116,25 @@ class WheelLoad(ComputedLoad):
 
     is_wheel: ClassVar[bool] = True
 
-    _numbers: tuple[int, ...] = PrivateAttr(default=())
-    _distance: float = PrivateAttr(default=0.0)
-    _of: str = PrivateAttr(default="")
-    _rolling: float = PrivateAttr(default=0.0)
+    numbers: tuple[int, ...]  # of these among the driven wheels, from 0
+    distance: float  # m, that the platform travels in the cycle
+    of: str  # the load case of the platform that it belongs to
+    rolling_torque: float  # N*m, of rolling on a level floor, in either direction
 
     @property
     def alike(self) -> int:
         """Number of wheels with this load cycle."""
-        return len(self._numbers)
-
-    @property
-    def numbers(self) -> tuple[int, ...]:
-        """Numbers of these among the driven wheels, from 0."""
-        return self._numbers
-
-    @property
-    def distance(self) -> float:
-        """Distance that the platform travels in the cycle [m]."""
-        return self._distance
-
-    @property
-    def of(self) -> str:
-        """The load case of the platform that it belongs to."""
-        return self._of
-
-    @property
-    def rolling_torque(self) -> float:
-        """Torque of rolling on a level floor, in either direction [N*m]."""
-        return self._rolling
+        return len(self.numbers)
 
 
 def wheel_load(
     cycle: LoadCycle, wheels: int, numbers: Iterable[int], distance: float, of: str, rolling: float
 ) -> WheelLoad:
     """The load of one wheel, or of several alike."""
-    made = WheelLoad.model_construct(kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0)
-    made._cycle, made._numbers, made._distance, made._of, made._rolling = cycle, tuple(numbers), distance, of, rolling
-    return made
+    return WheelLoad.model_construct(
+        kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0, cycle=cycle,
+        numbers=tuple(numbers), distance=distance, of=of, rolling_torque=rolling,
+    )  # fmt: skip
 
 
 # -- A platform on its trajectory as load cases: one for each driven wheel, wheels with equal load cycles as one.

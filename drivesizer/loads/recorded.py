@@ -25,12 +25,12 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import nan
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr
+from pydantic import Field
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.csv_columns import columns
@@ -155,14 +155,9 @@ def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:
 class ComputedLoad(Recorded):
     """A load of kind recorded that has its cycle already."""
 
-    _cycle: LoadCycle = PrivateAttr()
-
-    @property
-    def cycle(self) -> LoadCycle:
-        """Of its shaft."""
-        return self._cycle
+    cycle: Any  # a LoadCycle, of its shaft
 
     @property
     def shaft_inertia(self) -> float:
         """Of all that one drive moves, at its shaft [kg*m^2]."""
-        return float(self._cycle.inertia)
+        return float(self.cycle.inertia)

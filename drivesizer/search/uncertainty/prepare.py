@@ -113,8 +113,7 @@ def _cases(
         stages = {path: column for path, column in columns.items() if path[0] == "transmission"}
         for one in (problem.cases[number].spec for number in numbers):
             for wheel, nominal in _wheels(one):
-                load = nominal.load.model_copy()
-                load._cycle = cycles[wheel]
+                load = nominal.load.model_copy(update={"cycle": cycles[wheel]})
                 moved = applied(nominal.model_copy(update={"load": load}), stages)
                 yield _Case(machine, nominal, paths, load_cycle(moved, sampled=True))
     elif _one_by_one(case, [*columns]):
