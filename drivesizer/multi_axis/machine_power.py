@@ -35,7 +35,7 @@ def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePo
         power = common_supply(*found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
     except FieldError as error:
         raise InputError(f"{machine.where(error.field)}: {error}") from None
-    ohm, lowest, each = shared.supply.resistance, shared.supply.lowest, list[tuple[str, tuple[Check, ...]]]()
+    ohm, lowest, each = shared.supply.resistance or 0.0, shared.supply.lowest, list[tuple[str, tuple[Check, ...]]]()
     # voltage of the motors while the supply's resistance carries the current of all axes: an axis' own counts twice, in
     # the demand of its own check and in the sum, so that what passes is certain, and what does not is unknown
     for one in axes if ohm and len(found[2]) > 1 else ():

@@ -193,11 +193,14 @@ def _itself(value: Any) -> Any:
     return value
 
 
-_HEAD = {"schema_version": lambda _: SCHEMA_VERSION, "drivesizer": lambda _: __version__}
-_FIGURE = {"value": lambda one: _trade(one, one.value), "si": "value"}
-_PERCENTILES = {"p5": "low", "p50": "middle", "p95": "high"}
-_REST = {"none_fails": "probability", "probability": "passing", "error_95": "error", "weakest_check": "weakest"}
-_OF: dict[str, dict[str, str | Callable[[Any], Any]]] = {  # by record: attribute of a key, or what it is made of
+Source = str | Callable[[Any], Any]  # attribute of a key, or what it is made of
+_HEAD: dict[str, Source] = {"schema_version": lambda _: SCHEMA_VERSION, "drivesizer": lambda _: __version__}
+_FIGURE: dict[str, Source] = {"value": lambda one: _trade(one, one.value), "si": "value"}
+_PERCENTILES: dict[str, Source] = {"p5": "low", "p50": "middle", "p95": "high"}
+_REST: dict[str, Source] = {
+    "none_fails": "probability", "probability": "passing", "error_95": "error", "weakest_check": "weakest",
+}  # fmt: skip
+_OF: dict[str, dict[str, Source]] = {  # by record
     "Requirement": {"value": "shown", "si": "value"},
     "Figure": _FIGURE,
     "MachineFigure": _FIGURE,
@@ -220,7 +223,7 @@ _OF: dict[str, dict[str, str | Callable[[Any], Any]]] = {  # by record: attribut
         "p5": lambda one: _trade(one, one.low), "p50": lambda one: _trade(one, one.middle),
         "p95": lambda one: _trade(one, one.high),
     },
-    "Reliability": _REST | {"smallest_margin": _itself, "closed_loop": "loop", "closed_loop_refused": "no_loop"},
+    "Reliability": {**_REST, "smallest_margin": _itself, "closed_loop": "loop", "closed_loop_refused": "no_loop"},
     "Assumption": {"tolerance": "text"},
     "Uncertainty": {"sets_sampled": "examined", "sets_that_reach_it": "reached"},
     "PlatformTable": {"title": "meaning", "values": lambda one: one.values.tolist()},
@@ -235,12 +238,12 @@ _OF: dict[str, dict[str, str | Callable[[Any], Any]]] = {  # by record: attribut
     "Beside": {"python_control": "linear"},
     "Linear": {"figures": lambda run: {one.linear.name: one for one in run.figures}},
     "Remedy": {"change": "what"},
-    "Proof": _HEAD | {
-        "spec": lambda proof: proof.spec.entered, "set": "drive_set",
+    "Proof": {
+        **_HEAD, "spec": lambda proof: proof.spec.entered, "set": "drive_set",
         "gains": lambda proof: {one.name: getattr(proof.gains, one.name) for one in fields(proof.gains)},
     },
-    "Sizing": _HEAD | {
-        "catalogs": lambda result: dict(result.catalog.digests), "spec": lambda result: result.spec.entered,
+    "Sizing": {
+        **_HEAD, "catalogs": lambda result: dict(result.catalog.digests), "spec": lambda result: result.spec.entered,
         "pareto": lambda result: {"objectives": result.pareto, "sets": result.front}, "platform_numbers": _platform,
     },
     "Explained": _HEAD,
@@ -250,7 +253,7 @@ _OF: dict[str, dict[str, str | Callable[[Any], Any]]] = {  # by record: attribut
     "MachinePower": {
         "phases_s": lambda power: dict(zip(power.axes, power.phases, strict=False)), "course": _course,
     },
-    "Machine": _HEAD | {"machine": lambda result: result.machine.entered, "best_of_all": "certain"},
+    "Machine": {**_HEAD, "machine": lambda result: result.machine.entered, "best_of_all": "certain"},
 }  # fmt: skip
 _OF["Validation"] = _OF["Proof"] | {"series": _series}
 
