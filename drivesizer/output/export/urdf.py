@@ -157,13 +157,13 @@ def _robot(root: Element, robot: RobotExport) -> None:
     for link in robot.robot.links.values():
         element = SubElement(root, "link", name=link.name)
         on_it = [drive for drive in robot.drives if drive.place.link == link.name]
-        for drive in on_it:
-            where = vector(drive.place.at)
-            remark(element, f"Drive of {drive.joint}, {brief(drive.mass)} kg at {where}, is in it as a point mass.")
+        for one in on_it:
+            where = vector(one.place.at)
+            remark(element, f"Drive of {one.joint}, {brief(one.mass)} kg at {where}, is in it as a point mass.")
         if link.lacking:
             remark(element, f"In the description it {link.lacking}.")
         own = Body(link.mass, link.centre, link.inertia)
-        points = [Body(drive.mass, drive.place.at, np.zeros((3, 3))) for drive in on_it]
+        points = [Body(one.mass, one.place.at, np.zeros((3, 3))) for one in on_it]
         _inertial(element, together([own, *points]) if points else own)
     for joint in robot.robot.joints.values():
         drive = robot.drive(joint.name)
