@@ -611,8 +611,8 @@ def _platform(sections: Sections, of: PlatformExport, step: float) -> None:
             SubElement(sections["sensor"], kind, name=f"{motor}_{what}", actuator=motor)
     for n, caster in enumerate(of.platform.casters, 1):
         ball = {"name": f"caster_{n}", "type": "sphere", "size": number(_CASTER * r)}
-        at = {"pos": vector((caster.x, caster.y, (_CASTER - 1.0) * r))}
-        SubElement(base, "geom", ball | at | _SHOWN)
+        ball["pos"] = vector((caster.x, caster.y, (_CASTER - 1.0) * r))
+        SubElement(base, "geom", ball | _SHOWN)
         pair(f"caster_{n}", [caster.rolling_resistance] * 2)
     columns = {"cycle_time": of.time}
     columns |= {f"{wheel_name(place)}_speed": of.kinematics.E[place] @ of.eta for place in of.drives}
