@@ -7,30 +7,9 @@ from dataclasses import replace
 
 from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_torques
-from drivesizer.multi_axis.axis_sizings import (
-    AxisSizings,
-    Options,
-    PartsOf,
-    SamplingOf,
-    TorquesOf,
-    as_chosen,
-    carried_mass,
-    choices_of,
-    joint_notes,
-    rises,
-)  # fmt: skip
-from drivesizer.multi_axis.combinations import (
-    ORDER,
-    Choice,
-    Combination,
-    OfferedKinds,
-    Permitted,
-    axis_by_axis,
-    best_combination,
-    fewer_kinds,
-    kind_of,
-    within_limits,
-)  # fmt: skip
+from drivesizer.multi_axis import axis_sizings, combinations
+from drivesizer.multi_axis.axis_sizings import AxisSizings
+from drivesizer.multi_axis.combinations import Choice, Combination
 from drivesizer.multi_axis.common_bus import waiting_times
 from drivesizer.multi_axis.common_supply import toleranced, without_effect
 from drivesizer.multi_axis.machine_power import budget_checks, machine_power, over_tolerances, with_choppers
@@ -56,10 +35,10 @@ def size_machine(
     objective: Ranking | None = None,
     pareto: tuple[str, ...] = (),
     progress: Progress | None = None,
-    sampling: SamplingOf = sampling_of,
+    sampling: axis_sizings.SamplingOf = sampling_of,
     brief: bool = False,
-    parts: PartsOf = load_parts,
-    torques: TorquesOf = joint_torques,
+    parts: axis_sizings.PartsOf = load_parts,
+    torques: axis_sizings.TorquesOf = joint_torques,
 ) -> MachineSizing:
     """Size all axes of a machine.
 
@@ -86,16 +65,17 @@ def size_machine(
     InputError
         As ``size`` does.
     """
-    sizings = AxisSizings(machine, Options(top, objective, pareto, progress, sampling, brief, parts, torques))
+    how = axis_sizings.Options(top, objective, pareto, progress, sampling, brief, parts, torques)
+    sizings = AxisSizings(machine, how)
     machine = sizings.machine
 
     def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
-        return choices_of(sizings.result(axis, masses), sizings.objective(axis))
+        return axis_sizings.choices_of(sizings.result(axis, masses), sizings.objective(axis))
 
     if machine.whole:
-        found = best_combination(machine.order, sizings.carried, sized, _PER_AXIS * len(machine.axes))
+        found = combinations.best_combination(machine.order, sizings.carried, sized, _PER_AXIS * len(machine.axes))
     else:
-        found = axis_by_axis(machine.order, sizings.carried, sized)
+        found = combinations.axis_by_axis(machine.order, sizings.carried, sized)
     best = _machine_with_drives(sizings, found)
     if machine.few_kinds is not None and not found.missing:
         best = _with_few_kinds(sizings, found, best, machine.few_kinds)
@@ -113,7 +93,7 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
         cycles = waiting_times(machine, lambda name: machine.axis(name).spec)
         return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
     found = size_machine(machine).axis(axis)
-    return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
+    return axis_sizings.as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
 
 
 def _machine_with_drives(sizings: AxisSizings, found: Combination) -> MachineSizing:
@@ -146,10 +126,10 @@ def _axis(sizings: AxisSizings, found: Combination, name: str) -> AxisSizing:
     riding = []
     for other, mass in zip(sizings.carried[name], masses, strict=True):
         drive = with_drive(other)
-        lacking = carried_mass(drive.problem, drive.sets[0])[1] if drive else ()
+        lacking = axis_sizings.carried_mass(drive.problem, drive.sets[0])[1] if drive else ()
         riding.append(CarriedMass(other, mass, distances[other], lacking))
     if name in found.chosen and (name, masses) in sizings.own:
-        lacking = carried_mass(result.problem, result.sets[0])[1]
+        lacking = axis_sizings.carried_mass(result.problem, result.sets[0])[1]
         riding.append(CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own.sets) and result.sets[0].label != own.sets[0].label
     return AxisSizing(name=name, result=result, carried=tuple(riding), for_all=for_all)
@@ -164,7 +144,7 @@ def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
     if torques is not None and axis in torques.joints and not found.missing:
         own = (axis,) if sizings.moves_its_drive(axis) else ()
         masses = {other: found.chosen[other].mass for other in (*carried, *own)}
-        return rises(torques, axis, masses) and axis not in sizings.uncertain
+        return axis_sizings.rises(torques, axis, masses) and axis not in sizings.uncertain
     return not carried or not getattr(load, "counterweight", 0.0) > 0.0
 
 
@@ -181,7 +161,7 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
     for axis in axes:
         own = next((one.mass for one in axis.carried if one.of == axis.name), None)
         if own is not None and axis.best:
-            drive, loaded = carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
+            drive, loaded = axis_sizings.carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
             heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
             said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
             yield f"{axis.name} moves its own drive, {said}"
@@ -189,7 +169,9 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
             yield f"{axis.name} moves its own drive, and no drive carries itself"
     if sizings.torques:
         chosen = {one.name: one.best for one in axes if one.best and one.name in found.chosen}
-        yield from joint_notes(sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()})
+        yield from axis_sizings.joint_notes(
+            sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()}
+        )
     until = {axis.name: axis.result.problem.machine.waits_until for axis in axes}
     waits = {name: end for name, end in until.items() if end is not None}
     if waits:
@@ -210,10 +192,10 @@ def _within_limits(sizings: AxisSizings, found: Combination, best: MachineSizing
         except LookupError:  # a drive does not carry what rides on it then
             return None
 
-    return within_limits(best, offers, tried)
+    return combinations.within_limits(best, offers, tried)
 
 
-def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizing:
+def _over_tolerances(sizing: MachineSizing, sampling: axis_sizings.SamplingOf) -> MachineSizing:
     """The machine with its supply's limits over tolerances, where any figure has one."""
     machine, power, first = sizing.machine, sizing.power, sizing.axes[0].spec
     lost = without_effect(machine)
@@ -239,31 +221,31 @@ def _with_few_kinds(sizings: AxisSizings, found: Combination, best: MachineSizin
         raise InputError(f"{where}: the paper's method has no common drives; expected method: physics")
     masses = {axis: sizings.masses(axis, found.chosen) for axis in machine.order}
     bests = {axis.name: axis.best for axis in best.axes if axis.best}
-    offers = sizings.kinds = OfferedKinds(masses, sizings.loaded)
+    offers = sizings.kinds = combinations.OfferedKinds(masses, sizings.loaded)
     statuses = {axis: one.status for axis, one in bests.items()}
     offered = offers.costs(statuses, found.cost[1] * more)
 
-    def tried(shared: Permitted) -> Combination:
+    def tried(shared: combinations.Permitted) -> Combination:
         def of_kinds(axis: str, on_it: tuple[float, ...]) -> list[Choice]:
             choices = offers.choices(axis, on_it, shared.get(axis), statuses[axis])
             return [one for one in choices if sizings.fits(axis, on_it, one.mass)]
 
-        return best_combination(machine.order, sizings.carried, of_kinds, len(machine.axes))
+        return combinations.best_combination(machine.order, sizings.carried, of_kinds, len(machine.axes))
 
     limit = found.cost[0], found.cost[1] * (1.0 + more)
-    kinds = {axis: kind_of(one) for axis, one in bests.items()}
-    fewer, common = fewer_kinds(found, kinds, offered, limit, tried)
+    kinds = {axis: combinations.kind_of(one) for axis, one in bests.items()}
+    fewer, common = combinations.fewer_kinds(found, kinds, offered, limit, tried)
     before, objective = len(set(kinds.values())), OBJECTIVES[best.objective].title
     if not common:
         allowed = show(more, "%", "dimensionless")
         note = f"{before} kinds of motor and gearhead: fewer take over {allowed} more {objective}"
         return replace(best, notes=(*best.notes, note)) if before > 1 else best
     result = _machine_with_drives(sizings, fewer)
-    after = len({kind_of(axis.best) for axis in result.axes if axis.best})
+    after = len({combinations.kind_of(axis.best) for axis in result.axes if axis.best})
     note = (
         f"{after} kind{'s' * (after > 1)} of motor and gearhead instead of {before}: "
         f"{show(result.total / best.total - 1.0, '%', 'dimensionless', 2)} more {objective} than the best of each axis"
     )
-    if ORDER.index(result.status) > ORDER.index(best.status):
+    if combinations.ORDER.index(result.status) > combinations.ORDER.index(best.status):
         return replace(best, notes=(*best.notes, f"not {note}: {result.status}, where the best drives {best.status}"))
     return replace(result, certain=False, searches=len(sizings.made), notes=(*result.notes, note))

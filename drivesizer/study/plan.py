@@ -103,16 +103,6 @@ class StudyFile(Section):
         return self
 
 
-def schema_of(source: YamlSource) -> StudyFile:
-    """The checked content of a study.yaml."""
-    if not isinstance(source.data, dict):
-        raise InputError(f"{source.name}: expected fields such as spec, vary, sampling, objectives")
-    try:
-        return StudyFile.model_validate(source.data)
-    except ValidationError as error:
-        raise explained(error, source, StudyFile) from None
-
-
 # -- Axes of a study: a field of the spec and its values.
 #
 # A value is written into the spec as text with its unit and read by the spec's own strict reader. So every variant
@@ -194,11 +184,6 @@ def _figure(value: Any, kind: str, unit: str) -> float:
     return float(f"{float((to_si(value, kind) - offset) / factor):.{_DIGITS}g}")
 
 
-def axes_of(source: YamlSource, spec: YamlSource, vary: dict[str, Any], grid: bool) -> tuple[Axis, ...]:
-    """Axes of a study's section ``vary``."""
-    return tuple(_axis(Place(source, ("vary", name)), spec, name, given, grid) for name, given in vary.items())
-
-
 @dataclass(frozen=True, slots=True)
 class Place:
     """Place in the study, for messages."""
@@ -229,7 +214,8 @@ def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> 
         raise place.error("expected them in the study's own list, catalogs")
     if wrong := unknown_field(spec, path):
         raise place.error(wrong)
-    kind = kind_of(spec, path, _first(given))
+    first = given.get("from") if isinstance(given, dict) else given[0] if isinstance(given, list) and given else given
+    kind = kind_of(spec, path, _nominal(first))
     if isinstance(given, dict):
         return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
     if not isinstance(given, list) or not given:
@@ -243,12 +229,11 @@ def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> 
     return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
 
 
-def _first(given: Any) -> Any:
-    """The first value of a list or range, without its tolerance."""
-    value = given.get("from") if isinstance(given, dict) else given[0] if isinstance(given, list) and given else given
+def _nominal(value: Any) -> Any:
+    """A value without its tolerance; one that is refused at its place as it is."""
     try:
         return tolerance(value).nominal if isinstance(value, str) and has_tolerance(value) else value
-    except InputError:  # refused at its place
+    except InputError:
         return value
 
 
@@ -281,40 +266,42 @@ def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
     unit = number(str(given["from"]))[1]
     span = number(str(given["from"]))[0], _figure(given["to"], axis.kind, unit)
     found = Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=unit, span=span)
-    return _stepped(place, found, given["steps"]) if grid else found
-
-
-def _stepped(place: Place, axis: Axis, steps: Any) -> Axis:
-    """The axis with the values of its steps, both ends included."""
+    if not grid:
+        return found
+    steps = given["steps"]  # both ends included
     if isinstance(steps, bool) or not isinstance(steps, int) or steps < 2:
         raise place.error(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
     if steps > 100_000:
         raise place.error(f"{quoted(steps)} is too many; expected at most 100000", "steps")
-    low, high = axis.span or (0.0, 0.0)
-    figures = [_between(low, high, n, steps - 1) for n in range(steps - 1)] + [high]
-    return replace(axis, values=tuple(axis.text(figure) for figure in figures))
+    figures = [_between(*span, n, steps - 1) for n in range(steps - 1)] + [span[1]]
+    return replace(found, values=tuple(found.text(figure) for figure in figures))
 
 
 # -- Subject of a study of machines: one axis of them, or the whole machine with the names of its axes.
 
 
-def is_several(source: YamlSource) -> bool:
-    """Whether a document is a machine of several axes, or of a robot's joints; one of a single axis is that spec."""
-    return is_machine(source) and ("robot" in source.data or len(source.data["axes"] or ()) != 1)
-
-
 def machine_job(source: YamlSource, study: StudyFile, specs: Sequence[YamlSource]) -> dict[str, Any]:
     """Fields of a study's job that are of machines."""
     names = study.specs or [study.spec or ""]
-    several = [is_several(spec) for spec in specs]
+    several = [  # or of a robot's joints; a machine of a single axis is that spec
+        is_machine(spec) and ("robot" in spec.data or len(spec.data["axes"] or ()) != 1) for spec in specs
+    ]
     if any(several) and not all(several):
         odd = several.index(not several[0])
         kinds = ["the spec of one axis", "a machine of several axes"]
         text = f"is {kinds[several[odd]]}, and the first is {kinds[several[0]]}; expected specs of one kind"
         raise Place(source, ("specs", odd)).error(f"{quoted(names[odd])} {text}")
     if study.axis is not None:
+        place = Place(source, ("axis",))
         for name, spec in zip(names, specs, strict=True):
-            _has_axis(Place(source, ("axis",)), spec, name, study.axis)
+            if not is_machine(spec):
+                raise place.error(f"{quoted(name)} is a spec of one axis; leave axis out")
+            known = list(spec.data.get("axes") or ())
+            if study.axis not in known and "robot" in spec.data:
+                known = _axes(spec)
+            if study.axis not in known:
+                hint = nearest(study.axis, known) or f"; expected one of {', '.join(known)}"
+                raise place.error(f"there is no axis {quoted(study.axis)}{hint}")
         return {"machine": several[0], "axis": study.axis}
     if not several[0]:
         return {}
@@ -323,18 +310,6 @@ def machine_job(source: YamlSource, study: StudyFile, specs: Sequence[YamlSource
         raise Place(source, ("top",)).error(f"{quoted(study.top)}: {text}")
     members = dict.fromkeys(name for spec in specs for name in _axes(spec))
     return {"machine": True, "members": tuple(members)}
-
-
-def _has_axis(place: Place, spec: YamlSource, called: str, name: str) -> None:
-    """Refuse an axis that a machine does not have."""
-    if not is_machine(spec):
-        raise place.error(f"{quoted(called)} is a spec of one axis; leave axis out")
-    known = list(spec.data.get("axes") or ())
-    if name not in known and "robot" in spec.data:
-        known = _axes(spec)
-    if name not in known:
-        hint = nearest(name, known) or f"; expected one of {', '.join(known)}"
-        raise place.error(f"there is no axis {quoted(name)}{hint}")
 
 
 def _axes(spec: YamlSource) -> list[str]:
@@ -505,17 +480,31 @@ def _digits(number: int, sizes: Sequence[int]) -> list[int]:
 def read_study(path: str | Path) -> Plan:
     """Read a study.yaml and the specs that it names, relative to its folder."""
     source = read(Path(path))
-    study = schema_of(source)
+    if not isinstance(source.data, dict):
+        raise InputError(f"{source.name}: expected fields such as spec, vary, sampling, objectives")
+    try:
+        study = StudyFile.model_validate(source.data)
+    except ValidationError as error:
+        raise explained(error, source, StudyFile) from None
     names = tuple(study.specs or [study.spec or ""])
     if study.specs:
         once(Place(source, ("specs",)), names)
     places: list[Path_] = [("specs", n) for n in range(len(names))] if study.specs else [("spec",)]
     specs = [_spec(Place(source, place), name, Path(path).parent) for place, name in zip(places, names, strict=True)]
     hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
-    axes = axes_of(source, specs[0], study.vary or {}, hypercube is None)
+    axes = tuple(
+        _axis(Place(source, ("vary", name)), specs[0], name, given, hypercube is None)
+        for name, given in (study.vary or {}).items()
+    )
     of_machine = machine_job(source, study, specs)
     catalogs = _catalogs(source, study, Path(path).parent)
-    _objectives(source, study)
+    titles = []
+    for n, objective in enumerate(study.objectives or ()):
+        try:
+            titles.append(title_of(objective_of(objective)))
+        except InputError as error:
+            raise Place(source, ("objectives", n)).error(error) from None
+    once(Place(source, ("objectives",)), titles)
     plan = Plan(
         source=source,
         names=names,
@@ -556,16 +545,6 @@ def _catalogs(source: YamlSource, study: StudyFile, folder: Path) -> tuple[tuple
         tuple(str((folder / name).absolute()) if name.endswith((".yaml", ".yml")) else name for name in names)
         for names in study.catalogs
     )
-
-
-def _objectives(source: YamlSource, study: StudyFile) -> None:
-    titles = []
-    for n, objective in enumerate(study.objectives or ()):
-        try:
-            titles.append(title_of(objective_of(objective)))
-        except InputError as error:
-            raise Place(source, ("objectives", n)).error(error) from None
-    once(Place(source, ("objectives",)), titles)
 
 
 def _few_enough(plan: Plan, total: int) -> Plan:
