@@ -342,7 +342,7 @@ def _pointless(
     lacks = np.logical_and.reduce([
         no_better[check.name][:, tried] | check.passed | (full & (check.name == "bus_voltage")) for check in checks
     ])  # fmt: skip
-    barred: NDArray[np.bool_] = np.where(failed, fails, lacks & ~found.passes)  # one that passes may be bettered
+    barred: NDArray[np.bool_] = np.where(failed, fails, lacks & np.logical_or.reduce([~c.passed for c in checks]))
     return barred
 
 
