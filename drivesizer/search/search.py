@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +14,11 @@ from drivesizer.results.drive_set import Comparison, DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Check, Counts
 from drivesizer.search import ranking
-from drivesizer.search.columns.candidates import Candidates, candidates, pairs
-from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate, smallest_margin
+from drivesizer.search.columns.candidates import candidates, pairs
+from drivesizer.search.columns.evaluation import by_physics, evaluate, smallest_margin
 from drivesizer.search.columns.offers import chosen
 from drivesizer.search.columns.paper import FEW
 from drivesizer.search.in_order import (
-    BudgetFilter,
-    FullDrives,
     Judge,
     Passing,
     SearchResult,
@@ -36,7 +34,6 @@ from drivesizer.search.ranking import (
     UNKNOWN,
     Progress,
     Rank,
-    Sifted,
     any_passes,
     better_but_unknown,
     equals_of_the_last,
@@ -49,142 +46,58 @@ from drivesizer.spec.drive import Choice, MotorChoice
 __all__ = ["any_drive", "compared", "other_checks", "search"]
 
 
-# -- The search by the paper's rule: it compares the reductions of a family, so that all candidates are at hand.
-
-
 Rows = NDArray[np.int64]
+_QUICK = "mass"  # objective that needs no waveform
 
 
 def search_by_paper(
     problem: Problem, top: int, misses: int | None, pareto: tuple[str, ...], judge: Judge | None, others: int
 ) -> SearchResult:
-    """Search all candidates by the paper's rule."""
-    every = _paper_order(problem, rejected=misses is not None)
-    found, sets = every.evaluation, every.evaluation.candidates
+    """Search by the paper's rule: it compares the reductions of a family, so that all candidates are at hand."""
+    catalog, belts = problem.catalog, tuple(problem.belt_ratios)
+    if len(pairs(problem).motor) * len(belts) > FEW:
+        sets = candidates(problem)
+    else:  # of few the same record again, which variants of a spec have in common
+        key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
+        sets = catalog.once(key, lambda: candidates(problem), of)
+    considered = len(sets.motor)
+    found = evaluate(problem, sets, rejected=misses is not None)  # of the rejected perhaps not all
+    sets, margin, failed, unknown = found.candidates, smallest_margin(found.checks), found.failed, found.unknown
+    each = np.array([check.failed for check in found.checks])
+    figures = {"margin": margin, **chosen(found.encoder, found.controller, found.brake, needs_encoder=True)}
+    value, missing = ranking.values(catalog, sets, figures, problem.spec.select.objective)
+    nearest = [np.where(failed, -margin, 0.0), np.where(failed, each.sum(axis=0), 0)]  # of those that fail
+    before = [np.where(failed, 2, unknown.astype(int)), *nearest]
+    order = ranking.order(catalog, sets, value, missing, margin=margin, before=before)
+    passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
+    passing, rejected, rank = order[passes[order]], order[~passes[order]], Rank(unknown.astype(int), missing, value)
+    tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
+    counts = Counts(
+        considered=considered, feasible=len(passing), passing=int((~failed & ~unknown).sum()),
+        left_out=int(np.count_nonzero(~failed & ~passes)), failed_by=tally,
+    )  # fmt: skip
     of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
-    kept = ordered_in_machine(judge, sets, of_parts.on, every.passing, len(sets.motor) if pareto else top)
-    best, short = kept.best[:top], kept.rejected[:top]
-    near = every.rejected[: _closest(misses, top, len(best), every.counts.feasible)]
-    on_front = best[:0]
+    kept = ordered_in_machine(judge, sets, of_parts.on, passing, len(sets.motor) if pareto else top)
+    best, short, on_front, unlike = kept.best[:top], kept.rejected[:top], kept.best[:0], kept.best[:0]
+    closest = top if not len(passing) else min(misses or 0, max(top - len(best), 0))
+    near = rejected[: 0 if misses is None else closest]
     if pareto:
-        figures = {name: column[kept.best] for name, column in every.figures.items()}
-        of_all = ranking.front(problem.catalog, sets.on(kept.best), figures, pareto)
-        on_front = kept.best[of_all]
-    unlike = best[:0]
+        of_best = {name: column[kept.best] for name, column in figures.items()}
+        on_front = kept.best[ranking.front(catalog, sets.on(kept.best), of_best, pareto)]
     if others:
-        unlike = best_of_other_families(
-            judge, problem.catalog, sets, found.on, every.passing, best[:1], others, every.rank.columns
-        )
+        unlike = best_of_other_families(judge, catalog, sets, found.on, passing, best[:1], others, rank.columns)
     few = np.concatenate([best, near, but_for(on_front, best), short, but_for(unlike, best)])
     places = {int(row): n for n, row in enumerate(few)}
     front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
+    of_passing = {name: column[passing] for name, column in figures.items()}
+    every = Passing(
+        sets.on(passing), rank.precedence[passing] * UNKNOWN, of_passing,
+        np.flatnonzero(np.isin(passing, best)), lambda rows: found.on(passing[rows]),
+    )  # fmt: skip
     return SearchResult(
-        found.on(few), len(best), without_rejected(every.counts, kept, ~found.unknown), front, below,
-        failing_before(kept, every.passing), others=beside, every=every.all_passing(best),
+        found.on(few), len(best), without_rejected(counts, kept, ~unknown), front, below,
+        failing_before(kept, passing), others=beside, every=every,
     )  # fmt: skip
-
-
-class _PaperOrder(NamedTuple):
-    """All candidates by the rule, in order."""
-
-    evaluation: Evaluation
-    margin: NDArray[np.float64]  # the smallest of each
-    figures: dict[str, NDArray[np.float64]]  # it and the parts that go with each
-    rank: Rank
-    passing: Rows  # those that pass, the best first
-    rejected: Rows  # the others, the nearest first
-    counts: Counts
-
-    def all_passing(self, best: Rows) -> Passing:
-        """All that pass, and which of them are given."""
-        some, found = self.passing, self.evaluation
-        figures = {name: column[some] for name, column in self.figures.items()}
-        return Passing(
-            found.candidates.on(some), self.rank.precedence[some] * UNKNOWN, figures,
-            _places(some, best, len(self.margin)), lambda rows: found.on(some[rows]),
-        )  # fmt: skip
-
-
-def _paper_order(problem: Problem, rejected: bool) -> _PaperOrder:
-    """Evaluate all candidates; of the rejected perhaps not all."""
-    every = _all_candidates(problem)
-    found = evaluate(problem, every, rejected=rejected)
-    margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
-    each = np.array([check.failed for check in found.checks])
-    figures = {"margin": margin, **chosen(found.encoder, found.controller, found.brake, needs_encoder=True)}
-    value, missing = ranking.values(problem.catalog, found.candidates, figures, problem.spec.select.objective)
-    before = [
-        np.where(failed, 2, unknown.astype(int)),
-        np.where(failed, -margin, 0.0),  # of those that fail first the nearest
-        np.where(failed, each.sum(axis=0), 0),
-    ]
-    order = ranking.order(problem.catalog, found.candidates, value, missing, margin=margin, before=before)
-    passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
-    tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
-    left_out = int(np.count_nonzero(~failed & ~passes))
-    counts = Counts(
-        considered=len(every.motor), feasible=int(passes.sum()), passing=int((~failed & ~unknown).sum()),
-        left_out=left_out, failed_by=tally,
-    )  # fmt: skip
-    rank = Rank(unknown.astype(np.int64), missing, value)
-    return _PaperOrder(found, margin, figures, rank, order[passes[order]], order[~passes[order]], counts)
-
-
-def _closest(misses: int | None, top: int, given: int, feasible: int) -> int:
-    """Number of the closest rejected that are given."""
-    if misses is None:
-        return 0
-    return min(misses, max(top - given, 0)) if feasible else top
-
-
-def _all_candidates(problem: Problem) -> Candidates:
-    """All of them: of few the same record again, which variants of a spec have in common."""
-    belts = tuple(problem.belt_ratios)
-    if len(pairs(problem).motor) * len(belts) > FEW:
-        return candidates(problem)
-    key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
-    found: Candidates = problem.catalog.once(key, lambda: candidates(problem), of)
-    return found
-
-
-def _places(rows: NDArray[np.int64], some: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Places of some of the rows among them all, in the order of all."""
-    wanted = np.zeros(count, bool)
-    wanted[some] = True
-    return np.flatnonzero(wanted[rows])
-
-
-# -- The search over all candidates: drives that meet all limits in order, and the closest rejected.
-#
-# By physics the candidates go through in chunks, behind some belts at a time: those that pass are kept as rows of a
-# few numbers, the rejected only while they are among the closest. So memory grows with the drives that pass, not
-# with the candidates. The drives that are shown are then computed in full.
-
-
-_QUICK = "mass"  # objective that needs no waveform
-
-
-class _SearchOptions(NamedTuple):
-    """Results that a search is to give, as ``search`` takes them."""
-
-    top: int
-    misses: int | None
-    pareto: tuple[str, ...]
-    others: int
-
-    def closest(self, passing: Rows) -> int:
-        """Number of the closest rejected."""
-        return 0 if self.misses is None else self.misses if len(passing) else self.top
-
-
-class _Searched(NamedTuple):
-    """A search so far."""
-
-    problem: Problem
-    kept: Sifted
-    rank: Rank
-    order: Rows  # of those kept, the best first
-    looked_at: FullDrives
 
 
 def search(
@@ -198,70 +111,56 @@ def search(
     others: int = 0,
     margins: bool = False,
 ) -> SearchResult:
-    """Search all candidates in the order of the objective that the problem's spec has."""
+    """Search all candidates in the order of the objective that the problem's spec has.
+
+    By physics they go through in chunks, behind some belts at a time: those that pass are kept as rows of a few
+    numbers, the rejected only while they are among the closest. So memory grows with the drives that pass, not with
+    the candidates. The drives that are shown are then computed in full.
+    """
     if problem.spec.method == "paper":
         return search_by_paper(problem, top, misses, pareto, judge, others)
-    wanted, several = _SearchOptions(top, misses, pareto, others), 4 * top if judge else top
+    catalog, several = problem.catalog, 4 * top if judge else top
     kept, rejected, counts = sifted(
         problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else several
     )
     rank = ranked(problem, kept, top)
-    order = rank.order(problem.catalog, kept.sets)
+    order = rank.order(catalog, kept.sets)
     tied, rest = np.split(order, [equals_of_the_last(problem, rank, order, top)])
+    # what may be shown and is not among the first: one that is held back, and drives of other motor families
+    beside = better_but_unknown(problem, kept, rank, order[:1])
+    if others:
+        alike = margin_candidates(catalog, kept.sets, order, len(tied), others, rank.columns)
+        beside = np.concatenate([but_for(beside, alike), alike])
+    beside = but_for(beside, tied)
+    if len(tied) + len(beside) > waveforms(problem):
+        beside = order[:0]
+    closest = 0 if misses is None else misses if len(tied) else top
     alone = not (judge or pareto or others)  # then no more than the first are looked at
     looked_at, tied = drives_by_margin(
-        problem, kept, rank, tied, _drives_beside(problem, kept, rank, order, len(tied), others), rejected,
-        wanted.closest(tied), top if alone else len(tied),
-    )  # fmt: skip
-    found = _Searched(problem, kept, rank, np.concatenate([tied, rest]), looked_at)
-    in_machine = ordered_in_machine(judge, kept.sets, looked_at.at, found.order, len(order) if pareto else top)
-    return _shown(found, wanted, judge, in_machine, counts)
-
-
-def _drives_beside(problem: Problem, kept: Sifted, rank: Rank, order: Rows, first: int, others: int) -> Rows:
-    """Drives that may be shown and are not among the first; none where waveforms take long.
-
-    Those of other motor families, and one that is held back.
-    """
-    found = better_but_unknown(problem, kept, rank, order[:1])
-    if others:
-        alike = margin_candidates(problem.catalog, kept.sets, order, first, others, rank.columns)
-        found = np.concatenate([but_for(found, alike), alike])
-    found = but_for(found, order[:first])
-    return found if first + len(found) <= waveforms(problem) else order[:0]
-
-
-def _shown(
-    found: _Searched, wanted: _SearchOptions, judge: Judge | None, in_machine: BudgetFilter, counts: Counts
-) -> SearchResult:
-    """The best, the closest rejected and the others in full."""
-    problem, kept, rank, order, looked_at = found
-    best, short = in_machine.best[: wanted.top], in_machine.rejected[: wanted.top]
-    misses = min(wanted.closest(best), len(looked_at.nearest.motor))  # a budget of the machine may reject all
-    on_front = _front(found, wanted, in_machine.best)
+        problem, kept, rank, tied, beside, rejected, closest, top if alone else len(tied)
+    )
+    order = np.concatenate([tied, rest])
+    in_machine = ordered_in_machine(judge, kept.sets, looked_at.at, order, len(order) if pareto else top)
+    best, short, on_front = in_machine.best[:top], in_machine.rejected[:top], in_machine.best[:0]
+    closest = 0 if misses is None else misses if len(best) else top  # a budget of the machine may reject all
+    closest = min(closest, len(looked_at.nearest.motor))
+    if pareto:
+        of_best = {name: column[in_machine.best] for name, column in kept.figures.items()}
+        on_front = in_machine.best[ranking.front(catalog, kept.sets.on(in_machine.best), of_best, pareto)]
     held = better_but_unknown(problem, kept, rank, best)
     unlike = best_of_other_families(
-        judge, problem.catalog, kept.sets, looked_at.at, order, best[:1], wanted.others, rank.columns,
+        judge, catalog, kept.sets, looked_at.at, order, best[:1], others, rank.columns,
         None if waveforms(problem) else looked_at.by_bounds,
     )  # fmt: skip
     extra = np.concatenate([but_for(on_front, best), short, but_for(held, best), but_for(unlike, best)])
     places = {int(row): n for n, row in enumerate(best)}
-    places |= {int(row): len(best) + misses + n for n, row in enumerate(extra)}
-    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
-    counts = without_rejected(counts, in_machine, kept.passes)
+    places |= {int(row): len(best) + closest + n for n, row in enumerate(extra)}
+    front, below, alternatives = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
     return SearchResult(
-        looked_at.shown(best, misses, extra), len(best), counts, front, below,
-        failing_before(in_machine, order), next((places[int(row)] for row in held), None), beside,
+        looked_at.shown(best, closest, extra), len(best), without_rejected(counts, in_machine, kept.passes), front,
+        below, failing_before(in_machine, order), next((places[int(row)] for row in held), None), alternatives,
         Passing(kept.sets, kept.certainty, kept.figures, best, looked_at.anew),
     )  # fmt: skip
-
-
-def _front(found: _Searched, wanted: _SearchOptions, passing: Rows) -> Rows:
-    """Of the drives that pass those on the Pareto front, where one is wanted."""
-    if not wanted.pareto:
-        return passing[:0]
-    figures = {name: column[passing] for name, column in found.kept.figures.items()}
-    return passing[ranking.front(found.problem.catalog, found.kept.sets.on(passing), figures, wanted.pareto)]
 
 
 def any_drive(problem: Problem, judge: Judge | None) -> bool:

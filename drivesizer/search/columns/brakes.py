@@ -105,12 +105,12 @@ def encoders_for(
     -----
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
     """
-    counts, fastest, known, worth = (x[motor] for x in (offered.counts, offered.fastest, offered.known, offered.worth))
+    counts, fastest, worth = (x[motor] for x in (offered.counts, offered.fastest, offered.worth))
     geared = reduction if spec.gear is None else reduction * spec.gear.ratio
     edge, speed = angle_per_edge(counts, geared[:, None]), np.asarray(speed)[:, None]
     finest = np.inf if spec.needs.resolution_at_load is None else spec.needs.resolution_at_load
     enough = (counts >= offered.least) & (offered.row[motor] >= 0) & ((edge <= finest) | np.isposinf(finest))
-    good = np.where(enough, 1 + (speed <= fastest) + ((speed <= fastest) & known), 0)
+    good = np.where(enough, 1 + (speed <= fastest) + ((speed <= fastest) & offered.known[motor]), 0)
     if "margin" in spec.select.weights and spec.wants_encoder:
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.fmin(fastest / speed, finest / edge)
