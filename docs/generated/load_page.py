@@ -26,7 +26,7 @@ def loads() -> str:
     kinds = {name: [k for k, at in mapping.items() if at.endswith(f"/{name}")] for name in models}
     for several in kinds.values():
         several.sort(key=list(MODULES).index)
-    shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "torque_curved")]
+    shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "lever")]
     parts = [_load(name, of) for name, of in kinds.items()]
     parts += [f"## {title}\n\n{_docstring(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
     return "\n\n".join(parts)
@@ -51,7 +51,7 @@ def _load(name: str, kinds: list[str]) -> str:
 def _docstring(module: Any) -> str:
     """The docstring of a module, with its references as links on the page."""
     text = as_markdown(inspect.getdoc(module) or "").replace("`stage_losses`", "[stage](#a-stage)")
-    return text.replace("`torque_curved`", "[pieces](#torques-that-are-no-straight-lines)")
+    return text.replace("`lever`", "[pieces](#torques-that-are-no-straight-lines)")
 
 
 def _starter(kind: str) -> str:

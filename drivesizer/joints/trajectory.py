@@ -300,10 +300,11 @@ def _limits(section: RobotSection, robot: Robot, joints: Sequence[Joint]) -> _Li
         values = []
         for joint in joints:
             value = {"speed": joint.velocity, "acceleration": math.nan, "jerk": math.inf}[what]
-            for name in (_ALL, joint.name):
+            for name in (joint.name, _ALL):
                 given = getattr(section.limits.get(name, JointLimits()), what)
                 if given is not None:
                     value = figure_of(given, joint, ("robot", "limits", name, what))
+                    break
             if not value > 0.0:
                 unit = unit_of(joint) + ("/s" if what == "speed" else "/s^2")
                 message = f"joint {quoted(joint.name)} has no limit of {what}; expected {what} here, e.g. 2 {unit}"
