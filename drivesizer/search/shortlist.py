@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 from collections import Counter
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan
 from pathlib import Path
@@ -162,7 +162,11 @@ def problem_with_screw(spec: RobotSpec, catalog: Catalog) -> tuple[Problem, tupl
     problems = [_with_screw(spec, catalog, screw) for screw in screws]
     tried = [_Tried(problem=one, best=best_in_machine(one)) for one in problems]
     able = [one for one in tried if one.best is not None]
-    chosen = able[int(np.lexsort(_order(able, spec)[::-1])[0])].problem if able else max(problems, key=_nearness)
+    chosen = (
+        able[int(np.lexsort(_order(able, spec.select.weights)[::-1])[0])].problem
+        if able
+        else max(problems, key=_nearness)
+    )
     return chosen, (_words(held, tried, spec),)
 
 
@@ -259,14 +263,14 @@ def _conditions(choice: ScrewChoice, table: Table[Any]) -> Iterator[NDArray[np.b
 # --- the best of them -------------------------------------------------------------------------------------------------
 
 
-def _order(able: Sequence[_Tried], spec: RobotSpec) -> tuple[NDArray[np.float64], ...]:
+def _order(able: Sequence[_Tried], weights: Mapping[str, float]) -> tuple[NDArray[np.float64], ...]:
     """Columns that order leads, the first one first.
 
     Status of their best drives, objectives of which the screw's share is unknown, the objective, the screw's size.
     """
     best: list[Any] = [one.best for one in able]
     sure = np.array([float(_SURE.index(one.status)) for one in best])
-    value, weights = np.zeros(len(able)), spec.select.weights
+    value = np.zeros(len(able))
     for name, weight in weights.items():
         value += weight * _shares(np.array([_figure(one, name) for one in able]), name)
     size = np.array([one.chosen.least_mass for one in able])

@@ -57,7 +57,7 @@ def test_a_screw_of_unknown_price_is_not_the_cheapest(monkeypatch):
         )
         for value, price in ((200.0, math.nan), (300.0, 45.0), (310.0, 30.0))
     ]
-    order = np.lexsort(shortlist._order(able, "price")[::-1])
+    order = np.lexsort(shortlist._order(able, {"price": 1.0})[::-1])
     assert order.tolist() == [2, 1, 0]
 
 

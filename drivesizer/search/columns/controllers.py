@@ -53,7 +53,7 @@ class ChosenPart(NamedTuple):
 
 
 class Required(NamedTuple):
-    """What candidates demand of a controller in the worst of all load cases; None is not looked at."""
+    """Demands of candidates on a controller in the worst of all load cases; None is not looked at."""
 
     rms: NDArray[np.float64]  # A
     peak: NDArray[np.float64]  # A
@@ -224,7 +224,7 @@ LAST = 1e9  # in place of a figure that is unknown: behind all that are known
 def _worth(
     spec: RobotSpec, catalog: Catalog, order: NDArray[np.int64], required: Required, margin: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """What each controller adds to the objective of each candidate, less is better: shape (controllers, 1 or more).
+    """Share of each controller in the objective of each candidate, less is better: shape (controllers, 1 or more).
 
     What no objective counts is 0 of all. A margin is the largest that a controller leaves.
     """
