@@ -117,7 +117,7 @@ def test_axis_by_axis_of_a_machine(tmp_path):
     path.write_text(yaml.safe_dump({**shared, "axes": {"shuttle": own, "table": table}}))
     found = CliRunner().invoke(app, ["validate", str(path)], env={"COLUMNS": "200"})
     assert found.exit_code == 1 and "FAIL: shuttle" in found.stdout
-    said = found.stdout.partition("shuttle: What helps in the loop")[2]
+    said = found.stdout.partition(": what helps in the loop")[2]
     assert "axes.shuttle.motion: {profile: s_curve, distance: 73.8 m" in said
     assert "axes.shuttle.control.bandwidth: " in said and "--axis shuttle --set " in said
-    assert "table: What helps" not in found.stdout
+    assert found.stdout.count("helps in the loop") == 1

@@ -56,8 +56,8 @@ from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
 from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.output.report.figures.all_figures import Drawing
     from drivesizer.output.report.figures.field import Panel
+    from drivesizer.output.report.figures.style import Drawing
 
 __all__ = [
     "AxisContent", "MachineContent", "document_of", "drawings_of", "machine_document", "machine_printed",
