@@ -131,10 +131,8 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
         if place.on == "base":
             continue
         if place.link is not None and place.link not in robot.links:
-            field = ("robot", "drives", name, "link")
-            raise FieldError(
-                field, f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
-            )
+            wrong = f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
+            raise FieldError(("robot", "drives", name, "link"), wrong)
         at = np.zeros(3) if place.link else joint.place + joint.turn @ joint.anchor  # its axis, in the frame before it
         found[name] = Attached(place.link or joint.parent, at if place.at is None else np.array(place.at))
     return found

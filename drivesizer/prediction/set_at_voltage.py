@@ -109,7 +109,7 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     )  # fmt: skip
 
 
-def _shown(role: str, section: str, figure: str, band: tuple[float, ...], law: str) -> EstimatedFigure:
+def _shown(role: str, section: str, figure: str, band: tuple[float, float, float], law: str) -> EstimatedFigure:
     """An estimated or assumed figure as it is printed: value, low and high."""
     column = columns_of(section)[figure]
     return EstimatedFigure(role, figure, *band, column.kind, column.unit, law)
@@ -243,7 +243,7 @@ def time_to_limit(heating: Heating, start: State, limit: Any) -> Array:
     for _ in range(_STEPS):
         after = _step(heating, state, span)
         now = ~reached & (after[0] >= limit)
-        before = tuple(np.where(now, x, old) for x, old in zip((*state, time, span), before, strict=True))  # type: ignore[assignment]
+        before = tuple(np.where(now, x, old) for x, old in zip((*state, time, span), before, strict=True))
         reached, state, time = reached | now, after, time + span
         if np.all(reached | (time > _LONG * body.tau_h)):
             break
