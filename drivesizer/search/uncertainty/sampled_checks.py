@@ -6,7 +6,7 @@ their factors (``sampled_parts``), the spec's figures as columns, the load cycle
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -52,42 +52,30 @@ _ERROR = 1e-2  # of what a change within a segment does to the winding; the sear
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
     parts, factors = parts_of(catalog, one, block)
-    listed = is_listed(catalog, one.motor, one.brake)
-    stepper = stepper_of(catalog, one, parts, factors)
+    stepper, listed = stepper_of(catalog, one, parts, factors), is_listed(catalog, one.motor, one.brake)
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
-        at = ats[one.belt]
+        at, drive = ats[one.belt], block.belts[one.belt]
         if stepper:
             checks, draw = stepper_checks(spec, at, stepper)
-            checks += [_controller_fits(spec, parts.controller, one)] if one.controller >= 0 else []
         else:
-            checks, draw = _of_a_case(spec, at, parts, one, factors, listed, energies=bool(block.feeds))
-        checks = [*checks, *_of_parts(block, number, one, parts)]
+            case = loaded(spec, at, parts, factors, energies=bool(block.feeds))
+            checks, draw = _of_a_case(spec, at, parts, case, np.array([listed])), _drawn(spec, case)
+        if one.controller >= 0 or not stepper:
+            checks = [*checks, _controller_fits(spec, parts.controller, one)]
+        own = block.once(partial(load_limits, spec, at, drive), "load limits", number, one.belt)
+        of_gearhead = partial(_of_gearhead, spec, at, drive, parts.gearhead)
+        geared = block.once(of_gearhead, "gearhead limits", number, one.gearhead, one.belt)
+        on_shaft = loads_on_motors(spec, at, drive, parts.motor, parts.gearhead) if spec.shaft else []
         draws.append(draw)
-        for check in checks:
+        for check in (*checks, *own, *geared, *on_shaft):
             by_name.setdefault(check.name, []).append((number, check))
-    for number, check in _of_batteries(block, one, draws):
-        by_name.setdefault(check.name, []).append((number, check))
-    return {name: worst_case(same) for name, same in by_name.items()}
-
-
-def _of_batteries(block: Block, one: SetRows, draws: Sequence[Draw]) -> Iterator[tuple[int, CheckColumn]]:
-    """Limits of the batteries, each with the number of the first load case that draws from it."""
     for feeds, numbers in block.feeds:
-        first = numbers[0]
-        together = [draws[number] for number in numbers]
+        first, together = numbers[0], [draws[number] for number in numbers]
         for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], together):
-            yield first, check
-
-
-def _of_parts(block: Block, number: int, one: SetRows, parts: Parts) -> list[CheckColumn]:
-    """Limits of load, belt and gearhead in a load case, whatever motor there is, and loads on the motor's shaft."""
-    spec, at, drive = block.specs[number], block.ats[number][one.belt], block.belts[one.belt]
-    own = block.once(partial(load_limits, spec, at, drive), "load limits", number, one.belt)
-    of_gearhead = partial(_of_gearhead, spec, at, drive, parts.gearhead)
-    geared = block.once(of_gearhead, "gearhead limits", number, one.gearhead, one.belt)
-    return [*own, *geared, *(loads_on_motors(spec, at, drive, parts.motor, parts.gearhead) if spec.shaft else [])]
+            by_name.setdefault(check.name, []).append((first, check))
+    return {name: worst_case(same) for name, same in by_name.items()}
 
 
 def _of_gearhead(spec: Any, at: AtSamples, drive: BeltDrive | None, gearhead: PartFigures) -> list[CheckColumn]:
@@ -115,41 +103,25 @@ class Loaded(NamedTuple):
 
 def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array], *, energies: bool) -> Loaded:
     """Demands, heat and waveform of a drive in one load case."""
-    required, warmth = _moved(spec, at, parts, factors)
-    feed = spec.feed(parts.controller, parts.brake)
-    peaks = stress(spec.environment.ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
+    ambient, feed = spec.environment.ambient, spec.feed(parts.controller, parts.brake)
+    required = demands(at, parts.motor, parts.gearhead, parts.encoder, felt(at, parts))
+    at.keep(required.coefficients)
+    at_flange = loss_at_flange(spec, at, parts.gearhead)
+    warmth = heat(ambient, at, required, parts.motor, _losses(parts.motor, required, factors), at_flange)
+    peaks = stress(ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)
     figures = exact(spec, at, required, warmth, peaks, parts, "all" if energies else "limits", error=_ERROR)
     return Loaded(required, warmth, peaks, least(figures, required, warmth, peaks))
 
 
-def _moved(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array]) -> tuple[Demands, Heat]:
-    """Demands and heat of a drive in one load case; the torque over time is at hand then."""
-    required = demands(at, parts.motor, parts.gearhead, parts.encoder, felt(at, parts))
-    at.keep(required.coefficients)
-    losses = _losses(parts.motor, required, factors)
-    at_flange = loss_at_flange(spec, at, parts.gearhead)
-    return required, heat(spec.environment.ambient, at, required, parts.motor, losses, at_flange)
-
-
-def _of_a_case(
-    spec: Any,
-    at: AtSamples,
-    parts: Parts,
-    one: SetRows,
-    factors: Mapping[str, Array],
-    listed: bool,
-    *,
-    energies: bool,
-) -> tuple[list[CheckColumn], Draw]:
-    """The checks of one load case, and the energy that its drives draw."""
-    case = loaded(spec, at, parts, factors, energies=energies)
-    moving = _before_waveform(spec, at, parts, listed, case.required, case.warmth, case.peaks)
-    electrical = [*moving, *waveform_limits(spec, *case.over_time, parts)]
-    return [
-        *motor_limits(spec, parts.motor),
-        *unknown_where_doubtful(electrical, case.required.complete),
-        _controller_fits(spec, parts.controller, one),
-    ], _drawn(spec, case)
+def _of_a_case(spec: Any, at: AtSamples, parts: Parts, case: Loaded, listed: NDArray[np.bool_]) -> list[CheckColumn]:
+    """The checks of one load case that hang on the motor."""
+    required, warmth, peaks, over_time = case
+    found = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
+    if parts.brake is not None:  # friction that holds is printed
+        bought = PartFigures(parts.motor.table, parts.motor.row, parts.motor.count, {})
+        found += brake_limits(spec, at, parts._replace(motor=bought), required, listed)
+    found += [*electrical_limits(spec, at, required, peaks, parts), *waveform_limits(spec, *over_time, parts)]
+    return [*motor_limits(spec, parts.motor), *unknown_where_doubtful(found, required.complete)]
 
 
 def _drawn(spec: Any, case: Loaded) -> Draw:
@@ -157,19 +129,6 @@ def _drawn(spec: Any, case: Loaded) -> Draw:
     sets = spec.load.alike if case.required.complete.all() else np.nan  # lower bounds are not energies
     found = case.over_time[0].agreed(case.over_time[1])
     return Draw(found.drawn * sets, found.returned * sets, found.power * sets)
-
-
-def _before_waveform(
-    spec: Any, at: AtSamples, parts: Parts, listed: bool, required: Demands, warmth: Heat, peaks: Stress
-) -> list[CheckColumn]:
-    """Limits of the pair in motion, of its brake and of its controller, as far as they need no current over time."""
-    found = [c for c in moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
-    if parts.brake is not None:
-        bought = PartFigures(
-            parts.motor.table, parts.motor.row, parts.motor.count, {}
-        )  # friction that holds is printed
-        found += brake_limits(spec, at, parts._replace(motor=bought), required, np.array([listed]))
-    return [*found, *electrical_limits(spec, at, required, peaks, parts)]
 
 
 def _losses(motor: PartFigures, required: Demands, factors: Mapping[str, Array]) -> tuple[Array, Array]:

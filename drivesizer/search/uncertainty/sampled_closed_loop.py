@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain, zip_longest
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,6 @@ from drivesizer.control.closed_loop.run import (
 from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad, motion_of
-from drivesizer.loads.course import Profile
 from drivesizer.results.check import LoopShare
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.sizing import Check
@@ -42,7 +41,6 @@ from drivesizer.spec.robot import RobotSpec
 __all__ = ["deviating", "loop_share"]
 
 Array = NDArray[np.float64]
-_LEFT = ("winding_temperature",)  # to the physics
 _LOST = "the loop does not come to an end"
 
 
@@ -80,21 +78,22 @@ def deviating(
     return moved, deviating_drive(one, moved, factors)
 
 
-class _Sample(NamedTuple):
-    """One machine on its motion, simulated from cold."""
-
-    machine: tuple[RobotSpec, DriveParts]
-    motion: Profile
-    made: Prepared
-    out: Simulation
-
-
 def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[tuple[Check, ...]]:
-    """The checks of each machine, with the nominal one's controller."""
-    samples = _from_cold(nominal, machines)
-    made = [one.made for one in samples]
-    free, warm = _freed(made, [one.out for one in samples], nominal), _warm(made, nominal)
-    return [_checks(nominal, *each) for each in zip(samples, free, warm, strict=True)]
+    """The checks of each machine with the nominal one's controller: from cold, without limits, and in steady state."""
+    motions = [nominal.profile if spec.motion == nominal.spec.motion else motion_of(spec) for spec, _ in machines]
+    made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, motions, strict=True)]
+    cold = _simulated(made)
+    free, warm, found = _freed(made, cold, nominal), _warm(made, nominal), list[tuple[Check, ...]]()
+    for machine, motion, one, out, alone, steady in zip(machines, motions, made, cold, free, warm, strict=True):
+        if out.problems[0]:
+            found.append((replace(checks(nominal)[0], status="fail", title=_LOST),))
+            continue
+        loop = ClosedLoop(
+            *machine, motion, one.train, one.controller, nominal.loops, one.usable_voltage, one.task,
+            out, alone, {}, one.assumptions, steady_cycle=steady,
+        )  # fmt: skip
+        found.append(tuple(check for check in checks(loop) if check.name != "winding_temperature"))
+    return found
 
 
 def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
@@ -107,13 +106,6 @@ def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
         if check.margin == check.margin:
             margins.setdefault(check.title, []).append(check.margin)
     return min(margins, key=lambda title: float(np.mean(margins[title])), default="")
-
-
-def _from_cold(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts]]) -> list[_Sample]:
-    """Each machine simulated from the ambient's temperature."""
-    profiles = [_motion(nominal, spec) for spec, _ in machines]
-    made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, profiles, strict=True)]
-    return [_Sample(*each) for each in zip(machines, profiles, made, _simulated(made), strict=True)]
 
 
 def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulation, ...]]:
@@ -130,7 +122,10 @@ def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulatio
 
 
 def _freed(made: Sequence[Prepared], found: Sequence[Simulation], nominal: ClosedLoop) -> list[Simulation]:
-    """The same without limits: those that met any side by side, and where that is refused one by one."""
+    """The same without limits: those that met any side by side, and where that is refused one by one.
+
+    One that cannot be simulated without them at all is as it is with them.
+    """
     places = [n for n, out in enumerate(found) if not out.problems[0] and limited(out, nominal.loops)]
     free, each = [*found], [made[n]._replace(drive=unlimited(made[n].drive)) for n in places]
     try:
@@ -138,23 +133,12 @@ def _freed(made: Sequence[Prepared], found: Sequence[Simulation], nominal: Close
     except InputError:
         together = []
     for n, out in zip_longest(places, together):
-        if out is None or out.problems[0]:
-            free[n] = _freed_alone(made[n], found[n], nominal)
-        else:
+        if out is not None and not out.problems[0]:
             free[n] = out
+        else:
+            with suppress(InputError):
+                free[n] = without_limits(made[n].drive, made[n].task, found[n], nominal.loops)
     return free
-
-
-def _freed_alone(one: Prepared, out: Simulation, nominal: ClosedLoop) -> Simulation:
-    """One without limits, however long it takes; with them where it cannot be simulated without."""
-    try:
-        return without_limits(one.drive, one.task, out, nominal.loops)
-    except InputError:
-        return out
-
-
-def _motion(nominal: ClosedLoop, spec: RobotSpec) -> Profile:
-    return nominal.profile if spec.motion == nominal.spec.motion else motion_of(spec)
 
 
 def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
@@ -171,19 +155,3 @@ def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
             figures = {name: column[k : k + 1] for name, column in together.figures.items()}
             found[n] = Simulation(figures=figures, problems=(together.problems[k],), series=None)
     return [found[n] for n in range(len(made))]
-
-
-def _checks(nominal: ClosedLoop, sample: _Sample, free: Simulation, warm: tuple[Simulation, ...]) -> tuple[Check, ...]:
-    """Demand against limit of one sample, simulated from cold, without limits, and in periodic steady state."""
-    if sample.out.problems[0]:
-        return (replace(checks(nominal)[0], status="fail", title=_LOST),)
-    return tuple(check for check in checks(_case(nominal, sample, free, warm)) if check.name not in _LEFT)
-
-
-def _case(nominal: ClosedLoop, sample: _Sample, free: Simulation, warm: tuple[Simulation, ...]) -> ClosedLoop:
-    """One sample as a closed loop."""
-    machine, motion, made, out = sample
-    return ClosedLoop(
-        *machine, motion, made.train, made.controller, nominal.loops, made.usable_voltage, made.task,
-        out, free, {}, made.assumptions, steady_cycle=warm,
-    )  # fmt: skip
