@@ -43,7 +43,6 @@ class AtSamples(AtGearhead):
         self.active = np.flatnonzero(base.acts).tolist()
         segments = {k: np.flatnonzero(base.functions[k].any(axis=(1, 2))) for k in self.active}
         self.where = {k: (int(rows[0]), int(rows[-1]) + 1) for k, rows in segments.items()}  # where each is not 0
-        self.kept: tuple[Array, Array] | None = None
 
     def slope(self, c: Array) -> Array:
         """Half of the gradient of the mean square of c f(t), by each coefficient: shape (samples, 6)."""
@@ -63,19 +62,12 @@ class AtSamples(AtGearhead):
 
     def line(self, c: Array) -> Array:
         """The sum c f(t) at both ends of each segment, shape (segments, 2, samples); c of shape (samples, 6)."""
-        if self.kept is not None and self.kept[0] is c:
-            return self.kept[1]
         functions = self.base.functions
         found = np.zeros((*functions.shape[1:3], max(len(c), functions.shape[-1])))
         term, columns = np.empty_like(found), np.ascontiguousarray(c.T)
         for k, (first, last) in self.where.items():
             found[first:last] += np.multiply(columns[k] * self.scale[k], functions[k, first:last], out=term[first:last])
         return found
-
-    def keep(self, c: Array) -> None:
-        """Compute the line of coefficients that are used several times, and hold it ready."""
-        self.kept = None
-        self.kept = c, self.line(c)
 
     def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
         """Largest absolute value of c f(t) over each sample's cycle; the moments are not needed."""
@@ -91,22 +83,10 @@ class AtSamples(AtGearhead):
         return bounded(value, np.broadcast_to(np.nan, value.shape), left_out)
 
     @cached_property
-    def total(self) -> Array:
-        """Length of each cycle [s]."""
-        found: Array = self.load_cycle.total
-        return found
-
-    @cached_property
     def travel(self) -> Array:
         """Travel of the load over each cycle, there and back [m]."""
         cycle = self.load_cycle
         found: Array = cycle.radius * (np.abs(cycle.speed).mean(axis=1) * cycle.duration).sum(axis=0)
-        return found
-
-    @cached_property
-    def level(self) -> NDArray[np.bool_]:
-        """Segments over which no sample changes its speed: shape (segments,)."""
-        found: NDArray[np.bool_] = (self.speeds[:, 0] == self.speeds[:, 1]).all(axis=-1)
         return found
 
     @cached_property
@@ -159,7 +139,7 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
 
 def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw]) -> list[CheckColumn]:
     """Autonomy, range, peak and voltage of the battery, as far as they are required."""
-    total = at.total
+    total = at.load_cycle.total
     speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
     return columns_of(spec, feeds, total, speed, draws)
 

@@ -105,7 +105,6 @@ def loaded(spec: Any, at: AtSamples, parts: Parts, factors: Mapping[str, Array],
     """Demands, heat and waveform of a drive in one load case."""
     ambient, feed = spec.environment.ambient, spec.feed(parts.controller, parts.brake)
     required = demands(at, parts.motor, parts.gearhead, parts.encoder, felt(at, parts))
-    at.keep(required.coefficients)
     at_flange = loss_at_flange(spec, at, parts.gearhead)
     warmth = heat(ambient, at, required, parts.motor, _losses(parts.motor, required, factors), at_flange)
     peaks = stress(ambient, at, required, parts.motor, feed.leads if spec.resists else 0.0)

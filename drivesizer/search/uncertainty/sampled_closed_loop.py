@@ -84,12 +84,12 @@ def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts
     made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, motions, strict=True)]
     cold = _simulated(made)
     free, warm, found = _freed(made, cold, nominal), _warm(made, nominal), list[tuple[Check, ...]]()
-    for machine, motion, one, out, alone, steady in zip(machines, motions, made, cold, free, warm, strict=True):
+    for (spec, drive), motion, one, out, alone, steady in zip(machines, motions, made, cold, free, warm, strict=True):
         if out.problems[0]:
             found.append((replace(checks(nominal)[0], status="fail", title=_LOST),))
             continue
         loop = ClosedLoop(
-            *machine, motion, one.train, one.controller, nominal.loops, one.usable_voltage, one.task,
+            spec, drive, motion, one.train, one.controller, nominal.loops, one.usable_voltage, one.task,
             out, alone, {}, one.assumptions, steady_cycle=steady,
         )  # fmt: skip
         found.append(tuple(check for check in checks(loop) if check.name != "winding_temperature"))

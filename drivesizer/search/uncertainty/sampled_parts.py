@@ -124,9 +124,7 @@ def stepper_checks(spec: Any, at: AtSamples, one: SampledStepper) -> tuple[list[
 
 
 def _required(at: AtSamples, parts: Parts) -> Demands:
-    required = demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, felt(at, parts))
-    at.keep(required.coefficients)
-    return required
+    return demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, felt(at, parts))
 
 
 # --- torque ----------------------------------------------------------------------------------------------------------
@@ -393,10 +391,9 @@ def _gearhead(catalog: Catalog, row: int, block: Block) -> PartFigures:
     if (losses := factors.get("efficiency")) is not None:
         changed["efficiency"] = with_losses(printed("efficiency"), losses)
         changed["no_load_torque"] = printed("no_load_torque") * losses
-    if (peaks := factors.get("peak_torque")) is not None:
-        changed["intermittent_torque"] = printed("intermittent_torque") * peaks
-    if (gains := factors.get("inertia")) is not None:
-        changed["inertia"] = printed("inertia") * gains
+    for figure, name in (("peak_torque", "intermittent_torque"), ("inertia", "inertia")):
+        if figure in factors:
+            changed[name] = printed(name) * factors[figure]
     return PartFigures(catalog.gearheads, row, block.size, changed)
 
 
