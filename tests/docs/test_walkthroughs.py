@@ -49,7 +49,7 @@ def test_the_first_screen_has_the_recommendation_at_its_top(page):
     lines = first_screen(page)
     assert len(lines) < LINES and "..." not in lines
     (drive,) = (n for n, line in enumerate(lines) if re.match(r"\d+ × +(?:motor|actuator) ", line))
-    (total,) = (n for n, line in enumerate(lines) if line.startswith("total: "))
+    (total,) = (n for n, line in enumerate(lines) if re.match(r" *total\b", line))
     assert drive < 12 and drive < total < 20
 
 
@@ -67,7 +67,7 @@ def test_the_agv_gets_brushless_motors_with_controllers_and_totals_of_four_wheel
     assert mass.value == pytest.approx(4 * (sum(weights) + 0.020 + 0.045))
     assert mass.estimated == ("encoder", "controller")
     screen = "\n".join(first_screen(page))
-    assert "4 ×   motor        maxon EC-i 40" in screen and f"at least {price.value:.2f} EUR" in screen
+    assert re.search(r"4 × +motor +maxon EC-i 40", screen) and f"{price.value:.2f} EUR" in screen
 
 
 @pytest.mark.slow
