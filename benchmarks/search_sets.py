@@ -123,7 +123,7 @@ def memory(spec: Path) -> float:
     code = (
         "import sys; from drivesizer.catalog import load; from drivesizer.search.search import search;"
         "from drivesizer.spec.robot import load_spec; from drivesizer.machine.problem import problem;"
-        "search(problem(load_spec(sys.argv[1]), load(['maxon'])), top=5, objective='mass')"
+        "search(problem(load_spec(sys.argv[1]), load(['maxon'])), top=5)"
     )
     subprocess.run([sys.executable, "-c", code, str(spec)], check=True)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
