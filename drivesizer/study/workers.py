@@ -1,4 +1,4 @@
-"""Where the variants of a study are computed: by processes of this machine, or by the workers of a Dask scheduler."""
+"""Workers that compute the variants of a study: processes of this machine, or those of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def _initialise() -> None:
 
 
 def _ended(error: BaseException) -> InputError | None:
-    """What a pool of processes means that ended from outside."""
+    """The refusal for a pool of processes that ended from outside."""
     if not isinstance(error, BrokenProcessPool):
         return None
     return InputError(
@@ -159,7 +159,7 @@ def _ended(error: BaseException) -> InputError | None:
 
 
 def _lost(error: BaseException, address: str) -> InputError | None:
-    """What a scheduler or a worker means that is lost, or has another program."""
+    """The refusal for a scheduler or a worker that is lost, or has another program."""
     if isinstance(error, ImportError | AttributeError | TypeError):
         text = f"its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
     elif isinstance(error, (CancelledError, OSError, import_module("distributed").KilledWorker)):

@@ -15,7 +15,6 @@ from rows import hold
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files import csv_columns
-from drivesizer.files import csv_columns as csv_numbers
 from drivesizer.load_cases.profile import (
     from_csv,
     harmonic,
@@ -330,7 +329,6 @@ def test_read_in_one_go_or_row_by_row_is_the_same(tmp_path, monkeypatch):
     paths = [tmp_path / f"{number}.csv" for number in range(len(texts))]
     for path, text in zip(paths, texts, strict=True):
         path.write_bytes(text.encode() if isinstance(text, str) else text)
-    monkeypatch.setattr(csv_numbers, "_PIECE", 50)
     at_once = [outcome(path) for path in paths]
     monkeypatch.setattr(csv_columns, "plain_columns", lambda *_: None)
     assert at_once == [outcome(path) for path in paths]

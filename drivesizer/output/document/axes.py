@@ -224,8 +224,8 @@ def _summary(content: MachineContent) -> Iterator[Block]:
         for name, drive in found
         for check in tightest(drive.deciding if drive else (), 1)
     ]
-    columns = (Column("axis", "axis", "name"), *CHECK_COLUMNS)
-    yield Table("The smallest margin of each axis", columns, tight, "axes_tightest", media="terminal")
+    by_axis = (Column("axis", "axis", "name"), *CHECK_COLUMNS)
+    yield Table("The smallest margin of each axis", by_axis, tight, "axes_tightest", media="terminal")
     if sizing.checks:
         yield check_table("Checks of all axes together", sizing.checks, "machine_checks")
     if content.bought:
@@ -519,7 +519,7 @@ def machine_document(content: MachineContent) -> Document:
 
 
 def document_of(content: Content | MachineContent) -> Document:
-    """What is printed on paper but the figures."""
+    """The machine on paper, but for the figures."""
     if isinstance(content, Content):
         return document(content)
     if len(content.axes) == 1:
@@ -528,7 +528,7 @@ def document_of(content: Content | MachineContent) -> Document:
 
 
 def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterator[Printed]:
-    """What workbook and CSV have."""
+    """Sections of workbook and CSV."""
     if isinstance(content, Content):
         return wide(content, media)
     return wide(content.axes[0].content, media) if len(content.axes) == 1 else machine_wide(content, media)

@@ -349,7 +349,7 @@ def _probabilities(content: Content) -> Iterator[Block]:
 
 
 def sampled_words(sampled: Uncertainty, none: str = "") -> Bullets:
-    """How drives were sampled, and how many reach the required confidence."""
+    """Number of samples and of drives that reach the required confidence."""
     drives = number_of(sampled.examined, "drive")
     intro: list[Any] = [
         f"{drives} sampled, {sampled.samples:,} times each (seed {sampled.seed}), over the tolerances of spec and "

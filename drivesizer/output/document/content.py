@@ -1,4 +1,4 @@
-"""What a document is made of: a sizing and its closed loop, each part that takes time computed once; and its words."""
+"""Contents of a document: a sizing and its closed loop, each part that takes time computed once; and its words."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = ["Content", "OfDrives", "OfLoop", "driven_over", "error_and_weakest", 
 
 @dataclass(frozen=True)
 class OfDrives:
-    """What sections of a drive need beside it."""
+    """Records beside a drive that its sections need."""
 
     catalog: Catalog
     cases: tuple[str, ...] = ()  # names of the load cases; none where there is one without a name
@@ -44,7 +44,7 @@ class OfDrives:
 
 @dataclass(frozen=True)
 class OfLoop:
-    """What sections of a closed loop need."""
+    """Records that sections of a closed loop need."""
 
     validation: Validation | None
 
@@ -58,7 +58,7 @@ class Content:
 
     @cached_property
     def of_drives(self) -> OfDrives:
-        """What sections of a drive need of it."""
+        """Records that sections of a drive need."""
         cases = tuple(case.name for case in self.result.problem.cases if case.name)
         return OfDrives(self.result.catalog, cases, first_wheel(self.result.problem))
 

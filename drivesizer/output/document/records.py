@@ -1,4 +1,4 @@
-"""What a document is made of: marked texts, quantities, tables, pictures and sections, which every medium prints."""
+"""Records of a document: marked texts, quantities, tables, pictures and sections, which every medium prints."""
 
 from __future__ import annotations
 

@@ -85,12 +85,13 @@ def written(kind: Any, value: Any) -> Any:
 
 @cache
 def _keys(kind: Any) -> dict[str, Any]:
-    hints = get_type_hints(kind, include_extras=True)
-    return {key: of for key, of in hints.items() if get_origin(of) is not NotRequired}
+    hints: dict[str, Any] = get_type_hints(kind, include_extras=True)
+    optional: Any = NotRequired
+    return {key: of for key, of in hints.items() if get_origin(of) is not optional}
 
 
 def _entry(value: Any, key: str, own: Mapping[str, str | Callable[[Any], Any]]) -> Any:
-    """What a record has for a key."""
+    """Value of a record for a key."""
     named = own.get(key, key)
     if not isinstance(named, str):
         return named(value)

@@ -330,7 +330,7 @@ def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
         known = values[np.isfinite(values)]
         if side.sum() < 2 or not len(known):
             continue
-        levels = [level for level in LEVELS if known.min() < level < known.max()]
+        levels: list[float] = [level for level in LEVELS if known.min() < level < known.max()]
         if len(levels) < _LEAST:  # of a drive that friction keeps far below those
             ticks = MaxNLocator(_FEW, steps=[1, 2, 5, 10]).tick_values(max(float(known.min()), 0.0), float(known.max()))
             levels = [float(level) for level in ticks if known.min() < level < known.max()]
