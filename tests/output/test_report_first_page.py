@@ -16,10 +16,11 @@ from printed import blank_figures
 from synthetic_validation import labels
 
 from drivesizer.load_cases import load_cycle
-from drivesizer.output.document import SECTIONS
+from drivesizer.output.document import SECTIONS, printed
 from drivesizer.output.document.axes import document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
+from drivesizer.output.document.records import BOOK
 from drivesizer.output.part import _row
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.report.figures.cycle import Row, Trace, each_over_time
@@ -59,12 +60,15 @@ def blocks(result: SizingResult, name: str) -> dict:
 
 
 def test_the_summary_has_the_answer_in_its_order(result):
-    assert [*blocks(result, "summary")] == ["verdict", "parts", "tiles", "tightest", "confidence", "field"]
+    assert [*blocks(result, "summary")] == ["verdict", "parts", "words", "tightest", "tiles", "confidence", "field"]
     made = blocks(result, "summary")
     assert len(made["tightest"]["rows"]) == 3
-    margins = [row["exact"]["margin"] for row in made["tightest"]["rows"]]
+    margins = [row["cells"][3]["value"] for row in made["tightest"]["rows"]]
     assert margins == sorted(margins) and margins[0] == min(
         c.margin for c in result.sets[0].deciding if c.is_comparable
+    )
+    assert made["words"]["text"] == (
+        "In all: without the mass of belt, encoder, controller; without the price of motor, belt, encoder, controller."
     )
     assert made["verdict"]["paragraphs"][0][0] == {"kind": "status", "text": result.sets[0].status}
 
@@ -74,7 +78,7 @@ APPENDIX = ("physics", "platform", "repeat", "datasheets")
 
 def test_the_grounds_follow_the_answer_and_what_is_seldom_read_is_appendix(result):
     order = [*sections(result)]
-    wanted = ["summary", "drive", "checks", "cycle", "machine", "candidates", "specification", "derivation",
+    wanted = ["summary", "drive", "checks", "over-time", "machine", "candidates", "specification", "derivation",
               "assumptions", "physics", "repeat", "datasheets"]  # fmt: skip
     assert [name for name in order if name in wanted] == wanted
     assert [name for name, one in sections(result).items() if one["appendix"]] == [*APPENDIX]
@@ -84,7 +88,7 @@ def test_the_method_that_did_not_rank_has_no_verdict(by_physics, result):
     """The paper's verdict is printed only where its method ranks; physics beside it only in the appendix."""
     assert "beside" in blocks(result, "physics") and "beside" not in blocks(result, "checks")
     assert "physics" not in sections(by_physics)
-    shown = {row["exact"]["name"] for row in blocks(by_physics, "checks")["checks"]["rows"]}
+    shown = {row["data"]["check"] for row in blocks(by_physics, "checks")["checks"]["rows"]}
     own = {check.name for check in by_physics.sets[0].checks}
     assert shown == own and own != {check.name for check in by_physics.sets[0].beside}
 
@@ -95,7 +99,7 @@ def test_totals_of_the_first_page_are_those_of_the_parts_list(result):
     (price,) = [value for name, value, _ in blocks(result, "summary")["tiles"]["rows"] if name.startswith("Price")]
     assert price == f"{prices:.2f} EUR"
     *_, total = blocks(result, "summary")["parts"]["rows"]
-    assert total["total"] and total["cells"][-1] == f"at least {prices:.2f} EUR"  # the motor's is unknown
+    assert total["total"] and total["cells"][-1]["text"] == f"≥ {prices:.2f} EUR"  # the motor's is unknown
 
 
 def test_the_first_page_of_a_pdf_holds_all_of_it_and_files_go_with_it(result):
@@ -126,10 +130,8 @@ def test_the_title_block_is_what_the_spec_gives(result):
     assert all("SPS surveillance robot, AGV 12, revision B" in text for text in pages[1:])
     assert "<dt>Customer</dt><dd>Muster &lt;AG&gt;</dd>" in page and "Author" not in pages[0]
     assert paper_data(document_of(Content(result)))["block"] == []
-    summary = next(section for section in SECTIONS if section.name == "summary")
-    assert summary.sheets is not None
-    rows = [row for sheet in summary.sheets(Content(titled)) for row in sheet.rows]
-    assert {row.get("title"): row.get("note") for row in rows}["Project"] == "AGV 12"
+    (summary,) = printed(Content(titled), SECTIONS[:1], BOOK)
+    assert {row.cells.get("title"): row.cells.get("note") for row in summary.blocks[1].rows}["Project"] == "AGV 12"
 
 
 def test_of_unknown_checks_no_more_is_said_than_that_none_fails(result):

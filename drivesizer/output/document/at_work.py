@@ -34,7 +34,7 @@ from drivesizer.output.document.records import (
 )  # fmt: skip
 from drivesizer.output.document.rows import check_table, figures_table, requirements_table, tightest_table
 from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain_rows, left_out, loop_figures, loop_name
-from drivesizer.results.check import sentence_case
+from drivesizer.results.check import Figure, sentence_case
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.units import show
 
@@ -294,8 +294,21 @@ def _loop(content: Content | OfLoop) -> Iterator[Block]:
         yield replace(
             tightest_table(f"In {v.loop}: the tightest of {count} checks", v.checks, "loop-tightest"), media="terminal"
         )
+    if v.linear:
+        both = [
+            _both(linear, engine)
+            for linear, engine in v.linear.figures
+            if engine and not isnan(linear.value + engine.value)
+        ]
+        yield Words(f"{BESIDE}: {'; '.join(both) or 'no figure that both have'}.", media="terminal")
     if v.tried:
         yield remedies(v)
+
+
+def _both(linear: Figure, engine: Figure) -> str:
+    """A figure of the linear model beside the engine's."""
+    shown = " and ".join(show(one.value, one.unit, one.kind) for one in (linear, engine))
+    return f"{linear.title[0].lower()}{linear.title[1:]} {shown}"
 
 
 def remedies(v: Validation, axis: str = "") -> Table:

@@ -138,14 +138,14 @@ def permitted_blocks(found: PermittedSpeeds) -> Iterator[Block]:
     columns = [Column("title", direction, "number")]
     keys = [re.sub(r"\W+", "_", head) for head in heads]
     columns += [Column(key, head, "number") for key, head in zip(keys, heads, strict=True)]
-    columns.append(Column("note", "limited by", "small", media="paper"))
+    columns.append(Column("note", f"limited, {with_motors}, by", "small", media="paper"))
     rows = []
     for degrees, by, speeds in speed_rows(found):
         cells: dict[str, Cell] = {"title": degrees, "note": by}
         for key, v in zip(keys, speeds, strict=True):
             cells[key] = Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
         rows.append(Row(cells, name=degrees.removesuffix(" °")))
-    yield Table(f"{SPEEDS}; what limits it {with_motors}", columns, rows, "permitted", dense=True)
+    yield Table(SPEEDS, columns, rows, "permitted", dense=True)
     yield Bullets("In these speeds:", [*speed_remarks(found)])
 
 

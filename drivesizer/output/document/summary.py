@@ -571,7 +571,7 @@ def _physics(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
 
 PHYSICS = Section(
     name="physics",
-    title="The same drive by the other method",
+    title=lambda content: f"The same drive by {'physics' if content.result.method == 'paper' else 'the paper'}",
     blocks=_physics,
     of_drive=True,
     appendix=True,
