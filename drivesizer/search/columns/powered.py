@@ -324,6 +324,7 @@ def _walked(
         fewer |= both & (new.margin(True) > now.margin(True) * (1.0 + 1e-9)) if by_margin else both
         taken = np.flatnonzero(fewer)
         row, found = put(row, rows[taken], one[taken]), found.replaced(rows[taken], new, taken)
+        better = put(better, rows[taken], np.full(len(taken), True))  # what was no better than the first may be now
         going = (one >= 0) & ~new.failed(others=True)
         going &= _wanting(case.some(rows), row[rows], found.on(rows), better[rows])
         rows, barred, one, new = rows[going], barred[:, going], one[going], new.on(going)
