@@ -20,7 +20,7 @@ from drivesizer.search.machine_filter import least_power
 from drivesizer.search.search import search
 from drivesizer.search.shortlist import problem_with_drive_mass
 from drivesizer.sizing import load_parts, size
-from drivesizer.spec.drive import Choice, MotorChoice, weights_of
+from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import read_spec
 
 NAMES = ("mass", "price", "energy", "margin")
@@ -147,19 +147,23 @@ def test_where_waveforms_take_long_bounds_pick(belt_axis, monkeypatch):
     assert np.median(losses) < 1e-9 and max(losses) < 0.15
 
 
-def test_the_search_ranks_by_weights_as_the_page_does(belt_axis):
+@pytest.mark.parametrize("text", ["mass=2,price=1", "price=1,energy=3", "mass=1,price=1,energy=1,margin=4"])
+def test_the_search_ranks_by_weights_as_the_page_does(belt_axis, text):
+    """Controllers are chosen by the weights, too: no drive with the lightest of them is better."""
     problem, every, _, _ = belt_axis
-    found = chosen(problem, every)
-    for text in ("mass=2,price=1", "price=1,energy=3", "mass=1,price=1,energy=1,margin=4"):
-        objective = ranking.objective_of(text)
-        first = search(problem.ranked_by(objective), top=1).evaluation.candidates
-        columns = {name: np.array([one.figures[name] for one in found.drives]) for name in NAMES}
-        columns["margin"] = used_share(columns["margin"])
-        best = found.drives[weighted_order(columns, weights_of(objective)).order[0]].parts
-        catalog = problem.catalog
-        assert (best.motor.part, best.gearhead.part) == (
-            catalog.motors["part"][first.motor[0]], catalog.gearheads["part"][first.gearhead[0]]
-        )  # fmt: skip
+    ranked = problem.ranked_by(ranking.objective_of(text))
+    result = search(ranked, top=1, margins=True)
+    found, by_mass = chosen(ranked, result.every), chosen(problem, every)
+    drives = [*found.drives, *by_mass.drives]
+    columns = {name: np.array([one.figures[name] for one in drives]) for name in NAMES}
+    columns["margin"] = used_share(columns["margin"])
+    scored = weighted_order(columns, found.weights)
+    assert scored.score[found.first] == pytest.approx(scored.score[scored.order[0]], rel=1e-9)
+    first = result.evaluation.candidates
+    assert key(found.drives[found.first].parts) == (
+        problem.catalog.motors["part"][first.motor[0]], problem.catalog.gearheads["part"][first.gearhead[0]],
+        first.belt[0],
+    )  # fmt: skip
 
 
 def test_drives_are_picked_by_a_bound_of_their_power(belt_axis):

@@ -205,7 +205,7 @@ def controllers(
         own = 1.0 / (1.0 + np.maximum(left, -0.999))
         if spec.select.objective != "margin":
             own = np.broadcast_to(worth, enough.shape)[place[row], np.arange(len(row))]
-        enough &= (row < 0) | (worth < own * (1.0 - 1e-9))
+        enough &= (row < 0) | (worth < own - 1e-9 * np.minimum(own, 1.0))  # an unknown price is a huge share
     otherwise = usable.nearest[motor] if barred is None else np.full(len(motor), -1)
     if required.voltage is not None and barred is None:
         otherwise = np.where(required.voltage * (1.0 + required.speed) > lowest, usable.largest[motor], otherwise)
