@@ -61,6 +61,7 @@ def taken_away(spec: RobotSpec, catalog: Catalog):
 SPECS = ["robot", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("hoist", "arm"))]
 WITHOUT_A_CONTROLLER = {"controller.supply_min", "controller.supply_max"}
 WHERE_IT_BINDS = {
+    *(f"controller.{name}" for name in ("full_current_ambient", "derating_slope", "ambient_max")),  # in a hot cabinet
     "controller.max_duty",  # unknown it is 0.9 at least, which most makers print
     "controller.max_encoder_frequency",
     "gearhead.intermittent_input_speed",  # the continuous one is as large
