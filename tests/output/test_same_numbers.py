@@ -116,23 +116,25 @@ def from_csv(folder: Path, run: Run) -> Facts:
     for row in rows:
         section, name, rank = row["section"], row["name"], row["set_rank"]
         if section in OF_THE_MACHINE and rank == str(run.best.rank):
-            found |= of_the_machine(section, row["title"], row["value"], row["limit"], row["unit"])
+            summed = section == "mass" and row["title"] in {f.title for f in run.best.machine}
+            kind = "machine" if summed else section
+            found |= of_the_machine(kind, row["title"], row["value"], row["limit"], row["unit"])
         if section not in ("requirement", "check", "validation") and (section, name) not in SETS:
             continue
         fact = Fact(*(number(row[key]) for key in ("value", "limit", "margin")), label(row["unit"]), row["status"])
         if section == "requirement" and rank in ("", str(run.best.rank)):
             found[section, int(bool(rank)), name] = fact
-        elif (section, row["method"], name) in limited and rank == str(run.best.rank):
+        elif (section, row["method"], name) in limited and rank in ("", str(run.best.rank)):
             found[section, row["method"], name] = fact
         elif section == "set":
-            found["candidate", int(rank), name] = fact
+            found["candidate", int(rank), name] = fact if name == "verdict" else fact._replace(status="")
         elif section == "validation" and row["note"] == row["status"] == "" and name != "verdict":
             found["figure", name] = fact
     return found
 
 
 def of_the_machine(section: str, title: str, value: Any, limit: Any, unit: str | None) -> Facts:
-    most = number(limit) if section == "consumer" else nan
+    most = number(limit or 0.0) if section == "consumer" else nan  # a peak of nothing is left out
     return {(OF_THE_MACHINE[section], title): Fact(number(value), most, unit=label(unit or ""))}
 
 
@@ -182,7 +184,8 @@ def from_xlsx(folder: Path, run: Run) -> Facts:
             if name:
                 found[where, row["method"], name] = Fact(*figure, row["unit of demand"], row["status"] or "")
         elif "together" in row and sheet == "The machine with this drive":
-            found["mass", row["part"]] = Fact(number(row["together"]), unit="kg")
+            summed = row["part"] in {f.title for f in run.best.machine}
+            found["machine" if summed else "mass", row["part"]] = Fact(number(row["together"]), unit="kg")
         elif "consumer" in row:
             peak = number(row["peak"])
             found["consumer", row["consumer"]] = Fact(number(row["mean"]), 0.0 if isnan(peak) else peak, unit="W")
@@ -306,7 +309,7 @@ def read_row(text: str, key: Key, unit: str) -> list[Fact]:
     which is left out where it is nothing.
     """
     quantity = rf"(?:({NUMBER}) (?:k?{unit})|(unknown))(?![\w.])"
-    pattern = rf"(?<!\w){words(key[1])} (?:\d+ (?:× )?|– )?{quantity}(?: {quantity})?"
+    pattern = rf"(?<!\w){words(key[1])} (?:\d+ (?:× )?|– )?{quantity}(?: \([^)]*\))?(?: {quantity})?"  # a band
     found = []
     for m in re.finditer(pattern, text):
         several = bool(m[3] or m[4])
