@@ -117,7 +117,7 @@ def test_si_stands_beside_the_unit_of_the_trade_and_is_the_same(book):
 
 
 def test_unknown_is_an_empty_cell_and_a_word_in_the_status(book):
-    rows = [r for r in rows_of(book["The same drive by the other met"]) if r.get("status") == "unknown"]
+    rows = [r for r in rows_of(book["The same drive by physics"]) if r.get("status") == "unknown"]
     assert rows and all(r["margin"] is None for r in rows)
     limits = {r["check"]: r["limit"] for r in rows if r["limit"] is not None}
     # 0.9 · (22 V - 1 V); its demand is a least one
