@@ -72,6 +72,9 @@ def _derivation(content: Content) -> Iterator[Block]:
     if by_paper:
         yield from _equations(content)
         yield replace(table, media="listed")
+        if content.drive and content.drive.requirements:
+            at_motor = requirements_table(f"At the motor, for {content.drive.label}", content.drive.requirements)
+            yield replace(at_motor, media="terminal")
     else:
         yield Words(_OF_WHEELS.format(wheel=content.wheel) if content.wheel else _OF_CYCLE.format(shaft=content.shaft))
         yield table
@@ -94,14 +97,15 @@ def _equations(content: Content) -> Iterator[Block]:
     yield Words((
         f"Equation numbers are those of {_SOURCE}. Where the printed form and the computed one differ, both are shown. "
         "Numbers are put in in SI units; results follow in customary units. The three factors that the paper calls ",
-        Math("eta"), " are ", Math('eta_"v"'), " in (1), ", Math('eta_"R"'), " in (10) and ", Math('eta_"g"'),
+        Math("eta", "η"), " are ", Math('eta_"v"', "η_v"), " in (1), ", Math('eta_"R"', "η_R"), " in (10) and ",
+        Math('eta_"g"', "η_g"),
         " in (17), (18).",
     ))  # fmt: skip
-    yield Heading("The vehicle and its wheels")
+    yield Heading("The vehicle and its wheels", media="paper")
     yield from map(_equation, content.result.requirements)
     if content.drive and content.drive.requirements:
-        yield Heading("At the motor shaft")
-        yield Words(f"For {content.drive.label}.")
+        yield Heading("At the motor shaft", media="paper")
+        yield Words(f"For {content.drive.label}.", media="paper")
         yield from map(_equation, content.drive.requirements)
 
 

@@ -258,6 +258,7 @@ class Heading:
     """A heading inside a section, one level below its title."""
 
     title: str
+    media: Media = "all"
 
 
 @dataclass(frozen=True, slots=True)

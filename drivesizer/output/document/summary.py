@@ -450,7 +450,7 @@ def _drive(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
     yield Table("", columns, rows, media="terminal", look="figures")
     yield _identity(drive)
     if any(r.declared for r in drive.requirements):
-        yield requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="listed")
+        yield requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="wide")
 
 
 def _identity(s: DriveSet) -> Table:
