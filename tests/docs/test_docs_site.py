@@ -190,7 +190,7 @@ def test_every_check_and_figure_of_the_closed_loop_is_on_its_page(proofs):
 
 
 ROUTE = re.compile(
-    r"^ (kinematic|dynamic) +(PI?) +(open loop|fed back) +(all|not all) +([\d.]+) m +([\d.]+) ° +0 %$", re.MULTILINE
+    r"^(kinematic|dynamic), (PI?), (open loop|fed back), (all|not all) +([\d.]+) m +([\d.]+) ° +0 %$", re.MULTILINE
 )
 
 
