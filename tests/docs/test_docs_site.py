@@ -211,8 +211,8 @@ def test_what_is_read_out_of_the_runs_is_in_the_tables():
     for knows in ("all", "not all"):
         assert abs(at["kinematic", *PI, knows] / at["dynamic", *PI, knows] - 1.0) < 0.25
     assert max(value for key, value in at.items() if key[2] == "fed back") < 0.01
-    for errors in ("2.78 m      5.1 °", "0.89 m     0.45 °"):  # the paper's, section V
-        assert re.search(rf" measured +{re.escape(errors)}", text)
+    for errors in ("2.78 m     5.1 °", "0.89 m    0.45 °"):  # the paper's, section V
+        assert re.search(rf", measured +{re.escape(errors)}", text)
 
 
 AMOUNTS = {  # what the page says, and the line of the test that says it
