@@ -132,11 +132,6 @@ class Feed(NamedTuple):
         stage = PowerStage(*(x[rows] for x in self.stage))
         return Feed(stage, self.voltage[rows], self.resistance[rows], self.drives)
 
-    def reshaped(self, shape: tuple[int, ...]) -> Feed:
-        """The same with figures of another shape."""
-        stage = PowerStage(*(np.reshape(x, shape) for x in self.stage))
-        return Feed(stage, np.reshape(self.voltage, shape), np.reshape(self.resistance, shape), self.drives)
-
     def lost(self, current: Any) -> Any:
         """Power lost in the stage at a current of the motor [W], without standby power."""
         return self.stage.loss * np.abs(current) + self.stage.resistance * current**2
