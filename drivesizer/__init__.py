@@ -22,52 +22,70 @@ __all__ = [
     "DrivesizerError",
     "InputError",
     "MachineSizing",
+    "Prediction",
     "RobotSpec",
     "SizingResult",
+    "Validation",
+    "catalog",
+    "equations",
     "explain",
     "load_catalog",
     "load_machine",
     "load_spec",
+    "predict",
     "size",
     "size_machine",
+    "tables",
+    "units",
     "validate",
 ]
 
 if TYPE_CHECKING:
     from typing import Any
 
+    from drivesizer import catalog, equations, units
     from drivesizer.catalog import load as load_catalog
+    from drivesizer.control.validation import Validation
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
     from drivesizer.multi_axis.sizing import size_machine
+    from drivesizer.output.document.tables import tables
+    from drivesizer.prediction.bench import predict_set as predict
     from drivesizer.results.machine import MachineSizing
+    from drivesizer.results.prediction import Prediction
     from drivesizer.results.sizing import SizingResult
     from drivesizer.simulate import validate
     from drivesizer.sizing import explain, size
     from drivesizer.spec.machine import load_machine
     from drivesizer.spec.robot import RobotSpec, load_spec
 
-_HOME = {
+_HOME = {  # module, and the name in it where that is another; modules themselves have none
     "CatalogError": "errors",
     "DrivesizerError": "errors",
     "InputError": "errors",
     "MachineSizing": "results.machine",
+    "Prediction": "results.prediction",
     "RobotSpec": "spec.robot",
     "SizingResult": "results.sizing",
+    "Validation": "control.validation",
     "explain": "sizing",
     "load_catalog": "catalog:load",
     "load_machine": "spec.machine",
     "load_spec": "spec.robot",
+    "predict": "prediction.bench:predict_set",
     "size": "sizing",
     "size_machine": "multi_axis.sizing",
+    "tables": "output.document.tables",
     "validate": "simulate",
 }
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'drivesizer' has no attribute {name!r}")
     from importlib import import_module
 
+    if name in ("catalog", "equations", "units"):
+        return import_module(f"drivesizer.{name}")
+    if name not in _HOME:
+        raise AttributeError(f"module 'drivesizer' has no attribute {name!r}")
     module, _, attribute = _HOME[name].partition(":")
     return getattr(import_module(f"drivesizer.{module}"), attribute or name)
 

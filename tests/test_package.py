@@ -57,14 +57,21 @@ def test_the_public_names() -> None:
         "DrivesizerError",
         "InputError",
         "MachineSizing",
+        "Prediction",
         "RobotSpec",
         "SizingResult",
+        "Validation",
+        "catalog",
+        "equations",
         "explain",
         "load_catalog",
         "load_machine",
         "load_spec",
+        "predict",
         "size",
         "size_machine",
+        "tables",
+        "units",
         "validate",
     ]
 
@@ -73,6 +80,17 @@ def test_the_public_names() -> None:
 def test_every_public_name_is_there_and_described(name: str) -> None:
     assert getattr(drivesizer, name).__doc__
     assert name in dir(drivesizer)
+
+
+@pytest.mark.slow
+def test_the_examples_of_the_manual_are_typed(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    for number, block in enumerate(re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)):
+        assert not re.search(r"^(from|import) drivesizer\.", block, re.MULTILINE)  # no internal module is needed
+        (tmp_path / f"example_{number}.py").write_text(block, encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", f"--cache-dir={ROOT / '.mypy_cache'}", *tmp_path.glob("*.py")]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    assert run.returncode == 0, run.stdout
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:

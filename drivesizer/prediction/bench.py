@@ -1,0 +1,115 @@
+"""A set at the bench by its part numbers and by conditions as one types them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from math import isnan, nan
+
+from drivesizer.catalog import Catalog
+from drivesizer.catalog.query import Hit, find, open_catalogs
+from drivesizer.errors import FieldError, InputError, quoted
+from drivesizer.prediction.predict import completed, predict
+from drivesizer.results.prediction import Conditions, Prediction
+from drivesizer.units import to_si
+
+__all__ = ["predict_set"]
+
+_LONGEST = 10_080.0  # minutes: a week
+_KINDS = {
+    "voltage": "voltage", "resistance": "resistance", "ambient": "temperature", "load": "torque", "hold": "torque",
+    "inertia": "inertia", "warm": "temperature",
+}  # fmt: skip
+
+
+def predict_set(
+    motor: str,
+    gearhead: str | None = None,
+    controller: str | None = None,
+    *,
+    catalogs: Iterable[str] = (),
+    voltage: str | None = None,
+    resistance: str = "0 ohm",
+    ambient: str = "25 degC",
+    load: str | None = None,
+    hold: str | None = None,
+    inertia: str = "0 kg*m^2",
+    minutes: float = 60.0,
+    warm: str | None = None,
+) -> Prediction:
+    """Predict what is measured of a motor, or of an actuator, at the bench.
+
+    Parameters
+    ----------
+    motor, gearhead, controller
+        Part numbers; without a gearhead the motor alone, without a controller on the bare supply.
+    catalogs
+        Names of catalogues or paths of files; all that ship where none is given.
+    voltage, resistance
+        Of the supply, the first that of the motor where not given, the second with leads.
+    ambient, warm
+        Temperatures: around the motor, and at a warm start, where not given the housing's after long nominal work.
+    load, hold
+        Torques at the output: against which it runs, by default the continuous one; and which it holds at rest.
+    inertia
+        Of what is mounted at the output.
+    minutes
+        How long it runs at the load, and holds [min].
+
+    Returns
+    -------
+    Prediction
+        Figures, each with its value as printed and with percentiles of the spread [SI].
+
+    Raises
+    ------
+    InputError
+        When a part is in no catalogue, or a figure cannot be read.
+
+    Examples
+    --------
+    >>> found = predict_set("118752", voltage="24 V", catalogs=["maxon"])
+    >>> round(next(one for one in found.figures if one.name == "stall_torque").band.nominal, 2)
+    0.24
+    """
+    if not 0.0 < minutes <= _LONGEST:
+        expected = f"expected above 0, at most {_LONGEST:g}, e.g. 60"
+        raise FieldError(("minutes",), f"minutes: {minutes:g} is out of range; {expected}")
+    texts = {"voltage": voltage, "resistance": resistance, "ambient": ambient, "load": load, "hold": hold,
+             "inertia": inertia, "warm": warm}  # fmt: skip
+    given = Conditions(**{name: _read(name, text) for name, text in texts.items()}, duration=60.0 * minutes)
+    shelf = open_catalogs(catalogs)
+    sold = _part(shelf, motor, ("motors", "actuators"), "motor or actuator")
+    if not isnan(given.voltage):  # else that of the row
+        counts = sold.table.at_voltage(given.voltage)
+        sold = replace(sold, row=next(row for row in sold.table.called(motor) if counts[row]))
+    if sold.section == "actuators" and gearhead is not None:
+        raise FieldError(
+            ("gearhead",), f"gearhead: {quoted(motor)} is an actuator with its gear inside; leave the option out"
+        )
+    first = {sold.catalogue: shelf[sold.catalogue]} | shelf  # goes before others that have the same number
+    gear = None if gearhead is None else _part(first, gearhead, ("gearheads",), "gearhead")
+    drive = None if controller is None else _part(first, controller, ("controllers",), "controller")
+    return predict(sold, gear, drive, completed(given, sold, gear))
+
+
+def _read(name: str, text: str | None) -> float:
+    """A condition in SI, but for temperatures not below 0, a voltage above it; NaN where it is not given."""
+    kind = _KINDS[name]
+    try:
+        value = nan if text is None else to_si(text, kind)
+    except InputError as error:
+        raise FieldError((name,), f"{name}: {error}") from None
+    if kind == "voltage" and value <= 0.0:
+        raise FieldError((name,), f"{name}: {quoted(text or '')} is not above 0; expected e.g. 24 V")
+    if kind != "temperature" and value < 0.0:
+        raise FieldError((name,), f"{name}: {quoted(text or '')} is below 0; expected 0 or more")
+    return value
+
+
+def _part(shelf: Mapping[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
+    hits = find(shelf, part)
+    found = next((hit for hit in hits if hit.section in sections), None)
+    if found is None:
+        raise InputError(f"{quoted(part)} is no {what} but in {hits[0].section}")
+    return found
