@@ -5,6 +5,12 @@
 >>> motor.family, motor.resistance
 ('RE 25', 2.32)
 
+People read and edit YAML tables with units in their heads; the search takes arrays. A compiled file is named by a
+digest of program version, schema and YAML and takes its name in one step, so that a changed, damaged or half-written
+file is never used. An actuator keeps the figures at its output as its maker prints them; for the search it becomes a
+motor and a gearhead that go only with each other. Rows of one order number are one part at several voltages, of which
+the one nearest to the supply is searched. A stepper takes a motor's place.
+
 May import: files, physics.
 """
 

@@ -1,5 +1,8 @@
 """Units at the door: user text to SI floats, SI floats to the units of the trade.
 
+The registry is our own (``units.txt``): pint reads ``3,5 mm`` as 35 mm, 60 rpm as 6.28 Hz and N*m as J. What pint makes
+of each listed unit is kept in ``units.json``, so that no start waits for it.
+
 May import: errors, version.
 
 One strict reader (``reader``) serves specs, catalogues and the command line. Text never reaches pint unread: a unit
