@@ -3,14 +3,12 @@
 import json
 import subprocess
 import sys
-from itertools import chain, repeat
 
 import pytest
 from conftest import ROOT
 from rich.cells import cell_len
 
 from drivesizer import cli
-from drivesizer.commands import common
 
 ARM, PLATFORM = (f"{ROOT}/examples/{name}.yaml" for name in ("cords_arm", "sps_platform"))
 
@@ -37,13 +35,6 @@ def test_size_prints_the_papers_drive(run, example):
     *printed, _, _, _ = out.splitlines()  # commands to copy do not wrap
     assert max(len(line.rstrip()) for line in printed) <= 80
     assert "note: " in err
-
-
-def test_wide_terminals_are_used(run, example, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "140")
-    status, out, _ = run("size", example)
-    assert status == 0
-    assert max(len(line.rstrip()) for line in out.splitlines()) <= 140
 
 
 def test_robot_yaml_is_the_default(run, example):
@@ -286,19 +277,6 @@ def test_objectives_and_front_from_the_command_line(run, example, tmp_path):
         status, out, err = run("size", spec, option, value)
         assert (status, out) == (2, "")
         assert word in err and err.count("\n") == 1
-
-
-def test_a_long_search_shows_a_bar_and_a_short_one_nothing(monkeypatch, capsys):
-    monkeypatch.setenv("FORCE_COLOR", "1")  # a terminal
-    for seconds in (0.0, 2.0):
-        clock = chain([0.0], repeat(seconds))  # rich looks at it as often as it likes
-        monkeypatch.setattr(common.time, "monotonic", lambda clock=clock: next(clock))
-        with common.progress() as told:
-            told(1, 3)
-            told(3, 3)
-        out = capsys.readouterr()
-        assert out.out == ""
-        assert ("drives examined" in out.err) == (seconds > 1.0)
 
 
 def test_the_list_of_commands_fits_80_columns_and_each_has_an_example(run, monkeypatch):

@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 import math
 
-import numpy as np
 import pytest
 import yaml
 
 from drivesizer import explain, size, validate
 from drivesizer.files.yaml_source import read
-from drivesizer.load_cases import load_cycle
 from drivesizer.spec.robot import read_spec
 
 HOLD = {"profile": "hold", "time": "60 min"}
@@ -96,21 +94,6 @@ def test_the_hottest_phase_of_brushless_motors_is_advice(spec, family, kind):
         assert all(x.advice and x.demand > check(one, "winding_temperature").demand for x in hottest)
 
 
-ALIKE = {
-    "segments": {"profile": "segments", "segments": [{"time": "1 h", "to": "0 deg/s"}]},
-    "dwell": {"profile": "segments", "segments": [{"time": "1 h"}]},
-    "csv": {"profile": "csv", "file": "still.csv"},
-}
-
-
-@pytest.mark.parametrize("motion", ALIKE.values(), ids=ALIKE)
-def test_other_ways_to_write_it(spec, motion):
-    one, other = load_cycle(spec()), load_cycle(spec(motion=motion))
-    assert one.total == other.total == 3600.0
-    np.testing.assert_array_equal(one.torque, other.torque)
-    assert not other.speed.any()
-
-
 @pytest.mark.parametrize("column", ["speed", "position"])
 def test_a_recording_of_rest(tmp_path, run, column):
     """A press whose force changes while it stands."""
@@ -164,11 +147,3 @@ def test_in_closed_loop_it_stays_where_it_is(spec, sizing):
     assert checks["gearhead_continuous_torque"].demand == pytest.approx(TORQUE)
     assert checks["motor_nominal_current"].demand <= figure(sizing.sets[0], "peak_current") * (1.0 + 1e-9)
     assert any(text.startswith("nothing moves") for text in proof.assumptions)
-
-
-@pytest.mark.parametrize("ending", ["html", "xlsx", "csv"])
-def test_reports(tmp_path, run, ending):
-    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(ARM | {"motion": HOLD | {"time": "5 s"}}), encoding="utf-8")
-    status, _, err = run("report", tmp_path / "robot.yaml", "-o", tmp_path / f"out.{ending}")
-    assert status == 0, err
-    assert (tmp_path / f"out.{ending}").stat().st_size > 1000

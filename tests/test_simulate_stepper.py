@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import xml.etree.ElementTree as ET
@@ -10,10 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import mujoco
 import numpy as np
-import openpyxl
 import pytest
 import yaml
 from exports import rendered
@@ -23,14 +20,8 @@ from drivesizer import load_spec, size
 from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
-from drivesizer.machine.part_curves import torque_of_drive, torque_of_part
-from drivesizer.output.document.content import Content
 from drivesizer.output.export import Export, export_of
-from drivesizer.output.export.json_document import export_schema
 from drivesizer.output.json.documents import as_text, validation
-from drivesizer.output.report.csv import report_csv
-from drivesizer.output.report.figures.cycle import closed_loop_rows
-from drivesizer.output.report.workbook import report_xlsx
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate, validate_all, with_remedies
 from drivesizer.sizing import explained
@@ -110,14 +101,6 @@ def test_a_drive_that_passes_loses_no_step(proof: Validation) -> None:
     assert swings == pytest.approx(math.sqrt(50 * 0.42 / 4.082e-4) / (2 * math.pi), rel=1e-6)
 
 
-def test_the_load_goes_as_far_as_the_profile(proof: Validation) -> None:
-    turned = np.trapezoid(proof.series["speed"], proof.series["time"])
-    assert turned == pytest.approx(300 * RPM * 0.25, rel=1e-3)
-    assert abs(next(one.value for one in proof.figures if one.name == "distance_error")) < 1e-4
-    assert isinstance(proof.gains, Stepping)
-    assert proof.gains.pulse_rate == pytest.approx(300 / 60 * 3200, rel=1e-6)
-
-
 def test_twice_the_share_is_the_margin(path: Path, proof: Validation) -> None:
     """With less time to accelerate steps are lost from where the torque is more than there is."""
     share = check(proof, "pull_out_share").demand
@@ -176,14 +159,6 @@ def test_an_estimated_torque_leaves_it_unknown_between_the_ends_of_its_band(path
     assert "the torque is estimated, 67% to 150% of the simulated one" in seen["0.15 s"].note
 
 
-def test_a_record_keeps_the_curves_of_its_stepper(path: Path) -> None:
-    found = size(load_spec(spec_of(path)))
-    speed = np.array([100.0, 500.0, 900.0]) * RPM
-    for volts in (24.0, 20.0):
-        by_drive = torque_of_drive(found.sets[0], speed, volts)
-        assert by_drive == pytest.approx(torque_of_part(found.problem.catalog, "A2", speed, volts))
-
-
 def test_all_drives_of_a_search(path: Path) -> None:
     both = size(load_spec(spec_of(path, select={"motor": {"kind": "stepper"}, "catalogs": [str(path)]})))
     proofs, notes = validate_all(both)
@@ -219,12 +194,6 @@ def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> No
     assert "\n" not in str(caught.value)
 
 
-def test_gains_of_a_closed_loop_are_not_used(path: Path) -> None:
-    found = simulated(path, control={"kp": 3})
-    said = "control.kp: a stepper runs open-loop; of control only damping_ratio, idle_current, microsteps, phase_"
-    assert any(one.startswith(said) for one in found.warnings)
-
-
 # --- outputs
 
 
@@ -243,14 +212,6 @@ def test_commands_say_open_loop(path: Path, tmp_path: Path, monkeypatch: pytest.
     assert "Checks of the open loop" in shown.output and "Microsteps of a full step" in shown.output
     assert "a stepper follows its pulses in open loop, and nothing is fed back." in " ".join(shown.output.split())
     assert "load_angle (deg)" in Path("t.csv").read_text(encoding="utf-8").splitlines()[0]
-
-
-def test_reports_show_the_open_loop(path: Path, proof: Validation) -> None:
-    found = size(load_spec(spec_of(path)))
-    book = openpyxl.load_workbook(io.BytesIO(report_xlsx(Content(found, proof))))
-    assert {"Open loop", "Time series"} <= {*book.sheetnames} and "Closed loop" not in book.sheetnames
-    assert b"validation" in report_csv(Content(found, proof))
-    assert [names for names, _ in closed_loop_rows(proof)][-1] == ("load_angle",)
 
 
 # --- exports
@@ -281,16 +242,6 @@ def test_ros2_control_takes_positions(export: Export) -> None:
     assert yaml.safe_load(rendered(export, "ros2_control", True))["joint_trajectory_controller"]["ros__parameters"] == {
         "joints": ["shaft"], "command_interfaces": ["position"], "state_interfaces": ["position", "velocity"],
     }  # fmt: skip
-
-
-def test_json_has_the_torque_over_the_speed(export: Export) -> None:
-    found = json.loads(rendered(export, "json"))
-    jsonschema.validate(found, export_schema())
-    one = found["stepper"]
-    assert (one["teeth"]["value"], one["microsteps"]["value"]) == (50, 16)
-    at = np.interp(200 * RPM, one["speed"]["values"], one["pull_out_torque"]["values"])
-    assert at == pytest.approx(0.42)
-    assert found["controller"] is None and found["drive"]["resistance"]["value"] is None
 
 
 def test_no_fmu_of_a_stepper(export: Export) -> None:

@@ -194,10 +194,6 @@ def test_the_example_of_every_kind_is_read():
             assert math.isfinite(to_si(example, name))
 
 
-def test_one_registry():
-    assert units.registry() is units.registry()
-
-
 def test_the_kept_table_is_what_pint_gives():
     """units.json is made by `python -m drivesizer.units`; a unit that was added or changed shows here."""
     kept = resources.files(units).joinpath("units.json").read_text(encoding="utf-8")

@@ -16,16 +16,8 @@ from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
-from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
-from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.winding import Parts, heat, stress
-from drivesizer.search.columns import limits_over_time
-from drivesizer.search.columns import limits_over_time as wave
-from drivesizer.search.columns.brakes import encoders_for, offered_encoders
-from drivesizer.search.columns.candidates import Candidates, Rows, candidates
-from drivesizer.search.columns.controllers import Required, controllers, usable_controllers
+from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
-from drivesizer.search.columns.limits_over_time import bounds
 from drivesizer.search.search import search
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
@@ -49,7 +41,6 @@ s,rpm,N*m
 """
 
 TABLE = "rotary table, its rotor alone drives back"
-LONG = "arm swinging through"
 LOADS = {
     "vehicle braking down a slope": """
 load: {kind: wheeled_vehicle, mass: 16 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,
@@ -222,21 +213,6 @@ def test_every_check_of_random_sets(name, worked, catalog):
     assert not wrong, (len(wrong), Counter(w[1] for w in wrong), wrong[:3])
 
 
-@pytest.mark.parametrize("name", [name for name in LOADS if name != "recorded"])
-def test_these_loads_really_drive_back(name, worked):
-    """Power flows back at the gearhead for a good part of the cycle, and many motors return energy."""
-    spec, _, mine = worked(name)
-    pieces = mine[0][3]
-    back = [p for p in pieces if p.way * sum(p.gear_torque) < 0]
-    if name == TABLE:  # its friction is more than its inertia: only the rotor drives back
-        assert not back
-    else:
-        assert sum(p.time for p in back) > 0.05 * sum(p.time for p in pieces)
-    returned = [asked.returned for _, _, asked, _ in mine if not math.isnan(asked.returned)]
-    assert sum(energy > 0 for energy in returned) > 0.2 * len(returned)
-    assert spec.belt_efficiency != 1
-
-
 @pytest.mark.parametrize("name", LOADS)
 def test_the_peak_of_the_winding_by_simulation_in_small_steps(name, worked, catalog):
     """The closed form of ``by_hand`` and of the program against nothing but the two differential equations."""
@@ -330,81 +306,6 @@ SELECTED = {
     "recorded": "select: {motor: {family: [RE 25, EC-max 22, A-max 22]}}",
 }
 SELECTED["several cases"] = SELECTED["hoist lowering past its counterweight"]
-LOADS_AND_CASES = LOADS | {
-    "several cases": LOADS["hoist lowering past its counterweight"].replace("needs:", "control:").split("control:")[0]
-    + """cases:
-  - {name: empty, load: {mass: 5.5 kg}}
-  - {name: weak battery in the heat, supply: {nominal: 22 V, min: 20.5 V}, environment: {ambient: 44 degC}}
-"""
-}
-
-
-@pytest.mark.parametrize("objective", ["mass", "energy"], ids=["by bounds", "exact"])
-@pytest.mark.parametrize("name", SELECTED)
-def test_the_search_in_stages_finds_what_all_checks_find(name, objective, folder, catalog):
-    text = f"name: x\n{LOADS_AND_CASES[name]}{SELECTED[name]}\n"
-    spec = read_spec(YamlSource(text, str(folder / "x.yaml")))
-    every = candidates(problem(spec, catalog))
-    whole = evaluate(problem(spec, catalog), every)
-    found = search(problem(spec, catalog).ranked_by(objective), top=10**6, misses=0)
-
-    def keys(sets, rows):
-        return set(zip(sets.motor[rows].tolist(), sets.gearhead[rows].tolist(), sets.belt[rows].tolist(), strict=True))
-
-    standing = np.arange(len(found.evaluation.candidates.motor)) < found.passing
-    doubtful = found.evaluation.unknown
-    assert not found.evaluation.failed[standing].any()
-    assert keys(found.evaluation.candidates, standing) == keys(every, ~whole.failed)
-    assert keys(found.evaluation.candidates, standing & doubtful) == keys(every, whole.unknown)
-    assert 0 < found.passing < len(every.motor)
-    of_all = {check.name: int(check.failed.sum()) for check in whole.checks}
-    assert all(count <= of_all[check] for check, count in found.counts.failed_by.items())
-    assert sum(found.counts.failed_by.values()) >= len(every.motor) - found.passing
-
-
-@pytest.mark.parametrize(("name", "k_e"), [*((name, 1.0) for name in LOADS), (LONG, 1.2), (LONG, 0.8)])
-def test_bounds_hold_and_decide_nothing_wrongly(name, k_e, folder, catalog):
-    """Those of motors, too, whose back-EMF constant is not their torque constant."""
-    spec = spec_of(name, folder)
-    pairs = some_pairs(catalog, 200 if name == LONG else 600, f"bounds {name}")
-    at = CycleAtBelt(load_cycle(spec), spec.belt_efficiency).behind(spec.belt_ratios[0])
-    motor, head = Rows(catalog.motors, pairs.motor), Rows(catalog.gearheads, pairs.gearhead)
-    speed = at.peak_speed * head["ratio"]
-    chosen = encoders_for(spec, offered_encoders(spec, catalog), pairs.motor, speed, head["ratio"] * at.belt)
-    encoder = Rows(catalog.encoders, chosen)
-    asked = demands(at, motor, head, encoder)
-    asked = asked._replace(back_emf=k_e * asked.back_emf)
-    warm = heat(spec.environment.ambient, at, asked, motor)
-    under = stress(spec.environment.ambient, at, asked, motor)
-    cold = under.cold_voltage.value
-    usable = usable_controllers(spec, catalog)
-    usable = usable._replace(nearest=np.full(len(catalog.motors), usable.order[-1]))  # where none suffices
-    required = Required(asked.rms_current, under.current.value, cold)
-    row = controllers(spec, catalog, pairs.motor, required, usable).row
-    parts = Parts(motor, head, encoder, Rows(catalog.controllers, row))
-    low, high = bounds(spec, at, asked, warm, under, parts)
-    exact, same_again = limits_over_time.exact(spec, at, asked, warm, under, parts)
-    known = ~np.isnan(exact.winding) & ~np.isnan(exact.power) & ~np.isnan(exact.above)
-    known &= ~(exact.winding > motor["max_winding_temperature"])  # what fails by its heat needs no other bound
-    np.testing.assert_array_equal(exact.voltage[known], same_again.voltage[known])
-    assert known.sum() > len(known) / 3
-    assert_between(spec, parts, (low, high), exact, known)
-
-
-def assert_between(spec, parts, bounds_, exact, known):
-    low, high = bounds_
-    for figure in ("winding", "voltage", "power", "stored", "above"):
-        least, middle, most = (getattr(m, figure)[known] for m in (low, exact, high))
-        if np.isnan(least).all() or np.isnan(most).all():  # a bound that no limit of this spec asks for
-            continue
-        with np.errstate(invalid="ignore"):
-            slack = 1e-9 * np.abs(np.nan_to_num(middle, posinf=0.0))
-        assert (least <= middle + slack).all(), figure
-        assert (middle <= most + slack).all(), figure
-    for a, b, c in zip(*(wave.waveform_limits(spec, m, m, parts) for m in (low, exact, high)), strict=True):
-        decided = known & (a.passed == c.passed) & (a.failed == c.failed)
-        assert (a.passed == b.passed)[decided].all(), a.name
-        assert (a.failed == b.failed)[decided].all(), a.name
 
 
 def test_resolution_at_the_load_counts_the_belt(catalog):

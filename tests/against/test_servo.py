@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import json
 import math
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from drivesizer.cli import app
 from drivesizer.control.closed_loop import run as closed_loop_run
 from drivesizer.control.closed_loop import run as set_up
 from drivesizer.control.closed_loop.checks import checks
@@ -165,13 +161,6 @@ def _profile(spec: RobotSpec):
     return profile_of(spec)
 
 
-def test_counts_are_coarser_than_an_exact_measurement(rigid):
-    counted = proof(spec_of("{structure: cascade, position: {}, velocity: {bandwidth: 30 Hz}, speed_from: counts}"))
-    if counted.drive_set.encoder is None:
-        pytest.skip("no encoder is listed for the motor")
-    assert figures(counted)["tracking_error_rms"] > figures(rigid)["tracking_error_rms"]
-
-
 def test_a_soft_source_sags_by_its_current(rigid):
     spec = rigid.spec
     soft = spec.model_copy(update={"supply": spec.supply.model_copy(update={"resistance": 0.05})})
@@ -238,20 +227,6 @@ def test_unstable_gains_are_told_and_do_not_pass():
     assert any("unstable" in warning for warning in found.warnings)
 
 
-def test_json_csv_and_report_carry_the_same(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    text = SPEC.replace("CONTROL", "{structure: cascade, velocity: {bandwidth: 30 Hz}}").replace("PLANT", "")
-    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
-    run = CliRunner().invoke(app, ["validate", "--set", "/".join(parts()), "--json", "--csv", "loop.csv"])
-    document = json.loads(run.stdout)
-    assert document["gains"]["velocity_kp"] > 0 and document["gains"]["current_period"] > 0
-    rows = list(csv.reader((tmp_path / "loop.csv").read_text(encoding="utf-8").splitlines()))
-    assert "winding_temperature (degC)" in rows[0] and len(rows) > 1000
-    written = CliRunner().invoke(app, ["report", "-o", "report.csv", "--top", "1"])
-    assert written.exit_code in (0, 1)
-    assert "velocity_kp" in (tmp_path / "report.csv").read_text(encoding="utf-8")
-
-
 def test_a_profile_beyond_any_machine_is_refused():
     from drivesizer.loads.course import Profile
 
@@ -311,22 +286,6 @@ def test_a_profile_with_more_samples_than_are_simulated_is_simulated_by_the_velo
     monkeypatch.setattr(closed_loop_run, "LONGEST", 1000)
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):
         validate(spec, chosen(spec), profile=long)
-
-
-def test_the_best_sets_of_the_search_are_ranked_anew(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    text = SPEC.replace("CONTROL", "{structure: cascade, velocity: {bandwidth: 30 Hz}}").replace("PLANT", "")
-    (tmp_path / "robot.yaml").write_text(text, encoding="utf-8")
-    run = CliRunner().invoke(app, ["validate", "--all", "--top", "3", "--json"])
-    proofs = json.loads(run.stdout)["validations"]
-    assert len(proofs) == 3
-    status = [proof["status"] != "pass" for proof in proofs]
-    assert status == sorted(status)
-    assert sorted(proof["set"]["rank"] for proof in proofs) == [1, 2, 3]
-    shown = CliRunner().invoke(app, ["validate", "--all", "--top", "2"])
-    assert "2 drives in closed loop" in shown.stdout and "tightest" in shown.stdout
-    refused = CliRunner().invoke(app, ["validate", "--all", "--csv", "x.csv"])
-    assert isinstance(refused.exception, InputError) and not (tmp_path / "x.csv").exists()
 
 
 def test_iron_warms_as_friction_brakes():

@@ -1,10 +1,7 @@
 """Inputs that once ended wrongly, as the campaign found them, and a few new ones of every kind."""
 
-from random import Random
-
 import pytest
 from case import Case
-from changes import damaged
 from documents import CYCLE
 from inputs import KINDS, made
 from program import ran
@@ -114,22 +111,3 @@ def test_a_fault_of_the_program_is_found(tmp_path, monkeypatch):
     ((find,),) = (judged(Case({"robot.yaml": SPEC.encode()}, [SIZE]), tmp_path)[2],)
     assert find.kind.startswith("commands/common.py:") and find.kind.endswith(" load ZeroDivisionError")
     assert find.seen == "by chance"
-
-
-def test_damage_is_bytes_of_whatever_kind():
-    assert all(isinstance(damaged(SPEC, Random(seed)), bytes) for seed in range(300))
-    assert len({damaged(SPEC, Random(seed)) for seed in range(300)}) > 200
-
-
-def test_to_import_the_laws_changes_nothing_of_the_program():
-    """Doctests import every module: a sizing without what would help left two tests of the search without changes."""
-    import laws_case
-
-    from drivesizer import sizing
-    from drivesizer.search import relaxations
-
-    kept = sizing.changes_for, sizing.relaxations
-    assert kept == (relaxations.changes_for, relaxations.relaxations)
-    with laws_case.brief():
-        assert sizing.changes_for is not kept[0]
-    assert (sizing.changes_for, sizing.relaxations) == kept

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivesizer.catalog import Catalog, load, shipped
+from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.law_check import Finding, check
 from drivesizer.catalog.parts import Discharges
 from drivesizer.errors import CatalogError
@@ -51,10 +51,6 @@ def test_how_many(maker: str) -> None:
     assert (np.isnan(found.current) != np.isnan(found.power)).all()
     sheets = {catalog.sources[number].confidence for number in found.source}
     assert sheets == {"quoted"}
-
-
-def test_all_catalogues_that_have_tables_are_tested() -> None:
-    assert {n for n, path in shipped().items() if "\ndischarges:" in path.read_text(encoding="utf-8")} == set(COUNTS)
 
 
 # --- reading ---------------------------------------------------------------------------------------------------------
@@ -104,13 +100,6 @@ def test_units_and_cells(tmp_path: Path) -> None:
     assert own.cutoff_voltage.tolist() == pytest.approx([10.5, 10.5, 10.5, 10.8, 10.8, 10.5])
 
 
-def test_kept_as_it_was_read(tmp_path: Path) -> None:
-    path = file(tmp_path, TEXT)
-    for first, again in zip(load([path]).discharges, load([path]).discharges, strict=True):
-        assert first.dtype == again.dtype
-        assert np.array_equal(first, again, equal_nan=first.dtype.kind == "f")
-
-
 def test_an_overriding_catalogue_brings_its_own_table(tmp_path: Path) -> None:
     mine = TEXT.replace("catalog: 1", "catalog: 1\noverrides: true").replace("4200, 350", "4100, 350")
     both = load([file(tmp_path, TEXT), file(tmp_path, mine, "mine"), "yuasa"])
@@ -121,11 +110,6 @@ def test_an_overriding_catalogue_brings_its_own_table(tmp_path: Path) -> None:
     assert {both.sources[number].document for number in of(both, "NP4-12").source} == {
         "Yuasa data sheet NP4-12 (paperzz.com/doc/9488465)"
     }
-
-
-def test_a_part_that_is_replaced_without_a_table_has_none(tmp_path: Path) -> None:
-    mine = TEXT.replace("catalog: 1", "catalog: 1\noverrides: true").partition("discharges:")[0]
-    assert len(load([file(tmp_path, TEXT), file(tmp_path, mine, "mine")]).discharges.time) == 0
 
 
 @pytest.mark.parametrize(
@@ -204,14 +188,3 @@ def test_one_wrong_figure_is_found(
            if (f.identity, f.meaning) not in before]  # fmt: skip
     assert identity in {f.identity for f in new}
     assert all(f.part == part and f.unexplained for f in new)
-
-
-def test_a_battery_is_shown_with_its_discharges(run, monkeypatch) -> None:
-    """Times down, end voltages across; three figures of the sheet as printed."""
-    monkeypatch.setenv("COLUMNS", "80")
-    status, out, _ = run("catalog", "show", "SP12-7.5T1", "--catalog", "sigmastek")
-    currents = out.split("Constant power")[0].splitlines()
-    rows = {"".join(words[:2]): words[2:] for words in map(str.split, currents) if len(words) == 8}
-    assert status in (0, None)
-    assert "Constant current (A), down to" in out and "9.6 V" in out and "10.5 V" in out
-    assert rows["1h"][0] == "4.71" and rows["20h"][3] == "0.379" and rows["5min"][-1] == "14.3"

@@ -118,10 +118,6 @@ def test_a_ratio_is_the_exact_fraction() -> None:
     assert acme().gearheads["ratio"].tolist() == [26 / 7, 676 / 49, 5.0]
 
 
-def test_a_part_number_without_quotes_is_text() -> None:
-    assert acme().gearheads["part"].tolist() == ["4201", "4202", "6201"]
-
-
 def test_compatibility_by_family_part_and_triple() -> None:
     sheet, copy = "Acme M40, rev. C", "a table that somebody copied"
     assert pairs(acme()) == {
@@ -153,13 +149,6 @@ def test_confidence_is_the_sources_until_a_note_changes_it() -> None:
     assert set(catalog.confidence("motors", 2).values()) == {"secondary"}
 
 
-def test_notes_of_a_part() -> None:
-    catalog = acme()
-    assert [note.text for note in catalog.notes_on("motors", "M40-24")] == ["said to be discontinued"]
-    (note,) = catalog.notes_on("motors", "M40-48")
-    assert (note.fields, note.source) == (("stall_torque",), "a table that somebody copied")
-
-
 def test_an_excluded_part_stays_in_the_file_and_is_not_offered() -> None:
     motors = acme().motors
     assert motors["part"][motors.excluded].tolist() == ["M60-X"]
@@ -173,12 +162,6 @@ def test_no_candidate_holds_an_excluded_part(spec, catalog: Catalog) -> None:
     assert len(found.motor) > 50_000
     assert not catalog.motors.excluded[found.motor].any()
     assert not catalog.gearheads.excluded[found.gearhead].any()
-
-
-def test_a_catalogue_may_hold_nothing_but_its_head() -> None:
-    empty = acme('catalog: 1\nmanufacturer: Acme\nsources: {sheet: {document: "A", confidence: quoted}}\n')
-    assert [len(empty.table(section)) for section in PARTS] == [0] * len(PARTS)
-    assert not pairs(empty)
 
 
 # --- units: the same parts as two makers print them ----------------------------------------------------------------
@@ -222,13 +205,6 @@ def test_odd_units_give_the_same_columns() -> None:
     for name in MOTOR:
         np.testing.assert_allclose(odd.motors[name], metric.motors[name], rtol=1e-12, err_msg=name)
     assert metric.motors["rotor_inertia"][0] == pytest.approx(1.08e-6, rel=1e-15)
-
-
-def test_a_common_figure_is_the_same_as_a_column() -> None:
-    as_column = acme(changed("stall_torque (mN*m), mass (g)]", "stall_torque (oz-in), mass (g)]"))
-    figure = acme(changed("diameter: 40 mm,", "diameter: 40 mm, length: 16 in, nominal_torque: 2270 oz-in,"))
-    assert figure.motors["nominal_torque"][0] == as_column.motors["stall_torque"][0] == pytest.approx(2270 * OZ_IN)
-    assert figure.motors["length"][1] == pytest.approx(16 * INCH)
 
 
 # --- compatibility, against sets written out in plain Python -------------------------------------------------------
@@ -320,21 +296,6 @@ def test_loading_by_name_and_by_file(tmp_path: Path) -> None:
     assert both.motors["part"][-3:].tolist() == ["Z1", "Z2", "Z3"]
     assert set(both.digests) == {"maxon", "own"}
     assert "maxon" in shipped()
-
-
-def test_one_file_by_two_names_is_one_catalogue(tmp_path: Path) -> None:
-    (tmp_path / "own.yaml").write_text(OTHER)
-    (tmp_path / "linked.yaml").symlink_to("own.yaml")
-    names = ["own.yaml", str(tmp_path / "own.yaml"), f"../{tmp_path.name}/own.yaml", "linked.yaml"]
-    assert load(names, beside=tmp_path).motors["part"].tolist() == ["Z1", "Z2", "Z3"]
-
-
-def test_two_files_of_one_name(tmp_path: Path) -> None:
-    for folder in ("a", "b"):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "own.yaml").write_text(OTHER)
-    with pytest.raises(InputError, match='two catalogues are called "own"'):
-        load(["a/own.yaml", "b/own.yaml"], beside=tmp_path)
 
 
 @pytest.mark.parametrize(("name", "said"), [
@@ -522,10 +483,6 @@ def test_a_list_may_name_parts_of_another_catalogue(guest: Path, catalog: Catalo
     assert load(["maxon", "guest.yaml"], beside=guest).motor_gearhead.left.tolist() == both.motor_gearhead.left.tolist()
 
 
-def test_without_that_catalogue_there_is_nothing_to_pair_with(guest: Path) -> None:
-    assert named(load(["guest.yaml"], beside=guest)) == set()
-
-
 def test_a_misspelt_part_of_a_catalogue_that_is_loaded_is_an_error(guest: Path) -> None:
     (guest / "guest.yaml").write_text(GUEST.replace("GP 26 A", "GP 26 AA"))
     with pytest.raises(CatalogError, match=r"GP 26 AA.*is no family or part of maxon.*GP 26 A"):
@@ -536,23 +493,3 @@ def test_a_clamping_hub_takes_the_shafts_that_it_holds(guest: Path) -> None:
     """A 9 mm shaft: the 11 mm hub with a bushing; not the 8 mm one, not the 19 mm one; unknown shafts with none."""
     found = named(search_view(load(["maxon", "guest.yaml"], beside=guest)))
     assert {pair for pair in found if pair[1].startswith("GH")} == {("GM-1", "GH-5"), ("118752", "GH-5")}
-
-
-def test_results_that_hang_on_an_object_are_kept_for_the_very_same_one(catalog):
-    """Two that are equal are two: what hangs on an object without a hash is known by the object itself."""
-    one, other, made = ["RE 25"], ["RE 25"], []
-
-    def make():
-        made.append(len(made))
-        return made[-1]
-
-    found = [catalog.once("test of kept results", make, (of,)) for of in (one, other, one, other, one)]
-    assert found == [0, 1, 0, 1, 0]
-    assert [catalog.once("test of kept results", make) for _ in range(2)] == [2, 2]
-
-
-def test_a_part_that_is_looked_up_again_is_the_same_record(catalog):
-    rows = [*range(300), 0, 299]  # more than are kept
-    found = [catalog.motors.record(row) for row in rows]
-    assert [one.part for one in found] == catalog.motors["part"][rows].tolist()
-    assert catalog.motors.record(299) is found[-1]

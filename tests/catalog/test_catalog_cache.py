@@ -13,7 +13,6 @@ import subprocess
 import sys
 import time
 import warnings
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,9 +21,8 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import PARTS, CacheWarning, Catalog, columns_of, load
-from drivesizer.catalog.tables import recall, store
+from drivesizer.catalog.tables import recall
 from drivesizer.errors import DrivesizerError, InputError
-from drivesizer.files.cache import folder
 
 TEXT = """\
 catalog: 1
@@ -92,10 +90,6 @@ def test_the_second_load_comes_from_the_cache_and_is_the_same(
     assert warm.motors["bearing"].tolist() == ["kugelgelagert ø", ""]
     assert warm.confidence("motors", 1)["nominal_voltage"] == "derived"
     assert compiled(cache).name.startswith("acme-")
-
-
-def test_the_shipped_catalogue_is_the_same_from_the_cache(cache: Path) -> None:
-    assert essence(load()) == essence(load())
 
 
 def test_the_same_catalogue_gives_the_same_bytes(cache: Path, acme: Path) -> None:
@@ -189,40 +183,12 @@ def test_nothing_in_a_compiled_file_is_unpickled(cache: Path, acme: Path, tmp_pa
     assert not trap.exists()
 
 
-def test_a_compiled_file_holds_plain_arrays_and_json(cache: Path) -> None:
-    load()
-    with zipfile.ZipFile(io.BytesIO(compiled(cache).read_bytes()[32:])) as archive:
-        for name in archive.namelist():
-            array = np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
-            assert array.dtype.kind in "fiub", name
-        texts = np.lib.format.read_array(io.BytesIO(archive.read("texts.npy")), allow_pickle=False)
-    assert set(json.loads(texts.tobytes())) >= {"motors", "gearheads", "sources", "notes"}
-
-
 def test_a_changed_catalogue_is_compiled_again_and_the_old_one_goes(cache: Path, acme: Path) -> None:
     load([str(acme)])
     before = compiled(cache)
     acme.write_text(TEXT.replace("480]", "481]"), encoding="utf-8")
     assert load([str(acme)]).motors["mass"][0] == pytest.approx(0.481)
     assert compiled(cache) != before
-
-
-def test_another_version_of_the_program_compiles_again(
-    cache: Path, acme: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    load([str(acme)])
-    before = compiled(cache)
-    monkeypatch.setattr("drivesizer.catalog.__version__", "99.0")
-    load([str(acme)])
-    assert compiled(cache) != before
-
-
-def test_catalogues_with_names_alike_leave_each_other_alone(cache: Path, tmp_path: Path) -> None:
-    for name in ("acme", "acme-own", "acme-own-2", "[acme]", "acme"):
-        (tmp_path / f"{name}.yaml").write_text(TEXT, encoding="utf-8")
-        load([str(tmp_path / f"{name}.yaml")])
-    names = sorted(path.name[:-41] for path in cache.iterdir())
-    assert names == ["[acme]", "acme", "acme-own", "acme-own-2"]
 
 
 def test_where_nothing_can_be_kept_the_program_goes_on_and_says_so(acme: Path, cache: Path) -> None:
@@ -234,17 +200,6 @@ def test_where_nothing_can_be_kept_the_program_goes_on_and_says_so(acme: Path, c
         assert essence(load([str(acme)])) == expected
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="everything is writable to this user")
-def test_a_folder_without_write_permission(acme: Path, cache: Path) -> None:
-    cache.mkdir()
-    cache.chmod(0o500)
-    try:
-        with pytest.warns(CacheWarning, match="permission denied"):
-            assert load([str(acme)]).motors["part"].tolist() == ["M1", "M2"]
-    finally:
-        cache.chmod(0o700)
-
-
 def test_a_full_disk_leaves_no_half_file(acme: Path, cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
@@ -253,27 +208,6 @@ def test_a_full_disk_leaves_no_half_file(acme: Path, cache: Path, monkeypatch: p
     with pytest.warns(CacheWarning, match="no space left"):
         load([str(acme)])
     assert list(cache.iterdir()) == []
-
-
-def test_the_folder_is_made_when_it_is_not_there(cache: Path, acme: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("DRIVESIZER_CACHE", str(cache / "new" / "deep"))
-    load([str(acme)])
-    assert compiled(cache / "new" / "deep").stat().st_size > 1000
-
-
-def test_the_users_folder_is_the_default(monkeypatch: pytest.MonkeyPatch) -> None:
-    from platformdirs import user_cache_path
-
-    monkeypatch.delenv("DRIVESIZER_CACHE")
-    assert folder() == user_cache_path("drivesizer", appauthor=False)
-
-
-def test_a_stored_catalogue_comes_back(tmp_path: Path, catalog: Catalog) -> None:
-    path = tmp_path / f"maxon-{'0' * 32}.catalog"
-    store(path, catalog)
-    again = recall(path)
-    assert again is not None
-    assert essence(again) == essence(catalog)
 
 
 def _start(barrier: Any, answers: Any) -> None:
@@ -298,31 +232,6 @@ def test_two_processes_at_once_on_an_empty_folder(cache: Path, catalog: Catalog)
     assert [process.exitcode for process in processes] == [0, 0]
     assert found == [hashlib.sha256(repr(essence(catalog)).encode()).hexdigest()] * 2
     assert recall(compiled(cache)) is not None  # one whole file, no half ones beside it
-
-
-def test_a_warm_load_is_much_faster_than_a_cold_one(cache: Path) -> None:
-    def seconds() -> float:
-        start = time.process_time()
-        load()
-        return time.process_time() - start
-
-    cold = seconds()
-    warm = min(seconds() for _ in range(5))
-    assert warm < cold / 3  # about 1/30; the limit leaves room for a busy machine
-
-
-def test_several_catalogues_are_kept_as_one_too(
-    cache: Path, acme: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    cold = load(["maxon", str(acme)])
-    assert len(list(cache.iterdir())) == 3
-    monkeypatch.setattr("drivesizer.catalog.joined", lambda *_: pytest.fail("they were joined again"))
-    assert essence(load(["maxon", str(acme)])) == essence(cold)
-    monkeypatch.undo()
-    monkeypatch.setenv("DRIVESIZER_CACHE", str(cache))
-    acme.write_text(acme.read_text(encoding="utf-8").replace("M2", "M3"), encoding="utf-8")
-    assert "M3" in load(["maxon", str(acme)]).motors.rows
-    assert len(list(cache.iterdir())) == 3  # the older ones are gone
 
 
 KILLED = """

@@ -79,15 +79,6 @@ def test_what_the_pages_print_oddly_is_found_and_accepted(found: list[Finding]) 
     assert sum(f.identity == "intermittent torque and continuous torque" for f in found) == 12
 
 
-def test_parts_that_go_with_nothing_are_information(catalog: Catalog, found: list[Finding]) -> None:
-    alone = [f for f in found if f.identity == "goes with nothing"]
-    assert {f.section for f in alone} - {"brakes"} == {"motors", "gearheads", "encoders"}
-    assert not any(f.unexplained for f in alone)
-    assert not {f.part for f in alone if f.section == "motors"} & {
-        str(catalog.motors["part"][row]) for row in catalog.motor_gearhead.left.tolist()
-    }
-
-
 # --- one wrong cell --------------------------------------------------------------------------------------------------
 
 # section, part, field, factor, the identity that must notice
@@ -206,10 +197,6 @@ def test_hiding_a_figure_adds_no_finding(before: dict[str, tuple[Catalog, list[F
             assert {(f.part, f.identity) for f in after if f.grade == "finding"} <= known, name
 
 
-def test_an_empty_catalogue_has_no_findings(catalog: Catalog) -> None:
-    assert check(rows_of(catalog, {s: np.zeros(0, np.intp) for s in PARTS})) == []
-
-
 # --- notes -----------------------------------------------------------------------------------------------------------
 
 
@@ -223,14 +210,6 @@ def test_a_note_on_a_figure_accepts_what_is_found_of_it(catalog: Catalog) -> Non
         assert (finding.accepted, finding.unexplained) == (("so printed", False) if accepted else ("", True))
 
 
-def test_a_note_that_does_not_accept_leaves_the_finding(catalog: Catalog) -> None:
-    family = kin(catalog, "motors", "236662")
-    changed = with_cells(family, "motors", family.motors.rows["236662"], stall_torque=1.0)
-    note = Note("motors", ("236662",), ("stall_torque",), "from another page")
-    findings = check(replace(changed, notes=(*changed.notes, note)))
-    assert any(f.unexplained for f in findings if f.part == "236662")
-
-
 # --- parts among each other ------------------------------------------------------------------------------------------
 
 
@@ -241,23 +220,6 @@ def test_the_same_part_under_two_numbers(some: Catalog) -> None:
     (finding,) = (f for f in check(twice) if f.identity == "two numbers for one part")
     assert (finding.part, finding.grade) == ("000000", "information")
     assert str(twice.motors["part"][0]) in finding.meaning
-
-
-def test_pairs_of_parts_that_are_not_there(catalog: Catalog) -> None:
-    pairs = catalog.motor_gearhead
-    right = pairs.right.copy()
-    right[:2] = len(catalog.gearheads) + 7
-    findings = held_to(replace(catalog, motor_gearhead=pairs._replace(right=right)), [])
-    (finding,) = (f for f in findings if f.identity == "dangling compatibility")
-    assert finding.unexplained and finding.meaning == "2 of motor_gearhead name no part"
-
-
-def test_a_finding_as_a_line(catalog: Catalog) -> None:
-    family = kin(catalog, "motors", "236662")
-    changed = with_cells(family, "motors", family.motors.rows["236662"], stall_torque=0.25)
-    (finding,) = (f for f in check(changed) if f.part == "236662" and f.identity == "stall torque")
-    assert finding.text().startswith("maxon: motors 236662 (A-max 32): stall torque: 250 mN·m, expected 21")
-    assert finding.text().endswith("%: M_H = k_t I_A")
 
 
 def test_a_file_beside_the_shipped_ones(tmp_path: Path) -> None:

@@ -53,11 +53,6 @@ def test_the_guess_is_shown_and_written_and_can_be_used_again(run, tmp_path):
     assert (tmp_path / "again.yaml").read_bytes() == (tmp_path / "own.yaml").read_bytes()
 
 
-def test_a_dry_run_writes_nothing(run, tmp_path):
-    assert run("--dry-run").exit_code == 0
-    assert [path.name for path in tmp_path.iterdir()] == ["parts.csv"]
-
-
 @pytest.mark.parametrize(
     ("unit", "kept"),
     [("$", ("foreign_price", 24.95, "USD")), ("GBP", ("foreign_price", 24.95, "GBP")),

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import json
-from math import inf, isnan, nan, pi
+from math import isnan, nan, pi
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 from drivesizer.catalog import load
 from drivesizer.catalog.view.search_view import split_actuators
-from drivesizer.cli import app
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
@@ -100,37 +97,11 @@ def test_the_motor_inside_has_the_figures_of_the_rotor(shop):
     assert (motor.mass, motor.price) == (0.52, 310.0)
 
 
-def test_the_gearhead_inside_weighs_and_costs_nothing(shop):
-    split = split_actuators(load(["whole.yaml"], beside=shop))
-    gearhead = split.gearheads.record(split.gearheads.rows["XA70-10"])
-    assert (gearhead.ratio, gearhead.efficiency, gearhead.kind) == (10.0, 0.9, "planetary")
-    assert (gearhead.continuous_torque, gearhead.intermittent_torque) == (8.1, 24.0)
-    assert (gearhead.mass, gearhead.price, gearhead.inertia) == (0.0, 0.0, 0.0)
-    assert gearhead.continuous_power == inf  # the maker limits torque and speed
-    assert gearhead.backlash == pytest.approx(0.2 * pi / 180)
-
-
 def test_a_rotor_constant_that_is_printed_goes_before_the_outputs(shop):
     text = (WHOLE % OWN_CONTROLLER).replace("torque_constant (N*m/A)", "motor_torque_constant (N*m/A)")
     (shop / "whole.yaml").write_text(text.replace("28, 0.9, 0.3", "28, 0.11, 0.3"))
     split = split_actuators(load(["whole.yaml"], beside=shop))
     assert split.motors["torque_constant"][split.motors.rows["XA70-10"]] == pytest.approx(0.11)
-
-
-def test_what_is_not_printed_stays_unknown(shop):
-    text = (WHOLE % OWN_CONTROLLER).replace(", 10, 90, 24,", ", 10, ~, 24,")
-    (shop / "whole.yaml").write_text(text)
-    split = split_actuators(load(["whole.yaml"], beside=shop))
-    motor = split.motors.record(split.motors.rows["XA70-10"])
-    assert isnan(motor.torque_constant) and isnan(motor.nominal_torque) and not isnan(motor.rotor_inertia)
-
-
-def test_taking_apart_is_done_once_and_leaves_the_catalogue_as_printed(shop):
-    catalog = load(["whole.yaml"], beside=shop)
-    split = split_actuators(catalog)
-    assert split_actuators(split) is split
-    assert (len(catalog.motors), len(split.motors), len(split.actuators)) == (0, 1, 1)
-    assert catalog.actuators.record(0).nominal_torque == 8.1
 
 
 def test_the_whole_does_what_its_pieces_do(shop):
@@ -198,14 +169,6 @@ def test_an_actuator_is_not_paired_with_anything_else(shop, motor, gearhead, sai
         one(shop, motor, gearhead)
 
 
-def test_the_contract_has_it_as_the_maker_prints_it(shop, monkeypatch):
-    monkeypatch.chdir(shop)
-    run = CliRunner().invoke(app, ["explain", "robot.yaml", "--motor", "XA70-10", "--json"])
-    found = json.loads(run.stdout)["sets"][0]
-    assert found["actuator"]["nominal_torque"] == 8.1 and found["actuator"]["no_load_speed"] == pytest.approx(228 * RPM)
-    assert found["motor"]["inside"] == found["gearhead"]["inside"] == "XA70-10"
-
-
 def test_a_part_number_of_a_motor_cannot_be_an_actuators(shop):
     text = (WHOLE % OWN_CONTROLLER).replace("XA70-10", "XM-1")
     (shop / "whole.yaml").write_text(text)
@@ -224,14 +187,6 @@ def test_absolute_encoders_count_as_lines_of_four_edges(shop):
     encoder = catalog.encoders.record(0)
     assert encoder.lines == 1024 and encoder.resolution == "4096 steps per turn"
     assert np.isnan(catalog.encoders["counts_per_turn"][0])
-
-
-def test_the_closed_loop_checks_nothing_that_nobody_limits(shop):
-    """The encoder inside has no frequency limit of its own: what the actuator may do is its speed."""
-    proof = validate(load_spec(shop / "robot.yaml"), one(shop, "XA70-10"))
-    names = {check.name for check in proof.checks}
-    assert "motor_speed" in names and not names & {"encoder_frequency", "encoder_speed", "controller_frequency"}
-    assert all(check.limit < inf or isnan(check.limit) for check in proof.checks)
 
 
 # --- identified friction
@@ -266,18 +221,6 @@ def test_each_loss_of_an_actuator_counts_once(shop, given, efficiency):
     assert motor.friction_torque == pytest.approx(0.03) and motor.viscous_friction == pytest.approx(0.0002)
     assert gearhead.efficiency == pytest.approx(efficiency) and isnan(gearhead.no_load_torque)
     assert motor.nominal_torque == pytest.approx(8.1 / (10 * efficiency))
-
-
-def test_an_actuator_with_friction_does_what_its_pieces_do(shop):
-    rubbing(shop)
-    columns = "price (EUR), friction_torque (N*m), viscous_friction (N*m*s/rad)]"
-    text = PIECES.replace("price (EUR)]", columns, 1).replace("500, 300]", "500, 300, 0.03, 0.0002]")
-    (shop / "pieces.yaml").write_text(text)
-    whole, pieces = one(shop, "XA70-10"), one(shop, "XM-1", "XG-10")
-    beside = {c.name: c for c in pieces.checks}
-    for name in ("motor_nominal_current", "winding_temperature", "gearhead_continuous_torque"):
-        demand = {c.name: c for c in whole.checks}[name].demand
-        assert demand == pytest.approx(beside[name].demand, rel=1e-9) and demand > 0.0
 
 
 WINCH = """

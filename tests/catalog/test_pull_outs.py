@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.law_check import check
 from drivesizer.catalog.parts import PullOuts
 from drivesizer.errors import CatalogError
 
@@ -93,17 +91,3 @@ def test_bad_curves_are_refused_in_a_line(tmp_path: Path, old: str, new: str, sa
     assert said in str(caught.value)
     assert str(caught.value).count("\n") == 0
     assert "steps.yaml:" in str(caught.value)
-
-
-def test_no_file_gives_what_the_search_fills(tmp_path: Path) -> None:
-    path = written(tmp_path, TEXT.replace("phase_current (A)", "pull_out_share"))
-    with pytest.raises(CatalogError, match="pull_out_share of steppers is not given: the search fills it"):
-        load([str(path)])
-
-
-def test_a_curve_above_the_holding_torque_is_found(tmp_path: Path) -> None:
-    """A tenth of the printed figure is read as ten times it, as a slip of a decimal point would."""
-    catalog = load([str(written(tmp_path, TEXT))])
-    assert check(catalog) == []
-    found = check(replace(catalog, pull_outs=catalog.pull_outs._replace(torque=np.array([0.9, 5.0]))))
-    assert {one.identity for one in found} == {"pull-out and holding torque", "pull-out torque and speed"}

@@ -72,46 +72,11 @@ def test_every_motor_drives_the_load_itself(name: str, one: Catalog) -> None:
     assert set(one.gearheads["part"][one.motor_gearhead.right].tolist()) == {DIRECT}
 
 
-def test_they_load_together_and_share_the_lack_of_a_gearhead() -> None:
-    both = load(MOTORS)
-    assert len(both.motors) == sum(MOTORS.values())
-    assert both.gearheads["part"].tolist() == [DIRECT]
-    assert sorted(both.motor_gearhead.left.tolist()) == list(range(sum(MOTORS.values())))
-
-
-def test_what_every_motor_has(one: Catalog) -> None:
-    motors = one.motors
-    for field in ("nominal_voltage", "torque_constant", "resistance", "rotor_inertia", "mass"):
-        assert (motors[field] > 0).all(), field
-    assert set(motors["kind"].tolist()) <= {"brushed", "brushless"}
-    stated = np.isfinite(motors["no_load_speed"]) | np.isfinite(motors["speed_constant"])
-    assert set(motors["part"][~stated].tolist()) <= {"G30 KV290"}  # its source prints a no-load speed that cannot be
-
-
 def test_no_figure_is_infinite(one: Catalog) -> None:
     """The source writes Inf for a limit that it does not know."""
     for field, column in one.motors.columns.items():
         if column.dtype.kind == "f":
             assert not np.isinf(column).any(), field
-
-
-def test_what_the_sources_do_not_say_is_unknown(name: str, one: Catalog) -> None:
-    unknown = {
-        "allied_motion": ("max_speed", "max_winding_temperature", "nominal_torque", "friction_torque",
-                          "viscous_friction", "motor_time_constant", "pole_pairs"),
-        "tmotor": ("max_speed", "max_winding_temperature", "nominal_torque", "no_load_current", "motor_time_constant"),
-        "pittman": ("nominal_current", "no_load_current", "stall_current", "inductance", "motor_time_constant",
-                    "peak_torque", "max_speed"),
-    }  # fmt: skip
-    for field in unknown[name]:
-        assert np.isnan(one.motors[field]).all(), field
-
-
-def test_excluded_motors_say_why(name: str, one: Catalog) -> None:
-    out = _parts(one, one.motors.excluded)
-    assert out == ({"MF0255075_150V"} if name == "allied_motion" else set())
-    for part in out:
-        assert any(note.exclude and "contradict" in note.text for note in one.notes_on("motors", part))
 
 
 # --- Allied Motion -------------------------------------------------------------------------------------------------
@@ -151,14 +116,6 @@ def test_allied_rows_as_in_the_source(allied: Catalog, part: str) -> None:
     for field, figure in ALLIED[part].items():  # speeds and currents are rounded to four digits
         rounding = 5e-4 if field in ("no_load_speed", "nominal_current") else 1e-9
         assert getattr(motor, field) == pytest.approx(figure, rel=rounding), field
-
-
-def test_allied_has_fifteen_frames(allied: Catalog) -> None:
-    families, count = np.unique(allied.motors["family"], return_counts=True)
-    sized = {f"MF{size}" for size in ("0060", "0076", "0095", "0127", "0150", "0210", "0255")}
-    numbered = {f"HT{size}" for size in ("008", "010", "020", "023", "025", "030", "038", "050")}
-    assert set(families.tolist()) == sized | numbered
-    assert {int(n) for family, n in zip(families, count, strict=True) if family in sized} == {15}
 
 
 ABOVE_THE_VOLTAGE = {"HT02001-A00": 0.009, "HT02005-A00": 0.040, "HT05002-A00": 0.016, "HT02504-A00": 0.0}
@@ -220,17 +177,6 @@ def test_windings_of_one_body_share_rotor_and_cooling(allied: Catalog) -> None:
     assert len(taken_over) == 21
 
 
-def test_rotor_inertia_grows_with_the_length_of_the_body(allied: Catalog) -> None:
-    """The other half of the proof: frame by frame, inertia is nearly proportional to the length in the name."""
-    inertia = {body: allied.motors["rotor_inertia"][rows[0]] for body, rows in _bodies(allied).items()}
-    for frame in {body[:6] for body in inertia}:
-        lengths = sorted(body for body in inertia if body.startswith(frame))
-        figures = [inertia[body] for body in lengths]
-        assert figures == sorted(set(figures)), frame
-        per_length = [inertia[body] / float(body[6:]) for body in lengths]
-        assert max(per_length) / min(per_length) < 1.5, frame
-
-
 def test_allied_windings_of_one_body_agree(allied: Catalog) -> None:
     """L / k_t^2 belongs to the body: 9 %, as k_t may have two digits. R / k_t^2 does but for the copper fill: 40 %."""
     motors = allied.motors
@@ -257,19 +203,6 @@ def test_no_load_current_is_derived_or_unknown(allied: Catalog) -> None:
         assert allied.confidence("motors", int(row))["no_load_current"] == "derived"
     assert np.isnan(motors["no_load_current"][[motors.rows[part] for part in ABOVE_THE_VOLTAGE]]).all()
     assert np.isnan(motors["no_load_current"][motors.rows["MF0150025_300V"]])  # 14.9 A of a nominal current of 8.2 A
-
-
-@pytest.mark.parametrize(("part", "field"), [("MF0255075_48V", "nominal_current"), ("MF0150100_300V", "inductance")])
-def test_figures_that_their_sisters_contradict_are_unknown(allied: Catalog, part: str, field: str) -> None:
-    assert math.isnan(allied.motors[field][allied.motors.rows[part]])
-    (note,) = [n for n in allied.notes_on("motors", part) if n.fields == (field,) and n.parts == (part,)]
-    assert note.text.startswith("unknown: the source's")
-
-
-def test_the_misprinted_inductance_is_read_with_a_note(allied: Catalog) -> None:
-    row = allied.motors.rows["HT01002-A00"]
-    assert allied.motors["inductance"][row] == pytest.approx(0.85e-3)  # the source: 0.85-3
-    assert allied.confidence("motors", row)["inductance"] == "derived"
 
 
 # --- T-Motor -------------------------------------------------------------------------------------------------------
@@ -324,13 +257,6 @@ def test_the_u8_is_converted_from_phase_to_terminals(tmotor: Catalog) -> None:
     confidence = tmotor.confidence("motors", row)
     derived = {"torque_constant", "resistance", "inductance", "nominal_current", "speed_constant"}
     assert {field for field, how in confidence.items() if how == "derived"} == derived
-
-
-def test_the_g_motors_have_no_current_and_no_thermal_limit(tmotor: Catalog) -> None:
-    series = tmotor.motors["family"] == "G"
-    assert series.sum() == 9
-    for field in ("nominal_current", "peak_torque", "thermal_resistance_winding", "thermal_resistance_housing"):
-        assert np.isnan(tmotor.motors[field][series]).all(), field
 
 
 # --- Pittman -------------------------------------------------------------------------------------------------------

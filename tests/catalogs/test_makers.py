@@ -722,11 +722,6 @@ def _all(insides: dict[str, list[Inside]]) -> Iterable[Inside]:
     return (one for group in insides.values() for one in group)
 
 
-def test_all_actuators_are_split(insides: dict[str, list[Inside]]) -> None:
-    expected = {name: n["actuators"] for name, n in MAKERS.items() if "actuators" in n}
-    assert {name: len(group) for name, group in insides.items()} == expected
-
-
 def test_speed_and_torque_at_the_motor(insides: dict[str, list[Inside]]) -> None:
     for one in _all(insides):
         for field in ("no_load_speed", "nominal_speed"):
@@ -762,25 +757,6 @@ def test_identified_friction_is_the_published_model(insides: dict[str, list[Insi
         assert load / (1 + one["load_friction"]) == pytest.approx(held, rel=5e-3), one.part
         counted += 1
     assert counted == 3 + 1 + 3 + 3 + 1
-
-
-def test_no_loss_of_an_identified_actuator_counts_twice(insides: dict[str, list[Inside]]) -> None:
-    """At stall the motor's current has torque, loss of the gear and Coulomb friction; unloaded, what friction takes."""
-    for one in _all(insides):
-        C, b = one["coulomb_friction"], one["viscous_friction"]
-        if math.isnan(C):
-            continue
-        assert one.of_motor("friction_torque") * one.i == pytest.approx(C, rel=1e-12)
-        assert one.of_motor("viscous_friction") * one.i**2 == pytest.approx(b, rel=1e-12)
-        made = one.i * one.k_t * one["stall_current"]
-        if math.isnan(one["no_load_current"]):
-            assert one["stall_torque"] / one.geared + C == pytest.approx(made, rel=6e-3), one.part
-        elif math.isnan(one.e):
-            assert one.geared == pytest.approx(1 / (1 + one["load_friction"]), rel=1e-12)
-            idle = (C + b * one["no_load_speed"]) / (one.i * one.k_t)
-            assert one["no_load_current"] == pytest.approx(idle, rel=1e-2), one.part
-        else:
-            assert one.geared == one.e
 
 
 def test_no_load_speed_follows_from_the_torque_constant(insides: dict[str, list[Inside]]) -> None:
@@ -856,15 +832,6 @@ def test_a_ratio_of_one_is_no_gear(insides: dict[str, list[Inside]]) -> None:
             assert one.i > 3, one.part
             assert gearing != "none", one.part
             assert not one.e >= 0.995, one.part
-
-
-def test_gearheads_gear_down(shelf: dict[str, Catalog]) -> None:
-    """And none but Yaskawa's is paired with a motor: only the lack of a gearhead has ratio 1."""
-    for hit in every(shelf, ["gearheads"]):
-        assert hit["ratio"] >= 3, hit.part
-    for name, catalog in shelf.items():
-        paired = set(catalog.gearheads["ratio"][catalog.motor_gearhead.right].tolist())
-        assert paired <= {1.0} or name == "yaskawa", name
 
 
 # --- where it comes from ---------------------------------------------------------------------------------------------

@@ -62,12 +62,6 @@ def test_excluded_gearheads_are_those_without_figures(catalog: Catalog) -> None:
         assert any(note.exclude and note.text for note in catalog.notes_on("gearheads", str(part)))
 
 
-def test_gearheads_that_turn_backwards(catalog: Catalog) -> None:
-    gearheads = catalog.gearheads
-    assert gearheads["direction"][gearheads.rows["110445"]] == -1.0  # GS 30 A, three stages
-    assert (gearheads["direction"] == -1.0).sum() == 61
-
-
 # --- how much there is ---------------------------------------------------------------------------------------------
 
 
@@ -84,11 +78,6 @@ def test_counts(catalog: Catalog) -> None:
     assert _per_source(catalog, catalog.motor_gearhead.source, "public GitHub file, number 25465484559") == 45 + 17 + 17
     koaxdrives, papers, same_housing = 4 * 24, 9, 9
     assert len(catalog.motor_gearhead.left) == 60143 + papers + same_housing + koaxdrives + 45 + 17 + 17
-
-
-def test_every_source_has_a_document_and_a_known_confidence(catalog: Catalog) -> None:
-    assert {source.confidence for source in catalog.sources} == {"quoted", "secondary", "derived", "recalled"}
-    assert all(source.document for source in catalog.sources)
 
 
 # --- rows as printed -----------------------------------------------------------------------------------------------
@@ -180,10 +169,3 @@ def test_the_paper_is_the_source_of_its_own_set(catalog: Catalog) -> None:
     encoder = catalog.encoders.record(catalog.encoders.rows["225778"])
     assert (encoder.family, encoder.counts_per_turn) == ("MR type ML", 500)
     assert encoder.inertia == pytest.approx(0.7e-7)  # the code wheel of 225780, which has 1000 counts
-
-
-def test_the_papers_controller(catalog: Catalog) -> None:
-    table = catalog.controllers
-    compact = table["family"] == "EPOS4 Compact 50/5"
-    assert any("CANopen" in buses for buses in table["buses"][compact])
-    assert (table["continuous_current"][compact] == 5.0).all()

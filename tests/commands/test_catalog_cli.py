@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import sys
 from functools import cache, partial
 from pathlib import Path
 
@@ -13,9 +12,8 @@ import pytest
 from catalog_texts import MAP, SHEET
 
 from drivesizer.catalog import PARTS, columns_of, load, query, shipped
-from drivesizer.catalog.conditions import option, where
-from drivesizer.catalog.exporting import digits, plain, safe
-from drivesizer.catalog.query import Hit, coverage, find, open_catalogs, origins, partners, select, side_by_side
+from drivesizer.catalog.conditions import where
+from drivesizer.catalog.query import find, open_catalogs, select, side_by_side
 
 SMALL = """\
 catalog: 1
@@ -212,13 +210,6 @@ def test_a_wrong_input_is_one_line(run, small, args, said):
     refused(run, said, *(small if arg == "SMALL" else arg for arg in args))
 
 
-def test_one_file_by_two_names_is_listed_once(run, small):
-    other = small.parent / ".." / small.parent.name / small.name
-    status, out, _ = run("list", "motors", "--json", "--catalog", small, "--catalog", other)
-    assert status == 0
-    assert out == run("list", "motors", "--json", "--catalog", small)[1]
-
-
 def test_two_catalogues_of_one_name_are_refused(run, small, tmp_path):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "small.yaml").write_text(SMALL)
@@ -251,16 +242,6 @@ def test_all_fits_80_columns(run, args):
     assert status in (0, 1)
     assert out.strip()
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
-
-
-def test_further_columns_take_the_place_of_others_and_break_no_part_number(run):
-    listing_options = ("list", "motors", "--family", "ECX SPEED 13 L", "--where", "winding_time_constant>0 s")
-    parts = parts_of(run(*listing_options, "--json")[1])
-    out = run(*listing_options, "--limit", "99")[1]
-    assert "winding" in out
-    assert "power" in out
-    assert "price" not in out
-    assert all(f" {part} " in out for part in parts)
 
 
 # --- one part, several parts, a text ---------------------------------------------------------------------------------
@@ -298,20 +279,6 @@ def test_where_each_figure_is_from(run, small):
     assert "resistance" not in part["sources"]
 
 
-def test_what_goes_with_a_gearhead(run, small):
-    assert "motors: 4 in 1 family: M 20 (4)" in words(run("show", "G27", "--catalog", small)[1])
-    assert "motors: none is listed; one may still exist" in words(run("show", "G5", "--catalog", small)[1])
-    assert "excluded from sizing by a note" in words(run("show", "M4", "--catalog", small)[1])
-    assert partners(find(open_catalogs([str(small)]), "C50")[0]) == {}
-
-
-def test_the_papers_motor_is_shown_as_the_catalogue_has_it(run):
-    said = words(run("show", "118752")[1])
-    assert "torque constant 23.4 mN·m/A secondary" in said
-    assert "nominal torque 26.3 mN·m secondary" in said and "length 54.5 mm derived" in said
-    assert "GP 26 A (9)" in said
-
-
 def test_parts_side_by_side(run, small):
     status, out, _ = run("compare", "M1", "M2", "--catalog", small)
     assert status == 0
@@ -344,28 +311,6 @@ def test_search(run, small):
 
 
 # --- how complete, how right -----------------------------------------------------------------------------------------
-
-
-def test_stats(run, small):
-    status, out, _ = run("stats", "--catalog", small)
-    assert status == 0
-    assert "4 combinations of motor and gearhead, 1 combination of motor and encoder" in words(out)
-    assert "assigned power 75 %" in words(out)
-    document = json.loads(run("stats", "--catalog", small, "--json")[1])["catalogs"]["small"]
-    assert document["motors"]["known"]["mass"] == 3
-    assert document["motors"]["excluded"] == 1
-    assert document["motors"]["sure"]["recalled"] == 1
-    assert document["encoders"]["sure"] == {"quoted": 0, "secondary": 0, "derived": 0, "recalled": 1}
-
-
-@pytest.mark.parametrize("section", PARTS)
-def test_the_shares_are_those_of_the_catalogue(catalog, section):
-    columns = columns_of(section)
-    counts: dict[str, int] = dict.fromkeys(("quoted", "secondary", "derived", "recalled"), 0)
-    for row in range(len(catalog.table(section))):
-        for name, confidence in catalog.confidence(section, row).items():
-            counts[confidence] += columns[name].kind != "text"
-    assert coverage(catalog, section).sure == counts
 
 
 FAST = """\
@@ -402,20 +347,6 @@ def test_check_lists_unexplained_findings(run, tmp_path):
     status, out, _ = run("check", "--catalog", "fast.yaml")
     assert status == 0
     assert "0 unexplained" in out
-
-
-def test_many_catalogues_fit_80_columns(run, tmp_path):
-    names = [f"a_catalogue_of_{n}" for n in range(7)]
-    for name in names:
-        (tmp_path / f"{name}.yaml").write_text(SMALL)
-    status, out, _ = run("stats", *(word for name in names for word in ("--catalog", f"{name}.yaml")))
-    assert status == 0
-    assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
-    assert "never known: " in out
-    assert (
-        run("show", "M1", "--catalog", "a_catalogue_of_1.yaml", "--catalog", "a_catalogue_of_2.yaml")[1].count("M1 ·")
-        == 2
-    )
 
 
 def test_text_is_not_taken_for_markup(run, tmp_path):
@@ -486,20 +417,6 @@ def test_the_formula_comes_back_as_it_was(run, small):
     assert "M4" not in again.rows
 
 
-@pytest.mark.parametrize("text", ["=1+1", "'=1+1", "''@x", "-5", "'n Sync", "plain", "", "'"])
-def test_apostrophes_go_and_come(text):
-    assert plain(safe(text)) == text
-    assert not safe(text).startswith(("=", "+", "-", "@"))
-
-
-def test_digits_give_the_same_figure_back(catalog):
-    for section in PARTS:
-        for name, column in columns_of(section).items():
-            values = [] if column.kind == "text" else catalog.table(section)[name][::97].tolist()
-            for value in values:
-                assert (digits(value, column) == "") == np.isnan(value)
-
-
 def test_export_to_json(run, small):
     assert run("export", "--catalog", small, "-o", "parts.json")[0] == 0
     document = json.loads(Path("parts.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
@@ -544,29 +461,6 @@ def test_another_programs_table(run, sheet):
     assert source == ("price list: 2024", "secondary", "2024-05", "https://example.org/a#b")
     assert "3.72" in Path("other.yaml").read_text(encoding="utf-8")  # as printed
     assert run("show", "A1", "--catalog", "other.yaml")[0] == 0
-
-
-def test_options_win_over_the_map(run, sheet):
-    options = ("--confidence", "recalled", "--manufacturer", "Third", "--document", "hearsay", "--name", "talk")
-    assert run(*ARGS, "-o", "other.yaml", *options)[0] == 0
-    catalog = load(["other.yaml"])
-    assert catalog.sources[0][:2] == ("hearsay", "recalled")
-    assert set(catalog.motors["manufacturer"]) == {"Third"}
-
-
-def test_a_dry_run_writes_nothing(run, sheet):
-    before = sorted(sheet.iterdir())
-    status, out, _ = run(*ARGS, "--dry-run")
-    assert status == 0
-    assert "3 parts" in out
-    assert run(*ARGS, "--dry-run", "-o", "other.yaml")[0] == 0
-    assert sorted(sheet.iterdir()) == before
-
-
-def test_nothing_is_overwritten(run, sheet):
-    (sheet / "other.yaml").write_text("mine")
-    refused(run, "left alone", *ARGS, "-o", "other.yaml")
-    assert (sheet / "other.yaml").read_text() == "mine"
 
 
 @pytest.mark.parametrize(
@@ -644,32 +538,3 @@ def test_hostile_cells_stay_text(run, tmp_path):
     assert motors["bearing"].tolist() == cells
     assert set(motors["manufacturer"]) == {"true"}
     assert set(motors["family"]) == {"~x: ["}
-
-
-# --- the pieces ------------------------------------------------------------------------------------------------------
-
-
-def test_origins_follow_the_notes(catalog):
-    hit = Hit("maxon", catalog, "motors", catalog.motors.rows["118752"])
-    found = origins(hit)
-    assert (found["length"].confidence, found["mass"].confidence) == ("derived", "secondary")
-    assert set(found) == set(catalog.confidence("motors", hit.row))
-
-
-def test_an_option_that_a_section_lacks():
-    assert option("encoders", "voltage", "24 V") is None
-
-
-def test_the_help_names_every_command(run):
-    status, out, _ = run("-h")
-    assert status == 0
-    for name in ("list", "show", "compare", "search", "stats", "check", "export", "import"):
-        assert f"\n  {name} " in out
-
-
-def test_starting_costs_nothing_for_other_commands():
-    import subprocess
-
-    code = "import sys, drivesizer.cli; print(' '.join(m for m in sys.modules if m.startswith('drivesizer')))"
-    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-    assert not {"drivesizer.catalog", "drivesizer.output.terminal.catalog", "drivesizer.output.report"} & set(loaded)

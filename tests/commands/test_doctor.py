@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
-import time
 from importlib import metadata
 
 import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands import common, doctor
+from drivesizer.commands import doctor
 
 RUN = CliRunner()
 
@@ -86,21 +84,3 @@ def test_an_error_during_the_checks_is_a_finding(monkeypatch):
     monkeypatch.setattr(style, "Drawing", broken)
     found = by_subject(doctor.examined())["report"]
     assert not found.works and "no fonts" in found.found
-
-
-def test_what_takes_long_is_said_to_a_person_alone(monkeypatch, capsys):
-    with common.working("writing the report"):
-        pass
-    assert capsys.readouterr() == ("", "")
-
-    monkeypatch.setattr(common, "_PATIENCE", 0.0)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    out = err = ""
-    with common.working("writing the report"):
-        until = time.monotonic() + 30.0  # s: it is said by a thread, which a busy machine lets wait
-        while "writing the report" not in err and time.monotonic() < until:
-            time.sleep(0.02)
-            told = capsys.readouterr()
-            out, err = out + told.out, err + told.err
-    assert out + capsys.readouterr().out == "" and "writing the report" in err

@@ -4,13 +4,12 @@ import csv
 import io
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from drivesizer.cli import main
-from drivesizer.control.path_following.runs import FollowingRun, follow_case, follow_runs
+from drivesizer.control.path_following.runs import FollowingRun, follow_case
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
@@ -86,61 +85,11 @@ def test_the_same_drives_pass_for_the_path_and_for_the_trapezoid():
             assert theirs[name].status == check.status
 
 
-def test_a_mecanum_wheel_pulls_along_its_rollers():
-    """The floor sees √2 times the force of a plain wheel."""
-    plain = next(o for o in load_cycle(spec_of(VEHICLE, STRAIGHT)).own if o.name == "traction")
-    rolling = 0.02 * 45.0 * 9.80665 * math.cos(math.radians(2.0)) / 4
-    ((_, _, case),) = load_cases(spec_of(VEHICLE, PLATFORM, AHEAD))
-    (slanted,) = load_cycle(case).own
-    assert slanted.demand == pytest.approx(math.sqrt(2.0) * (plain.demand - rolling), rel=1e-6)
-
-
-def test_sideways_and_diagonal():
-    """Sideways all wheels turn as fast as ahead; on the diagonal two turn √2 times as fast and two stand."""
-    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
-    aside = driving(
-        with_trajectory(
-            spec_of(level, PLATFORM, waypoints("x: 0 m, y: 0 m, heading: 0 deg", "x: 0 m, y: 5 m, heading: 0 deg")),
-            None,
-        )
-    )
-    slant = driving(
-        with_trajectory(
-            spec_of(level, PLATFORM, waypoints("x: 0 m, y: 0 m, heading: 0 deg", "x: 5 m, y: 5 m, heading: 0 deg")),
-            None,
-        )
-    )
-    top = 1.4 / 0.0762
-    assert [np.abs(w.cycle.speed).max() for w in aside.wheels] == pytest.approx([top] * 4)
-    assert sorted(np.abs(w.cycle.speed).max() for w in slant.wheels) == pytest.approx(
-        [0.0, 0.0, math.sqrt(2) * top, math.sqrt(2) * top], abs=1e-9
-    )
-
-
 # --- the command's pieces ---------------------------------------------------------------------------------------------
 
 TURNING = waypoints(
     "x: 0 m, y: 0 m, heading: 0 deg", "x: 6 m, y: 0 m, heading: 90 deg, pause: 2 s", "x: 6 m, y: -3 m, heading: 0 deg"
 )
-
-
-def test_work_over_the_path_is_that_of_rolling_resistance():
-    """From rest to rest on a level floor no energy is left: all work goes into rolling, C_rr N r |ω| at each wheel."""
-    level = VEHICLE.replace("slope: 2 deg", "slope: 0 deg")
-    found = driving(with_trajectory(spec_of(level, PLATFORM, TURNING), None))
-    work = rolled = 0.0
-    for wheel in found.wheels:
-        c = wheel.cycle
-        product = c.torque * c.speed
-        work += (
-            float(
-                c.duration
-                @ (product.sum(axis=1) + (c.torque[:, 0] * c.speed[:, 1] + c.torque[:, 1] * c.speed[:, 0]) / 2)
-            )
-            / 3
-        )
-        rolled += 0.02 * 45.0 * 9.80665 / 4 * 0.0762 * float(c.duration @ np.abs(c.speed).mean(axis=1))
-    assert work == pytest.approx(rolled, rel=1e-4)
 
 
 def test_columns_over_time():
@@ -217,15 +166,6 @@ def test_what_is_wrong_is_one_line(folder, drive, changed, expected):
     assert sorted(p.name for p in folder.iterdir()) == before
 
 
-def test_a_wrong_call_writes_nothing(folder, drive):
-    """Neither a set that no catalogue has nor options that do not go together leave a file behind."""
-    before = sorted(p.name for p in folder.iterdir())
-    for wrong in (("--set", "118752/nothing"), ("--figures", "drawn")):
-        status, out, err = drive("--csv", "out.csv", *wrong)
-        assert status == 2 and out == "" and err.count("\n") == 1
-        assert sorted(p.name for p in folder.iterdir()) == before
-
-
 WALKER = """
   wheels:
     - {kind: fixed, x: 0 m, y: 0.3 m}
@@ -269,32 +209,6 @@ def test_explain_looks_at_the_machine_that_was_sized():
     (one,) = explain(spec, best.motor.part, best.gearhead.part)
     assert repr((one.checks, one.budget)) == repr((best.checks, best.budget))
     assert repr((one.encoder, one.controller)) == repr((best.encoder, best.controller))
-
-
-def test_a_drive_that_is_too_heavy_fails_by_the_budget():
-    result = size(spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.99 kg, mass: 45 kg}\n"), top=1)
-    assert not result.sets
-    failed = {c.name for c in result.misses[0].budget if c.status == "fail"}
-    assert {"mass", "mass_sized_for"} <= failed
-    assert result.misses[0].status == "fail" and any("not enough for the machine" in w for w in result.warnings)
-
-
-def test_explain_counts_the_machine_too():
-    text = spec_of(VEHICLE, PLATFORM, AHEAD, "budget: {structure: 44.9 kg, mass: 45 kg}\n")
-    best = size(text, top=1).misses[0]
-    (one,) = explain(text, best.motor.part, best.gearhead.part)
-    assert [c.status for c in one.budget] == [c.status for c in best.budget]
-
-
-def test_cases_keep_their_names(tmp_path: Path):
-    """A further load case of a platform is split into wheels as well; grip is that of the worst."""
-    text = VEHICLE + PLATFORM + TURNING + "cases: [{name: loaded, load: {mass: 60 kg}}]\n"
-    names = [name for _, name, _ in load_cases(spec_of(text))]
-    assert len(names) == 8 and all(n.startswith("wheel") for n in names[:4])
-    assert all(n.startswith("loaded, wheel") for n in names[4:])
-    best = size(spec_of(text), top=1)
-    shown = (*best.sets, *best.misses)[0]
-    assert next(c for c in shown.budget if c.name == "grip_motion").case in ("as specified", "loaded")
 
 
 def test_the_energy_of_a_path_is_summed_over_its_wheels():
@@ -348,26 +262,6 @@ def test_what_cannot_be_driven_any_more(failed, expected):
         driving(with_trajectory(spec_of(VEHICLE, PLATFORM, TURNING), None, failed))
 
 
-def test_omni_wheels_that_all_roll_ahead_hold_no_platform():
-    places = ", ".join(
-        f"{{kind: omni, x: {x} m, y: {y} m}}" for x, y in ((0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2))
-    )
-    text = PLATFORM.replace("layout: {kind: mecanum, wheelbase: 477 mm, track: 270 mm}", f"wheels: [{places}]")
-    with pytest.raises(InputError, match="driven wheels at rest") as error:
-        spec_of(VEHICLE, text, AHEAD)
-    assert str(error.value).count("\n") == 0
-
-
-def test_a_wheel_that_lifts_off_is_reported(drive, folder):
-    """The centre of mass lies before the front axle: the rear wheels carry nothing, and no friction holds them."""
-    text = (folder / "robot.yaml").read_text().replace("centre_of_mass: {", "centre_of_mass: {x: 300 mm, ")
-    (folder / "robot.yaml").write_text(text)
-    status, out, _ = drive()
-    assert status == 1 and out.count("lifts off") == 2
-    found = json.loads(drive("--json")[1])
-    assert [w["grip_N"] for w in found["wheels"][2:]] == [0.0, 0.0]
-
-
 @pytest.mark.slow
 def test_the_spec_says_how_soft_the_loops_are(folder):
     """A proportional loop lags by torque over gain, 0.168 N·m over 2 N·m·s/rad, for 12 s; an integral takes it away."""
@@ -381,14 +275,6 @@ def test_the_spec_says_how_soft_the_loops_are(folder):
         assert run.planned.posture[0, -1] - run.posture[0, -1] == pytest.approx(behind, rel=0.02, abs=lag / 10)
     with pytest.raises(InputError, match="speed_integral: a speed_loop P has none"):
         spec_of(level, PLATFORM, soft.replace("P,", "P, speed_integral: 1 N*m/rad,"), AHEAD)
-
-
-def test_a_platform_that_tips_over_is_not_followed():
-    """By hand: 0.7 m/s² · 3.5 m / 9.80665 m/s² = 249.83 mm, where the wheels stand 238.5 mm from the centre."""
-    tall = PLATFORM.replace("height: 0 mm", "height: 3.5 m")
-    spec = spec_of(VEHICLE.replace("slope: 2 deg", "slope: 0 deg"), tall, AHEAD)
-    with pytest.raises(InputError, match=r"platform\.centre_of_mass: the platform tips over .* 11\.33 mm beyond its"):
-        follow_runs(driving(spec), None)
 
 
 # --- the speed that a drive permits in each direction -----------------------------------------------------------------
@@ -474,23 +360,3 @@ def test_a_long_path_at_the_permitted_speed_takes_the_whole_voltage():
     (drive,) = explain(spec_of(text.replace("1.5 m/s, acceleration: 0.75", f"{speed} m/s, acceleration: 0.01")), *SET)
     check = next(c for c in drive.checks if c.name == "supply_voltage")
     assert check.margin == pytest.approx(0.0, abs=0.02) and check.limit == pytest.approx(18.9)
-
-
-def test_a_differential_drive_goes_ahead_and_back():
-    wheels = PAPER[PAPER.index("  wheels:") : PAPER.index("  inertia: 2.34")]
-    text = PAPER.replace(wheels, "  layout: {kind: differential, track: 400 mm}\n  casters: [{x: 300 mm, y: 0 mm}]\n")
-    text = text.replace("driven_wheels: 4", "driven_wheels: 2").replace("y: 3 m", "y: 0 m")
-    found = speeds_of(text, *SET)
-    assert list(found.speed) == [0]  # the other wheel alone does not hold it
-    known = found.direction[~np.isnan(found.speed[0])]
-    assert known.tolist() == [0, 180] and found.at(0)[0] == found.at(180)[0]
-
-
-def test_the_speeds_are_printed(drive, folder):
-    (folder / "robot.yaml").write_text(PAPER)
-    out = drive("--set", "/".join(SET))[1]
-    assert "1.5 m/s, as in the spec, is not permitted in " in out
-    assert "without 4" in out and "45 °" in out and "limited by motor voltage, cold and hot" in out.lower()
-    document = json.loads(drive("--set", "/".join(SET), "--json")[1])["permitted_speeds"]
-    ahead = [s for s in document["speeds"] if s["direction_deg"] == 0]
-    assert [s["failed_wheel"] for s in ahead] == [None, 1, 2, 3, 4]

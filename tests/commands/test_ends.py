@@ -12,16 +12,14 @@ from types import SimpleNamespace
 
 import pytest
 import yaml
-from small_catalogue import CATALOGUE, MAP, TABLE
+from small_catalogue import CATALOGUE
 from starters import STARTERS
 
 from drivesizer import cli
 from drivesizer.commands import ends
 from drivesizer.errors import InputError
-from drivesizer.files.cache import keep
 from drivesizer.files.writing import check_targets, new, write_files
 from drivesizer.output.export import files, one_axis
-from drivesizer.output.terminal.tables import console
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="devices, pipes and signals of another kind")
 
@@ -160,28 +158,6 @@ def test_a_new_file_is_whole_or_not_there(folder):
     assert Path("new.yaml").read_bytes() == b"x"
 
 
-def test_a_new_file_has_its_name_only_when_it_is_complete(folder, monkeypatch):
-    """Stopped before that nothing is left; without hard links, as on a FAT stick, it is written all the same."""
-
-    def stopped(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "hardlink_to", stopped)
-    with pytest.raises(KeyboardInterrupt):
-        new(Path("new.yaml"), b"x")
-    with pytest.raises(KeyboardInterrupt), monkeypatch.context() as patched:
-        patched.setattr(Path, "replace", stopped)
-        keep(Path("kept/parts-1.bin"), b"x")
-    assert not Path("new.yaml").exists() and not list(Path("kept").iterdir())
-
-    def refused(*_):
-        raise OSError(errno.EPERM, "Operation not permitted")
-
-    monkeypatch.setattr(Path, "hardlink_to", refused)
-    new(Path("new.yaml"), b"x")
-    assert Path("new.yaml").read_bytes() == b"x" and not list(folder.glob(".drivesizer*"))
-
-
 # --- ends -------------------------------------------------------------------------------------------------------------
 
 
@@ -221,29 +197,6 @@ def test_letters_that_a_stream_lacks_are_written_out(monkeypatch):
         assert out.buffer.getvalue().decode() == "20 \\xb0C\n"
 
 
-def test_no_columns_are_80(monkeypatch):
-    monkeypatch.setenv("COLUMNS", "0")
-    assert console().width == 80
-
-
-def test_python_without_docstrings_is_one_line(run, monkeypatch):
-    monkeypatch.setattr(sys, "flags", SimpleNamespace(optimize=2))
-    status, out, err = run("equations")
-    assert (status, out, err.count("\n")) == (2, "", 1) and "PYTHONOPTIMIZE=2" in err
-
-
-def test_an_import_is_written_before_its_reader_can_go_away(run, monkeypatch):
-    def gone(*_, **__):
-        raise BrokenPipeError
-
-    monkeypatch.setattr("drivesizer.output.terminal.findings.imported", gone)
-    Path("parts.csv").write_text(TABLE)
-    Path("map.yaml").write_text(MAP)
-    words = ("catalog", "import", "parts.csv", "--section", "motors", "--map", "map.yaml", "-o", "new.yaml")
-    assert run(*words) == (0, "", "")
-    assert "M 16" in Path("new.yaml").read_text(encoding="utf-8")
-
-
 def test_an_fmu_in_a_year_that_zip_files_do_not_know_is_one_line(monkeypatch):
     monkeypatch.setattr("time.time", lambda: 86_400.0)
     train = SimpleNamespace(motor_inertia=1e-6)
@@ -279,39 +232,3 @@ main()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
-
-
-def test_ctrl_c_between_the_commands_own_lines_is_quiet():
-    """Before a command begins, a second one while the first is dealt with, and while Python puts things away."""
-    code = """
-import atexit, os, signal, drivesizer.cli
-signal.signal(signal.SIGINT, signal.default_int_handler)
-atexit.register(os.kill, os.getpid(), signal.SIGINT)
-def run():
-    WHAT
-drivesizer.cli.main = run
-from drivesizer.__main__ import main
-main()
-"""
-    for what in ("raise KeyboardInterrupt", "pass"):
-        call = [sys.executable, "-c", code.replace("WHAT", what)]
-        done = subprocess.run(call, capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
-
-
-def test_closed_streams_are_no_fault(folder):
-    command = f"{sys.executable} -m drivesizer size -q --csv a.csv >&- 2>&-"
-    assert subprocess.run(["bash", "-c", command], check=False).returncode == 0
-    assert Path("a.csv").read_text().startswith("list,rank,status")
-
-
-def test_a_lock_that_cannot_be_written_is_one_line(tmp_path, monkeypatch):
-    from drivesizer.study.store import locked
-
-    def full(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(os, "open", full)
-    said = r"lock: cannot be written or locked \(no space left on device\)"
-    with pytest.raises(InputError, match=said), locked(tmp_path):
-        pass

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from drivesizer import cli
-from drivesizer.commands.setup import MACHINES, starter
+from drivesizer.commands.setup import starter
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.terminal.sizing import machine_sizing
@@ -35,14 +34,6 @@ def called(*words: object, columns: int = 80) -> tuple[int, str]:
     return found.exit_code, found.output
 
 
-@pytest.mark.parametrize("name", MACHINES)
-def test_every_machine_that_starts_is_read(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "machine.yaml"
-    assert called("init", "--kind", name, "-o", path)[0] == 0
-    machine = load_machine(path)
-    assert len(machine.axes) > 1 and machine.name.startswith("my ")
-
-
 def test_kind_machine_is_the_gantry() -> None:
     assert starter("machine") == starter("gantry")
 
@@ -53,12 +44,6 @@ def test_size_prints_every_axis_and_one_parts_list_within_80_columns(leg: Path) 
     assert all(word in text for word in ("hip", "knee", "total", "2 ×", "hip, knee", f"validate {leg}"))
     table = text.split("next:")[0]
     assert max(map(len, table.splitlines())) <= 80
-
-
-def test_gearheads_of_the_parts_list_have_their_reduction(leg: Path) -> None:
-    lines = [line.rstrip() for line in called("size", leg)[1].splitlines()]
-    gearheads = [line for line in lines if re.match(r"[0-9]+ ×  gearhead", line)]
-    assert gearheads and all(re.search(r" [0-9.]+:1( |$)", line) for line in gearheads)
 
 
 def test_json_has_the_document_of_every_axis(leg: Path) -> None:

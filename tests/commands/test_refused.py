@@ -9,15 +9,13 @@ import yaml
 from small_catalogue import CATALOGUE, MAP, TABLE
 from starters import STARTERS
 
-from drivesizer.catalog import load, shipped
+from drivesizer.catalog import load
 from drivesizer.catalog.importing import import_table, plan
 from drivesizer.errors import CatalogError, DrivesizerError, InputError
 from drivesizer.files.yaml_source import YamlSource, read
 from drivesizer.results.check_columns import at_most
-from drivesizer.sizing import explained, size
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec, read_spec
-from drivesizer.units import KINDS
-from drivesizer.units.kinds import RANGES
 
 FLYWHEEL = (STARTERS / "flywheel.yaml").read_text(encoding="utf-8")
 
@@ -94,17 +92,6 @@ def test_a_name_that_leads_nowhere_is_one_line(name, tmp_path):
 # --- figures that no machine has --------------------------------------------------------------------------------------
 
 
-def test_every_kind_of_quantity_has_its_range():
-    assert RANGES.keys() == KINDS.keys()
-    assert all(0.0 < least < most for least, most in RANGES.values())
-
-
-def test_all_that_ships_lies_inside(tmp_path, monkeypatch):
-    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path))  # nothing compiled before
-    for name in ("anaheim", "allied_motion"):  # with resistances of 0 and the least of currents
-        assert name in shipped() and len(load([name]).motors)
-
-
 @pytest.mark.parametrize(
     ("was", "put", "said"),
     [
@@ -173,15 +160,6 @@ def test_a_fan_too_heavy_for_every_motor_has_no_set(shelf):
 def test_what_grows_without_end_has_no_margin():
     check = at_most("supply_power", 1e-300, 1e300).at((), "physics")
     assert (check.status, check.margin) == ("pass", pytest.approx(float("nan"), nan_ok=True))
-
-
-def test_an_unknown_ratio_is_null(shelf):
-    from drivesizer.output.json import documents as json_documents
-
-    text = CATALOGUE.replace('"27:1", 3249/121', "~, ~")
-    (shelf / "own.yaml").write_text(text)
-    document = json_documents.as_text(json_documents.explanation(explained(load_spec(fan(shelf)), "m1", "g2")))
-    assert '"total_ratio": null' in document
 
 
 # --- maps, studies ----------------------------------------------------------------------------------------------------

@@ -68,14 +68,6 @@ def test_typer_judges_no_number_and_no_file(command):
         assert Path not in kinds or not given.readable, name
 
 
-def test_a_file_that_may_not_be_read_is_named_and_one_to_write_is_written(run, example, tmp_path, monkeypatch):
-    """To root all may be read: the system's own word is replaced."""
-    monkeypatch.setattr(os, "access", lambda path, mode, **_: mode != os.R_OK)
-    (tmp_path / "out.csv").write_text("older")
-    assert run("size", example, "-q", "--csv", tmp_path / "out.csv")[0] == 0
-    assert (tmp_path / "out.csv").read_text() != "older"
-
-
 def test_what_a_terminal_obeys_is_written_out(run):
     status, _, err = run("size", "--\x1b[31m")
     assert status == 2 and r'size: "--\x1b[31m" is no option; expected --top' in err

@@ -20,7 +20,7 @@ from drivesizer.control.drive_train import Regime, drive_train, modes
 from drivesizer.control.engine import Drive, Resolution, Supply, Task, simulate
 from drivesizer.control.gains import CascadeRequirements, design, design_cascade
 from drivesizer.control.loop_design import analyse, designed
-from drivesizer.control.validation import Rates, rates
+from drivesizer.control.validation import rates
 from drivesizer.errors import InputError
 from drivesizer.output.export import export_of
 from drivesizer.physics.counted_speed import Counts
@@ -166,14 +166,6 @@ def test_gains_that_counts_drive_into_the_limits_fail(spec, chosen):
     assert named["supply_voltage"].demand > loud.kp * 2 * math.pi / (EDGES * 4e-4) > 20.0
 
 
-def test_a_loop_runs_at_the_required_rate(spec, chosen):
-    _, gains, _ = designed(controlled(spec, rate=1000.0), chosen)
-    assert gains.period == 1e-3
-    _, cascade, _ = designed(controlled(spec, rate=1000.0, structure="cascade", position={}), chosen)
-    assert (cascade.current_period, cascade.velocity_period, cascade.position_period) == (4e-5, 1e-3, 1e-3)
-    assert rates(None, 500.0)[0] == pytest.approx(Rates(2e-4, 2e-3, 2e-3))
-
-
 # --- margins that are stated
 
 
@@ -230,9 +222,3 @@ def test_gains_for_ros2_control_are_stable_at_the_rate_that_the_file_states(spec
     A = np.array([[1.0, 0.0, 1.0], [-T, 1.0, 0.0], [-p - i * T, i, 0.0]])
     assert np.abs(np.linalg.eigvals(A)).max() < 1.0
     assert pytest.approx(1.0 / (rate or 2500.0)) == T
-
-
-def test_resonance_is_reported_for_given_gains(spec, chosen):
-    soft = controlled(spec, Plant(model="two_mass", stiffness="60 N*m/rad"), kp=0.5, ki=5.0)
-    proof = validate(soft, chosen)
-    assert any("swings against" in said for said in proof.warnings)

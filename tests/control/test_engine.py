@@ -10,7 +10,6 @@ import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive, saturated_by_solver
 from scipy.integrate import solve_ivp
 
-from drivesizer.control import engine
 from drivesizer.control.drive_train import Regime, columns, discretised, drive_train, generators, modes
 from drivesizer.control.engine import (
     CurrentLimit,
@@ -19,10 +18,7 @@ from drivesizer.control.engine import (
     Resolution,
     Supply,
     Task,
-    laps,
-    sample_loop,
     simulate,
-    simulate_many,
 )
 from drivesizer.control.gains import design
 from drivesizer.control.loop_models import from_error, voltage_open_loop
@@ -185,17 +181,6 @@ def test_energy_balance(more):
     assert s["motor_speed"].max() > 350.0
 
 
-def test_half_the_period_changes_little():
-    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
-    task = Task(time=(0.0, 0.4, 0.8, 1.2), speed=(0.0, 40.0, 40.0, 0.0))
-    found = [
-        simulate(Drive(train=m, controller=gains(kp=0.02, ki=0.3, period=h), supply=Supply(voltage=24.0)), task)
-        for h in (2e-4, 1e-4)
-    ]
-    for name, share in (("rms_current", 1e-3), ("energy_in", 1e-3), ("current", 0.02), ("speed", 1e-3)):
-        assert figure(found[0], name) == pytest.approx(figure(found[1], name), rel=share)
-
-
 def test_bus_sags_by_its_resistance():
     m = machine(stiction=1.0, inductance=5e-3)
     supply = Supply(voltage=24.0, resistance=0.3, sets=4, max_duty=0.9, voltage_drop=1.0)
@@ -246,53 +231,6 @@ def test_a_gap_is_crossed_without_torque():
 
 
 # --- many, long, wrong
-
-
-def test_many_are_as_one_by_one_and_threads_do_not_matter():
-    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
-    heat = MotorHeat(bodies=MOTOR, ambient=298.15)
-    drives = [
-        Drive(train=replace(m, resistance=2.32 + 0.01 * n), controller=gains(kp=0.02 + 1e-3 * n, ki=0.3),
-              supply=Supply(voltage=12.0), heat=heat if n % 3 == 0 else None)
-        for n in range(10)
-    ]  # fmt: skip
-    task = Task(time=(0.0, 0.2, 0.4), speed=(0.0, 40.0, 0.0))
-    one, two = (simulate_many(drives, task, threads=n) for n in (1, 2))
-    for name, column in one.figures.items():
-        assert column.tobytes() == two.figures[name].tobytes()
-        single = np.array([simulate(d, task).figures[name][0] for d in drives])
-        # matrices of a block share the number of squarings: the last digits may differ
-        assert column == pytest.approx(single, rel=1e-9, abs=1e-9, nan_ok=True)
-
-
-def test_plain_python_gives_the_same(monkeypatch):
-    m = machine(friction=1e-3, stiffness=60.0, damping=0.02, gap=1e-3)
-    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=12.0))
-    task = Task(time=(0.0, 0.1, 0.2), speed=(0.0, 40.0, 0.0))
-    fast = simulate(drive, task)
-    monkeypatch.setattr(engine, "machine_code", lambda _: sample_loop.simulate_one)
-    slow = simulate(drive, task)
-    for name, column in fast.figures.items():
-        assert column == pytest.approx(slow.figures[name], rel=1e-6, abs=1e-9, nan_ok=True)
-
-
-@pytest.mark.parametrize("heat", [None, MotorHeat(bodies=MOTOR, ambient=298.15)])
-def test_cycles_that_repeat_are_added(heat, monkeypatch):
-    m = machine(friction=2e-2, forward_torque=0.3, backward_torque=-0.3)
-    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0), heat=heat)
-    task = Task(time=(0.0, 0.2, 0.8, 1.0, 2.0), speed=(0.0, 30.0, 30.0, 0.0, 0.0), cycles=60)
-    added = simulate(drive, task)
-    for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
-        monkeypatch.setattr(laps, name, -1.0)  # nothing repeats
-    simulated = simulate(drive, task)
-    assert figure(added, "steps") < 0.1 * figure(simulated, "steps")
-    for name in ("time", "rms_current", "energy_in", "copper_heat", "speed_error_square", "angle"):
-        assert figure(added, name) == pytest.approx(
-            figure(simulated, name), rel=(0.01 if "square" in name else 5e-3) if heat else 1e-6
-        )
-    if heat:
-        for name in ("winding", "winding_highest", "housing"):
-            assert figure(added, name) == pytest.approx(figure(simulated, name), abs=0.3)  # K of a rise of 129
 
 
 def test_unstable_gains_come_to_an_end():

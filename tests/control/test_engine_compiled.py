@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from types import FunctionType
 
 import numpy as np
 import pytest
@@ -12,7 +11,7 @@ import pytest
 from drivesizer.control.open_loop import kernel as stepper
 from drivesizer.control.open_loop import run
 from drivesizer.files import machine_code
-from drivesizer.files.machine_code import SlowWarning, all_kernels, files_of
+from drivesizer.files.machine_code import SlowWarning, all_kernels
 
 KERNELS = {one.functions[-1].__name__: one for one in all_kernels()}
 MOTION = run.Motion(time=(0.0, 0.01, 0.02), speed=(0.0, 8.0, 0.0))
@@ -36,27 +35,6 @@ def test_every_kernel_is_translated_as_its_sources_are(kernel):
     assert kernel.kept
     name = kernel.functions[-1].__name__
     assert list(kernel.library.parent.glob(f"{name}-*.so")) == [kernel.library]
-
-
-def test_the_library_s_name_is_made_of_every_file(kernel, tmp_path, monkeypatch):
-    sources = files_of(kernel)
-    names = {kernel.library.name}
-    for n, path in enumerate(sources):
-        changed = tmp_path / f"{n}.py"
-        changed.write_text(path.read_text() + "#")
-        now = [*sources[:n], changed, *sources[n + 1 :]]
-        monkeypatch.setattr(machine_code, "files_of", lambda _, now=now: now)
-        names.add(kernel.library.name)
-    assert len(names) == 1 + len(sources)
-
-
-def test_every_function_that_is_called_is_in_a_file_that_is_compiled(kernel):
-    codes = {function.__code__ for function in kernel.functions}
-    assert {code.co_filename for code in codes} <= {str(path) for path in files_of(kernel)}
-    called = {name for code in codes for name in code.co_names}
-    known = {name: what for module in kernel.modules for name, what in vars(module).items()}
-    ours = {known[name] for name in called & known.keys() if isinstance(known[name], FunctionType)}
-    assert {function.__code__ for function in ours} <= codes
 
 
 def test_no_compiler_is_loaded_to_run_it():
@@ -84,10 +62,3 @@ def test_what_has_changed_is_translated_anew(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [library]
     monkeypatch.setattr(run, "machine_code", lambda _: anew)
     assert moved() == by_machine_code
-
-
-def test_an_array_of_another_kind_is_refused():
-    turn = machine_code.machine_code(stepper.KERNEL)
-    for wrong in (np.zeros(3, np.int64), np.zeros((3, 2)), np.zeros(6)[::2]):
-        with pytest.raises(TypeError, match=r"expected float64 and 1"):
-            turn(wrong, *[np.zeros(3)] * 4, 0.0, 0.0, 1.0)

@@ -132,21 +132,6 @@ def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
 # --- a million corners
 
 
-@pytest.mark.parametrize("given", [tuple, np.asarray])
-def test_corners_on_a_straight_line_change_nothing(given):
-    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
-    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.3), supply=Supply(voltage=24.0))
-    few = Task(time=(0.0, 4.0, 6.0, 10.0), speed=(0.0, 40.0, 40.0, 5.0), load_time=(0.0, 10.0), load_torque=(0.0, 0.1))
-    time = np.linspace(0.0, 10.0, 1_000_001)  # 40 to a sample
-    many = Task(
-        time=given(time), speed=given(np.interp(time, few.time, few.speed)), load_time=given(time),
-        load_torque=given(0.01 * time),
-    )  # fmt: skip
-    one, other = simulate(drive, few), simulate(drive, many)
-    for name in ("rms_current", "energy_in", "speed_error", "gear_torque", "angle", "current"):
-        assert figure(other, name) == pytest.approx(figure(one, name), rel=1e-6)
-
-
 # --- backlash
 
 CASCADE = Cascade(

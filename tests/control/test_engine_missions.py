@@ -74,18 +74,6 @@ def test_the_current_s_integral_grows_through_cycles_that_are_added(change, monk
 
 
 @pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
-def test_the_current_s_integral_fills_in_the_same_cycle(encoder, monkeypatch):
-    limit = CurrentLimit(peak=6.0, continuous=1.2, peak_time=2.0)
-    drive = replace(COUNTED, current=limit, encoder=encoder)
-    task = replace(CYCLE, time=(0.0, 0.1, 0.9, 1.0, 2.0), cycles=60)
-    added, simulated = simulate(drive, task), all_simulated(monkeypatch, drive, task)
-    assert figure(added, "i2t_share") == pytest.approx(1.0, abs=2e-3)
-    for name in ("time_at_current_limit", "rms_current", "copper_heat"):
-        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3)
-    assert figure(added, "angle_error") == pytest.approx(figure(simulated, "angle_error"), rel=0.02)
-
-
-@pytest.mark.parametrize("encoder", [Resolution(), Resolution(edges=2000, periods=4)], ids=["exact", "counted"])
 def test_a_mission_with_long_stretches(encoder):
     """80 min at cruise, four times: the current of each stretch is known, and the temperatures it settles at."""
     drive = replace(COUNTED, encoder=encoder, train=replace(SET, forward_torque=0.15, backward_torque=-0.15))
@@ -103,31 +91,7 @@ def test_a_mission_with_long_stretches(encoder):
     assert figure(run, "steps") < 0.01 * figure(run, "time") / SERVO.current_period
 
 
-def test_a_stretch_is_as_if_it_were_simulated(monkeypatch):
-    task = Task(time=(0.0, 0.2, 12.2, 12.4, 13.0), speed=(0.0, 31.7, 31.7, 0.0, 0.0))
-    added = simulate(COUNTED, task)
-    monkeypatch.setattr(laps, "_LAPS", 1e9)  # nothing is long
-    simulated = simulate(COUNTED, task)
-    assert figure(added, "steps") < 0.8 * figure(simulated, "steps")
-    for name in (*MET, "energy_in"):
-        assert figure(added, name) == pytest.approx(figure(simulated, name), rel=5e-3), name
-    for name in ("winding", "housing"):
-        assert figure(added, name) == pytest.approx(figure(simulated, name), abs=0.05)  # K of 15
-    assert figure(added, "angle") == pytest.approx(figure(simulated, "angle"), abs=0.05)
-    assert figure(added, "voltage_demand") == pytest.approx(figure(simulated, "voltage_demand"), rel=0.05)
-
-
 def test_a_counted_drive_at_rest_within_its_count_is_carried():
     run = simulate(COUNTED, Task(time=(0.0, 0.5, 1.0, 3601.0), speed=(0.0, 30.0, 0.0, 0.0)))
     assert figure(run, "steps") < 0.01 * 3601.0 / SERVO.current_period
     assert run.series["motor_speed"][-1] == 0.0
-
-
-def test_a_lag_that_grows_goes_on_growing(monkeypatch):
-    """A load that the current does not carry: what is added of the cycles is as if they were simulated."""
-    drive = replace(COUNTED, heat=None, encoder=Resolution(), current=CurrentLimit(peak=1.5))
-    task = replace(CYCLE, time=(0.0, 0.1, 0.9, 1.0, 1.2), speed=(10.0, 40.0, 40.0, 10.0, 10.0))
-    added, simulated = simulate(drive, task), all_simulated(monkeypatch, drive, task)
-    assert figure(simulated, "angle_error") > 100.0
-    assert figure(added, "angle_error") == pytest.approx(figure(simulated, "angle_error"), rel=0.01)
-    assert figure(added, "angle_error_square") == pytest.approx(figure(simulated, "angle_error_square"), rel=0.02)

@@ -17,7 +17,6 @@ from drivesizer.physics.stepper import start_speed
 
 T, J, P = 0.5, 1e-4, 50.0
 FULL = 2.0 * math.pi / 200.0
-FAST = Motion(time=(0.0, 0.2, 0.3, 0.5, 0.6), speed=(0.0, 70.0, 70.0, 0.0, 0.0))
 MOVE = Motion(time=(0.0, 0.05, 0.3, 0.35, 0.6), speed=(0.0, 20.0, 20.0, 0.0, 0.0))
 
 
@@ -132,23 +131,6 @@ def test_friction_holds_the_rotor_where_it_stops() -> None:
 # --- numbers
 
 
-CASES = {
-    "full steps": {"microstep": FULL, "damping_ratio": 0.1},
-    "fine steps": {"damping_ratio": 0.1},
-    "friction": {"microstep": FULL / 4.0, "forward_torque": 0.1, "backward_torque": -0.1},
-    "gears": {"microstep": FULL / 8.0, "forward_torque": 0.1, "backward_torque": 0.05, "rest_torque": 0.08,
-              "ratio": 3.0, "efficiency": 0.8, "load_inertia": 3e-4, "damping_ratio": 0.1},
-    "falling torque": {"torque": np.linspace(T, 0.2, 9), "microstep": FULL / 16.0},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_half_the_step_changes_less_than_a_thousandth(name: str) -> None:
-    coarse, fine = (simulate(stepper(**CASES[name]), MOVE, per_swing=n).figures for n in (64, 128))
-    for figure in ("lag", "error", "speed", "end_lag"):
-        assert coarse[figure] == pytest.approx(fine[figure], rel=1e-3, abs=1e-3 * coarse["lag"]), figure
-
-
 @pytest.mark.parametrize("microsteps", [1, 8])
 def test_scipy_s_integrator_on_the_same_equations(microsteps: int) -> None:
     """DOP853 from pulse to pulse, of a motor whose torque falls with the speed, with inertia, load and damping."""
@@ -180,17 +162,6 @@ def test_scipy_s_integrator_on_the_same_equations(microsteps: int) -> None:
     assert found.figures["end_error"] == pytest.approx(last - y[0], abs=1e-6)
     assert found.series["motor_speed"][-1] == pytest.approx(y[1], abs=1e-3)  # rad/s of 12
     assert found.figures["lag"] == pytest.approx(most, rel=1e-3)
-
-
-def test_a_ramp_stands_for_pulses_that_come_fast(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Microsteps of 1/16 beyond 256 a swing are a ramp: as if each were a pulse."""
-    one = stepper(microstep=FULL / 16.0, damping_ratio=0.1)
-    ramp = simulate(one, FAST)
-    monkeypatch.setattr(run, "_RAMP", math.inf)
-    pulses = simulate(one, FAST)
-    assert ramp.figures["steps"] < 0.8 * pulses.figures["steps"]
-    assert ramp.figures["end_error"] == pytest.approx(pulses.figures["end_error"], abs=1e-5)
-    assert ramp.figures["lag"] == pytest.approx(pulses.figures["lag"], rel=0.01)
 
 
 def test_a_motion_of_days_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,6 @@ import pytest
 from platforms import MASS, RADIUS, WHEEL, differential, mecanum, omni_three
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.path_following import following, kernel_loop
 from drivesizer.control.path_following.following import drive
 from drivesizer.control.path_following.slip import Contact, grip, grip_slope
 from drivesizer.errors import InputError
@@ -173,32 +172,6 @@ def test_a_tolerance_is_kept(tolerance):
     assert np.abs(drive(p, given, period=5e-3, tolerance=tolerance).velocity - exact).max() < 2.0 * tolerance
 
 
-STILL = [
-    (replace(mecanum(rolling_resistance=0.02), x=0.05, y=-0.03), [0.9, 0.4, -0.3, 0.8], (0.6, 0.3, 0.4)),
-    (replace(differential(inertia=0.02, rolling_resistance=0.02), x=0.06), [1.2, 0.5], (0.5, 0.0, 0.4)),
-    (replace(omni(), x=-0.02, y=0.04), [0.5, -0.3, 0.2], (0.4, 0.2, -0.6)),
-]
-
-
-@pytest.mark.parametrize(("p", "torques", "start"), STILL, ids=["mecanum", "differential", "omni"])
-def test_stiff_tyres_are_the_model_without_slip(p, torques, start):
-    d, ground = dynamics(p), Ground(slope=0.04, uphill=1.0)
-
-    def rates(_, y):
-        c, s = math.cos(y[2]), math.sin(y[2])
-        eta = y[3:]
-        rate = acceleration(d, eta, torques, theta=y[2], ground=ground)
-        return [c * eta[0] - s * eta[1], s * eta[0] + c * eta[1], eta[2], *rate]
-
-    found = drive(p, np.array(torques)[:, None] * np.ones((len(torques), 500)), period=1e-3, velocity=start,
-                  contact=replace(STIFF, turnround=1e-6), ground=ground, tolerance=1e-7)  # fmt: skip
-    theirs = solve_ivp(rates, (0.0, 0.5), [0.0, 0.0, 0.0, *start], rtol=1e-10, atol=1e-12).y[:, -1]
-    ours = np.concatenate([found.posture[:, -1], found.velocity[:, -1]])
-    assert np.abs(theirs[3:] - start).max() > 0.05
-    assert ours == pytest.approx(theirs, abs=2e-6)
-    assert found.speeds[:, -1] == pytest.approx(d.kinematics.E @ found.velocity[:, -1], abs=1e-4)
-
-
 def test_loads_are_those_of_the_acceleration():
     p = replace(mecanum(), height=0.25, x=0.04)
     found = drive(p, np.array([[1.5], [1.5], [1.0], [1.2]]) * np.ones((4, 300)), period=1e-4, tolerance=1e-9)
@@ -267,16 +240,6 @@ def test_a_wheel_that_lifts_off_carries_nothing():
     assert found.load[:2, 50] == pytest.approx([0.0, 0.0])  # in front
     assert found.traction[:2, 50] == pytest.approx([0.0, 0.0])
     assert (found.load >= 0.0).all()
-
-
-def test_compiled_or_not_the_figures_are_the_same(monkeypatch):
-    p, torques = SMALL[1]
-    given = np.array(torques)[:, None] * np.ones((2, 40))
-    fast = drive(p, given, period=2e-3, velocity=(0.3, 0.0, 0.5))
-    monkeypatch.setattr(following, "machine_code", lambda _: kernel_loop.follow_one)
-    slow = drive(p, given, period=2e-3, velocity=(0.3, 0.0, 0.5))
-    for name in ("posture", "speeds", "load", "lost"):
-        assert getattr(slow, name) == pytest.approx(getattr(fast, name), rel=1e-11, abs=1e-13)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from drivesizer.spec.robot import read_spec
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "docs"))
 
-from blocks import Shell, blocks, commands, renewed, shown, written  # noqa: E402
+from blocks import Shell, blocks, commands, shown, written  # noqa: E402
 
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 LANGUAGES = {"bash", "text", "python", "yaml", "csv", "sh"}  # sh: commands that are run each alone
@@ -98,46 +98,6 @@ def test_lines_of_code_fit_the_page():
         for block in blocks(text_of(page)):
             if page.name not in ("catalogues.md", "loads.md") and block.language in ("yaml", "python"):
                 assert max(map(len, block.text.splitlines())) <= 92, f"{page.name}:{block.line}"
-
-
-# --- the comparison itself
-
-
-SAYS = "a 1\nb 2\nc 3\nd 4\n"
-
-
-@pytest.mark.parametrize("block", [SAYS, "a 1\n...\nd 4\n", "...\nb 2\nc 3\n...\n", "a 1\n...\n", "...\nd 4\n"])
-def test_a_block_that_is_what_was_printed(block):
-    assert shown(block, SAYS) == ""
-
-
-@pytest.mark.parametrize(
-    "block",
-    ["a 1\nb 2\nc 3\n", "b 2\nc 3\nd 4\n", "a 1\nb 9\nc 3\nd 4\n", "a 1\n...\nd 5\n", "a 1\n...\nb 2\n",
-     "...\nc 3\nb 2\n...\n", "a 1\n...\nc 3\n...\nb 2\n...\n", "e\n...\n", SAYS + "e 5\n"],
-)  # fmt: skip
-def test_a_block_that_is_not(block):
-    assert shown(block, SAYS) != ""
-
-
-def test_a_block_is_brought_up_to_date():
-    now = "a 7\nb 8\nc 9\nd 0\n"
-    for block in (SAYS, "a 1\n...\nd 4\n", "...\nb 2\nc 3\n...\n", "a 1\n...\n"):
-        assert shown(block, now) != "" and shown(renewed(block, now), now) == ""
-
-
-def test_a_status_other_than_the_page_says_is_told(tmp_path):
-    page = "```bash\ndrivesizer size\n```\n"
-    with pytest.raises(ValueError, match="exit status 2"):
-        written(page, tmp_path, lambda *_: None)
-    written(page.replace("size\n", "size    # exit status 2\n"), tmp_path, lambda *_: None)
-
-
-def test_a_command_that_the_project_has_not_is_told(tmp_path):
-    for command in ("make coffee", "pip install motors", "rm -r /"):
-        with pytest.raises(ValueError, match="no command"):
-            Shell(tmp_path).run(command)
-    assert Shell(tmp_path).run("make run").status == 0
 
 
 # --- README and CONTRIBUTING

@@ -27,16 +27,6 @@ def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
             assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
 
 
-def test_fractions_stand_as_they_are_written():
-    fraction = latex.expression
-    assert fraction("a / b / c") == r"\frac{a}{b\,c}"
-    assert fraction("a / (b / c)") == r"\frac{a}{b}\,c"
-    assert fraction("a * (b + c) / d") == r"\frac{a\,\left(b + c\right)}{d}"
-    assert fraction("a - (b - c)") == r"a - \left(b - c\right)"
-    assert fraction("(a + b) * (2 * c / d) * e") == r"\left(a + b\right)\,\frac{2\,c}{d}\,e"
-    assert fraction("(a + b)**2 / 2") == r"\frac{\left(a + b\right)^{2}}{2}"
-
-
 @pytest.mark.parametrize("declared", MATRICES, ids=lambda e: str(e.number))
 def test_an_equation_of_the_platform_on_the_page_is_the_one_at_the_terminal(declared):
     import matrices

@@ -47,14 +47,6 @@ def test_the_table_of_misjudged_figures_is_what_the_program_says():
     assert generate.renewed(page) == page
 
 
-def test_nothing_but_the_part_between_its_marks_is_written(monkeypatch):
-    monkeypatch.setattr(generate, "made", lambda name: f"new {name}")
-    page = "by hand\n\n<!-- generated: spec -->\nold\n<!-- end: spec -->\n\nby hand\n"
-    assert generate.renewed(page) == page.replace("\nold\n", "\n\nnew spec\n\n")
-    line = "of <!-- count: makers -->9<!-- end --> makers\n"
-    assert generate.renewed(line) == line.replace("9", "new makers")
-
-
 def test_what_ships_is_counted(monkeypatch):
     """Of two catalogues, by hand: direct drive is no gearhead."""
     folder = DOCS.parent / "catalogs"
@@ -99,17 +91,6 @@ def test_every_picture_of_a_page_is_there_and_every_figure_on_a_page():
     assert linked() == drawn | set((DOCS / "assets").glob("*.png"))  # drawn, and photographed
     made = {path.stem for path in drawn if not path.stem.startswith("measured-")}
     assert made == set(figures.FIGURES)
-
-
-def test_the_figures_are_small():
-    made = [path.stat().st_size for path in (DOCS / "figures").glob("*.svg") if not path.stem.startswith("measured-")]
-    assert sum(made) < 600_000
-
-
-def test_a_figure_is_made_smaller_without_a_change_of_what_it_shows():
-    path = '<metadata>x</metadata>\n<path d="M 0.04 -0.04 \nL 12.345678 100.0 "/>\n '
-    small = figures.compact(f'<svg>\n{path}<text x="1.26">1.2345 m</text></svg>')
-    assert small == '<svg>\n<path d="M 0 0 L 12.3 100"/>\n<text x="1.3">1.2345 m</text></svg>'
 
 
 @pytest.mark.slow

@@ -6,11 +6,9 @@ actuator-dynamometer at 1ab6e56f6f9dbedd90398ccdfc05a4728ed38e03, futek_data/fut
 futek_test_27_04_2021_17-39-20.csv: means over the second half of each step.
 """
 
-import json
 import re
 import sys
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -23,7 +21,6 @@ from drivesizer.results.prediction import Band
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
 
-import measured  # noqa: E402
 import measured_compared as compared  # noqa: E402
 import measured_data as data  # noqa: E402
 import measured_tables as tables  # noqa: E402
@@ -138,75 +135,6 @@ def test_bands_over_samples_leave_out_the_nominal_one():
     assert (band.nominal, band.p5, band.p95) == (50.0, 10.0, 190.0)
 
 
-def test_a_quantity_is_good_by_half_of_the_plain_error_or_within_the_measurement():
-    about = tables.About("a quantity", "program", np.nan, "V / R", "a reason")
-    rows, good = tables.quantities([comparison()], {"mx64_speed": about})
-    assert good == [True] and "| 20 % | 100 % |  | yes (half) |" in rows
-    one = comparison()._replace(plain=1.05 * np.array([1.0, 2.0, 4.0]))
-    assert tables.quantities([one], {"mx64_speed": about})[1] == [False]
-    assert tables.quantities([one], {"mx64_speed": about._replace(accuracy=0.2)})[1] == [True]
-    unknown = one._replace(plain=np.full(3, np.nan))
-    assert tables.quantities([unknown], {"mx64_speed": about})[1] == []
-
-
-def test_a_miss_without_a_reason_is_an_error():
-    about = tables.About("a quantity", "program", np.nan, "V / R", "")
-    with pytest.raises(SystemExit, match="says not why"):
-        tables.misses([comparison()], {"mx64_speed": about})
-    said = tables.misses([comparison()], {"mx64_speed": about._replace(why="So it is.")})
-    assert said == "- **a quantity**: 1 of 3 outside, 1 above the band. So it is."
-
-
-def folder_of_records(folder):
-    """Two voltages of each servo, a curve of the contest motors at each duty, three points of a map."""
-    for name in ("mx64", "mx106"):
-        (folder / f"velocity_{name}.json").write_text(json.dumps({"6.0": 3.0, "12.0": 6.0}))
-    for motor in data.CONTEST_MOTORS:
-        for voltage in (4, 6, 8, 10, 12):
-            text = f"Speed (RPM),Torque (Nm),Current (A)\n0,{voltage / 4},{voltage}\n{480 * voltage},0,1\n"
-            (folder / f"{motor}_MotorCurve-{voltage}V.csv").write_text(text)
-    rows = [[48.0] + [0.0] * 4 + [-10.0 * k, d, 0.5 * k] + [0.0, -300.0 * k, -50.0] + [0.0] * 8
-            for k, d in ((1, 0.0), (2, 1.0), (3, 5.0))]  # fmt: skip
-    (folder / "odrive_data.csv").write_text("units\n" + "\n".join(", ".join(map(str, row)) for row in rows))
-
-
-def test_records_are_read_in_si(tmp_path):
-    folder_of_records(tmp_path)
-    V, w = data.free_speed(tmp_path, "mx64")
-    assert (V.tolist(), w.tolist()) == ([6.0, 12.0], [3.0, 6.0])
-    curves = data.duty_curves(tmp_path, "rev-neo")
-    assert curves[0] == pytest.approx([4.0, 1920 * data.RPM, 3.0, 1.0, 12.0])  # supply's amperes times 12/4
-    found = data.mapped(tmp_path)  # without the row of 5 A of d current
-    assert found.I.tolist() == pytest.approx([10 * data.DC, 20 * data.DC])
-    assert (found.M.tolist(), found.w.tolist(), found.P.tolist()) == ([0.3, 0.6], [50.0, 50.0], [24.0, 48.0])
-
-
-def test_a_page_is_written_of_what_was_compared(tmp_path, monkeypatch):
-    """Of a small folder: the drives whose records it has."""
-    import measured_motors
-
-    folder_of_records(tmp_path)
-    monkeypatch.setattr(measured, "DRIVES", {
-        "jameco": ("Jameco", lambda _: [measured_motors._coast()]),
-        "d5065": ("ODrive", measured_motors.d5065),
-    })  # fmt: skip
-    headings = (
-        "{coverage}\n{share} {small_share} {goal} {good} {of}\n{quantities}\n{misses}\n{table_jameco}\n{table_d5065}"
-    )
-    (tmp_path / "measured.txt").write_text(f"{headings}\n---\n{LINES}", encoding="utf-8")
-    monkeypatch.setattr(measured, "HERE", tmp_path)
-    measured.main(tmp_path, tmp_path)
-    page = (tmp_path / "measured.md").read_text(encoding="utf-8")
-    assert "| **all** | 7 |" in page and "| D5065, loss | 2 |" in page
-    drawn = sorted(path.name for path in (tmp_path / "figures").iterdir())
-    assert drawn == ["measured-d5065.svg", "measured-jameco.svg"]
-
-
-def test_a_folder_without_the_records_is_one_line(tmp_path):
-    with pytest.raises(SystemExit, match=r"no file velocity_mx64\.json in it"):
-        data.free_speed(tmp_path, "mx64")
-
-
 # --- the page ---------------------------------------------------------------------------------------------------------
 
 
@@ -253,18 +181,3 @@ def test_at_least_85_percent_of_the_points_are_inside():
     (counted,) = (row for row in rows("Points inside the band") if row[0] == "**all**")
     points, inside = map(int, counted[1:3])
     assert inside >= tables.GOAL * points
-
-
-def test_every_figure_is_there():
-    named = set(re.findall(r"\]\(figures/([\w-]+)\.svg\)", PAGE))
-    assert named == {path.stem for path in (DOCS / "figures").glob("measured-*.svg")}
-    assert named == {f"measured-{name}" for name in measured.DRIVES}
-    for name in named:
-        path = DOCS / "figures" / f"{name}.svg"
-        assert ElementTree.parse(path).getroot().tag.endswith("svg")
-        assert path.stat().st_size < 250_000
-
-
-def test_the_page_is_its_text_with_figures_filled_in():
-    pieces = [re.escape(piece) for piece in re.split(r"\{\w+\}", TEXT)]
-    assert re.fullmatch(r"(?s:.+?)".join(pieces), PAGE.rstrip("\n"))

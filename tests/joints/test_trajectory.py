@@ -51,8 +51,6 @@ def between(*stops: dict[str, str], **fields: Any) -> RobotSection:
 
 ALL = {"all": {"speed": "1 rad/s", "acceleration": "2 rad/s^2"}}
 
-FAST = {"turn": {"speed": "9 rad/s", "acceleration": "9 rad/s^2"}}
-
 
 # --- waypoints
 
@@ -295,18 +293,6 @@ def test_files_that_are_not_there(folder: Path) -> None:
         FieldError, match=r'^"no\.csv" cannot be read \(no such file or directory\); expected a CSV file'
     ):
         joint_torques(section(trajectory="no.csv"), file)
-
-
-def test_without_mujoco_a_line_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
-    with pytest.raises(InputError, match=r'pip install "drivesizer\[robot\]"'):
-        joint_torques(between(*MOVES, limits=ALL), str(folder / "machine.yaml"))
-
-
-def test_an_old_mujoco_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("mujoco.__version__", "3.2.7")
-    with pytest.raises(InputError, match=r"robot: joints need MuJoCo 3\.3\.1, found 3\.2\.7; pip install --upgrade"):
-        joint_torques(between(*MOVES, limits=ALL), str(folder / "machine.yaml"))
 
 
 def test_drives_that_carry_each_other_are_refused(tmp_path: Path) -> None:

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from drivesizer.kernel import cycle as over
-from drivesizer.kernel.evaluate import ACCOUNT, ENERGY, HEAT, POWER, evaluate, pieces
+from drivesizer.kernel.evaluate import ACCOUNT, ENERGY, HEAT, evaluate, pieces
 from drivesizer.kernel.heat import Law, added, change_of, periodic, phi_2, spread, top_within
-from drivesizer.kernel.records import Drive, Figures, Piece
+from drivesizer.kernel.records import Drive, Figures
 
 DRIVE = Drive(
     driving=0.61, braking=0.43, resting=0.52, accelerating=0.013, direction=0.17, turning=0.021, emf=0.83,
@@ -271,34 +270,3 @@ def test_pieces_add_up_to_the_figures(cuts):
     assert (course.motor_drawn - course.motor_returned).sum() == pytest.approx(float(figures.motor[0]), rel=1e-12)
     silent = course.returned == 0.0
     assert (silent[1:] & silent[:-1]).any() == (cuts != 0)
-
-
-def test_threads_and_plain_python_change_no_bit(monkeypatch):
-    drives = DRIVE._replace(R=np.linspace(0.7, 2.0, 40), C_w=np.geomspace(0.1, 300.0, 40), R_source=np.float64(0.0))
-    drives = drives._replace(
-        R_th2=np.where(np.arange(40) == 7, 500.0, 6.1), course=np.where(np.arange(40) == 9, 0.0, 1.0)
-    )
-    drives = drives._replace(held=12.0, held_mean=11.0)
-    monkeypatch.setattr("drivesizer.kernel.evaluate._A_THREAD", 20)
-    found = []
-    for threads in ("1", "3", ""):
-        monkeypatch.setenv("OMP_NUM_THREADS", threads)
-        found.append(evaluate(drives, cycle(3, longest=30.0), ENERGY))
-    monkeypatch.setattr("drivesizer.kernel.evaluate.compiled", lambda: over.evaluate_rows)
-    found.append(evaluate(drives, cycle(3, longest=30.0), ENERGY))
-    for other in found[1:]:
-        for name, a, b in zip(Figures._fields, found[0], other, strict=True):
-            np.testing.assert_array_equal(a, b, err_msg=name)
-    course = pieces(DRIVE, cycle(4), 2)[1]
-    monkeypatch.undo()
-    for name, a, b in zip(Piece._fields, course, pieces(DRIVE, cycle(4), 2)[1], strict=True):
-        np.testing.assert_array_equal(a, b, err_msg=name)
-
-
-def test_levels_compute_the_same_figures():
-    whole = pieces(DRIVE, cycle(5))[0]
-    for level in (HEAT, POWER, ENERGY, ACCOUNT):
-        found = evaluate(DRIVE, cycle(5), level)
-        for name, a, b in zip(Figures._fields, found, whole, strict=True):
-            assert np.isnan(a) or name == "pieces" or float(a) == float(b[0]), name
-    assert np.isnan(evaluate(DRIVE, cycle(5), POWER).drawn) and not np.isnan(evaluate(DRIVE, cycle(5), POWER).power)

@@ -91,26 +91,6 @@ def test_lists_are_those_of_the_command(do, run, body, words):
     assert (found["found"], found["undecided"]) == (printed["found"], printed["undecided"])
 
 
-def test_figures_of_conditions_are_columns_too_and_texts_are_those_of_the_data_sheet(do):
-    body = {"section": "motors", "catalogues": ["maxon"], "piece": " re 25 ", "sort": "price"}
-    found = do("parts", where=["no_load_current<1 A"], **body)
-    assert {row["family"] for row in found["rows"]} == {"RE 25"}
-    heads = [column["name"] for column in found["columns"]]
-    row = next(row for row in found["rows"] if row["part"] == "118752")
-    shown = dict(zip(heads, row["cells"], strict=True))
-    assert (shown["assigned_power"], shown["nominal_torque"], shown["no_load_current"]) == ("20", "26.3", "36.9")
-    assert not parts_of(do("parts", section="motors", catalogues=["maxon"], piece="no such thing"))
-    assert len(parts_of(do("parts", section="motors", catalogues=[NAME], piece="ANYMAKER"))) == 2
-
-
-def test_at_most_two_hundred_rows_come_and_the_next_follow(do):
-    body = {"section": "motors", "catalogues": ["maxon"], "sort": "mass", "excluded": True}
-    pages = [do("parts", start=start, **body) for start in (0, 200, 400, 600)]
-    assert [len(page["rows"]) for page in pages] == [200, 200, 200, 47]
-    assert len({part for page in pages for part in parts_of(page)}) == 647 == pages[0]["found"]
-    assert do("parts", start=647, **body)["start"] == 0
-
-
 def test_what_cannot_be_read_is_said_at_its_field(do):
     found = do("parts", section="motors", catalogues=["maxon"], options={"voltage": "24", "power": ">=20 W"},
                where=["max_speed>=1 rpm", "max_sped>1 rpm", "kind>x"])  # fmt: skip
@@ -151,17 +131,6 @@ def test_a_part_is_that_of_the_command(do, run, monkeypatch, catalogue, section,
     assert all(text in printed for document in found["documents"] for text in document)
 
 
-def test_parts_side_by_side_are_those_of_the_command(do, run):
-    parts = ["118752", "118743"]
-    found = do("beside", section="motors", parts=[["maxon", part] for part in parts])
-    _, out, _ = run("catalog", "compare", *parts, "--catalog", "maxon", "--json")
-    differs = {name.replace("_", " "): mark for name, mark in json.loads(out)["differs"].items()}
-    assert {name: mark for name, mark, _ in found["rows"]} == {
-        name: {True: "≠", False: "", None: "?"}[mark] for name, mark in differs.items()
-    }
-    assert ["nominal voltage", "≠", ["24 V", "12 V"]] in found["rows"]
-
-
 def test_what_is_not_there_is_one_line(do):
     for body in ({"catalogue": "maxon", "part": "no"}, {"catalogue": "gone.yaml", "part": "x"}):
         assert do("part", section="motors", **body)["kind"] == "wrong"
@@ -198,41 +167,6 @@ def test_a_part_takes_the_place_of_what_was_chosen_of_its_kind(do):
         "select": {"catalogs": "all", "motor": {"family": "RE 25"}}
     }
     assert chosen(do, "select: {motor: {kind: brushed}}", part=motor)["select"]["motor"]["kind"] == "brushed"
-
-
-def test_each_kind_of_part_has_its_place(do):
-    def first(section: str, catalogue: str) -> list[str]:
-        return [catalogue, section, parts_of(do("parts", section=section, catalogues=[catalogue]))[0]]
-
-    stepper, supply = first("steppers", "oukeda"), first("power_supplies", "puls")
-    battery = ["yuasa", "batteries", "NP4-12"]
-    assert chosen(do, "name: x", part=stepper)["select"] == {
-        "motor": {"part": stepper[2], "kind": "stepper"}, "catalogs": ["maxon", "oukeda"],
-    }  # fmt: skip
-    found = chosen(do, "axes: {lift: {load: {kind: hoist}}}\nsupply: {nominal: 24 V}", part=supply, axis="lift")
-    assert found["supply"] == {"nominal": "24 V", "part": supply[2]} and found["select"]["catalogs"] == [
-        "maxon",
-        "puls",
-    ]
-    assert chosen(do, "select: {catalogs: [yuasa]}", part=battery)["battery"] == {"part": "NP4-12"}
-    resistor = first("brake_resistors", "maxon")
-    assert chosen(do, "brake_resistor: any", part=resistor)["brake_resistor"] == {"part": resistor[2]}
-    screw = first("screws", "thk")
-    text = "load: {kind: ball_screw, lead: 5 mm}\nselect: {catalogs: [maxon, thk]}"
-    assert chosen(do, text, part=screw)["load"] == {"kind": "ball_screw", "screw": {"part": screw[2]}}
-    assert "no screw" in do("choose", "load: {kind: hoist}", part=screw)["lines"][0]
-    assert "names no part of belts" in do("choose", "name: x", part=first("belts", "vbelt"))["lines"][0]
-    assert "names no family" in do("choose", "name: x", part=battery, family=True)["lines"][0]
-
-
-def test_an_axis_has_its_own_and_the_machine_that_of_all(do):
-    text = "axes:\n  lift:\n    select: {catalogs: [pololu]}\n  turn: {}\n"
-    motor = ["maxon", "motors", "118752"]
-    lift = chosen(do, text, part=motor, axis="lift")
-    assert lift["axes"]["lift"]["select"] == {"catalogs": ["pololu", "maxon"], "motor": {"part": "118752"}}
-    assert chosen(do, text, part=motor)["select"] == {"motor": {"part": "118752"}}
-    both = chosen(do, text, catalogues=[NAME], add=True)
-    assert both["select"] == {"catalogs": ["maxon", NAME]} and both["axes"]["lift"]["select"]["catalogs"] == ["pololu"]
 
 
 def test_catalogues_are_added_or_chosen_alone(do):

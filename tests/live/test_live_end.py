@@ -79,23 +79,6 @@ def test_it_ends_at_once_and_leaves_nothing(folder: Path, sent: signal.Signals, 
     assert not list((folder / "temporary").iterdir())
 
 
-def test_ctrl_c_while_it_starts_is_quiet(folder: Path) -> None:
-    command = [sys.executable, "-m", "drivesizer", "serve", str(folder / "robot.yaml"), "--no-browser"]
-    for wait in (0.0, 0.1, 0.2, 0.4):
-        with subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
-        ) as process:
-            assert process.stdout and process.stdout.readline()
-            time.sleep(wait)
-            os.killpg(process.pid, signal.SIGINT)
-            try:
-                _, err = process.communicate(timeout=60)
-            finally:
-                process.kill()  # else its context waits for ever
-            assert process.returncode in (0, 130) and err == b""
-    assert within(30, lambda: not list((folder / "temporary").iterdir()))
-
-
 def test_engines_end_with_a_server_that_is_killed(folder: Path) -> None:
     with serving(folder / "robot.yaml") as server:
         engines = server.processes()
@@ -131,14 +114,6 @@ def test_a_port_in_use_is_one_line(server: Serving, folder: Path) -> None:
     assert run.stderr == (
         f"drivesizer: --port: {server.port} cannot be used (address already in use); expected another, or 0\n"
     )
-
-
-def test_a_folder_is_no_spec(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "drivesizer", "serve", str(tmp_path), "--no-browser"]
-    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
-    assert (run.returncode, run.stdout) == (2, "")
-    example = tmp_path / "robot.yaml"
-    assert run.stderr == f"drivesizer: {tmp_path}: is a folder; expected a spec, for example {example}\n"
 
 
 def test_tabs_and_servers_do_not_disturb_each_other(server: Serving, folder: Path) -> None:

@@ -86,16 +86,6 @@ def test_headline_is_the_first_screen_of_the_command(page: Any, path: Path) -> N
     expect(page.locator("#report h2").first).to_have_text("Summary")
 
 
-def test_new_spec_from_a_starter(page: Any) -> None:
-    page.get_by_role("button", name="New …").click()
-    page.get_by_role("button", name=re.compile(r"wheeled vehicle \(AGV\)")).click()
-    expect(field(page, "load", "mass")).to_have_value("30 kg")
-    answered(page)
-    assert "# casters carry the rest" not in text_of(page) and "# uphill positive" in text_of(page)
-    page.get_by_role("button", name="Undo").click()
-    expect(field(page, "load", "mass")).to_have_value("45 kg")
-
-
 def test_a_wrong_unit_stands_at_its_field_until_it_is_put_right(page: Any, tmp_path: Path) -> None:
     typed(page, "load", "mass", value="45 V")
     answered(page, "wrong")
@@ -119,21 +109,6 @@ def test_a_wrong_unit_stands_at_its_field_until_it_is_put_right(page: Any, tmp_p
     answered(page)
     expect(mass).not_to_have_attribute("aria-invalid", "true")
     assert text_of(page) == SMALL.replace("45 kg", "46 kg")
-
-
-def test_text_that_is_no_yaml_is_put_right_as_such_and_an_empty_one_by_the_form(page: Any) -> None:
-    page.get_by_role("tab", name="YAML").click()
-    page.locator("#text").fill(SMALL.replace("load:", "load"))
-    answered(page, "wrong")
-    page.get_by_role("tab", name="Form").click()
-    assert page.locator("#form").evaluate("form => form.inert")
-    page.locator("#headline").get_by_role("button", name="show").click()
-    expect(page.locator("#text")).to_be_focused()
-    page.locator("#text").fill("# nothing yet\n")
-    expect(page.locator("#headline .fault")).to_contain_text("expected fields such as")
-    page.get_by_role("tab", name="Form").click()
-    typed(page, "name", value="AGV")
-    until(page, lambda: text_of(page) == "# nothing yet\nname: AGV\n")
 
 
 def test_fields_and_items_come_and_go_with_the_keyboard_at_their_place(page: Any) -> None:
@@ -189,20 +164,6 @@ def test_what_is_typed_while_the_form_is_drawn_anew_is_kept(page: Any) -> None:
     assert "wheel_diameter: 200 mm" in text_of(page)
 
 
-def test_load_turned_into_another_kind_and_back(page: Any) -> None:
-    field(page, "load", "kind").select_option("rotary_table")
-    answered(page)
-    found = load_spec(load_spec_of(page))
-    assert found.load.kind == "rotary_table" and found.motion
-    field(page, "load", "kind").select_option("wheeled_vehicle")
-    answered(page)
-    assert load_spec_of(page) == load_spec_in(SMALL)
-    page.get_by_role("button", name="Undo").click()
-    expect(field(page, "load", "kind")).to_have_value("rotary_table")
-    page.get_by_role("button", name="Redo").click()
-    expect(field(page, "load", "kind")).to_have_value("wheeled_vehicle")
-
-
 def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     page.get_by_label("slider for load mass").click()
     slider = page.get_by_role("slider", name="load · mass")
@@ -235,20 +196,6 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     expect(slider).not_to_have_attribute("aria-valuetext", re.compile(r"^1[12][. ]"))
     page.get_by_label("close the slider for load · mass").click()
     expect(page.get_by_label("slider for load mass")).to_be_focused()
-
-
-def test_new_best_drive_is_said_once(page: Any) -> None:
-    until(page, lambda: bool(page.locator("#said").inner_text()))
-    page.evaluate("""() => { const said = document.getElementById("said"); window.heard = [];
-        new MutationObserver(() => heard.push(said.textContent)).observe(said, { childList: true }); }""")
-    page.get_by_label("slider for motion speed").click()
-    for _ in range(4):
-        page.keyboard.press("PageUp")
-    answered(page)
-    until(page, lambda: len(page.evaluate("heard")) > 0)
-    page.wait_for_timeout(300)
-    heard, (status, label) = page.evaluate("heard"), page.locator("#headline .best").inner_text().split(maxsplit=1)
-    assert heard[-1] == f"{status}: {label}" and len(heard) <= 2
 
 
 def test_drives_side_by_side(page: Any) -> None:
@@ -360,24 +307,6 @@ BEYOND = """() => [...document.querySelectorAll("body *")].filter((one) => one.c
     && one.getBoundingClientRect().right > innerWidth + 1).map((one) => one.outerHTML.slice(0, 120))"""
 
 
-def test_headline_stays_in_sight_of_a_slider_on_a_phone(browser: Any, address: str) -> None:
-    page = live(browser, address, 390, 844, has_touch=True, is_mobile=True)
-    expect(page.locator("#answer")).to_be_hidden()
-    page.get_by_label("slider for supply current").click()
-    slider = page.get_by_role("slider", name="supply · current")
-    expect(slider).to_be_in_viewport(ratio=1)
-    front, box = page.locator("#front").bounding_box(), slider.bounding_box()
-    assert front["y"] >= 0 and front["y"] + front["height"] <= box["y"] and front["height"] < 844 / 3
-    page.get_by_role("button", name="Answer", exact=True).click()
-    expect(page.locator("#form")).to_be_hidden()
-    expect(page.locator("#headline .best")).to_be_in_viewport(ratio=1)
-    small = """() => [...document.querySelectorAll("#top button, #form button, #form input, #form select")]
-        .filter((one) => one.checkVisibility() && Math.min(one.offsetWidth, one.offsetHeight) < 32)
-        .map((one) => one.outerHTML)"""
-    assert page.evaluate(small) == []
-    page.context.close()
-
-
 def test_everything_is_reached_and_seen_by_keyboard(page: Any) -> None:
     page.locator(".skip").focus()
     seen: list[str] = []
@@ -418,15 +347,6 @@ FOCUSED = """() => {
   const name = one.getAttribute("aria-label") ?? (one.labels?.[0]?.textContent || one.textContent.trim());
   return name + (outlined && !below && box.bottom > 0 && box.top < innerHeight ? "" : ` hidden: ${one.outerHTML}`);
 }"""
-
-
-def test_paper_has_every_figure(page: Any) -> None:
-    until(page, lambda: page.locator('#report[data-drawn="all"]').count() == 1)
-    assert page.locator("#report .drawing:not(:has(svg))").count() == 0
-    page.emulate_media(media="print")
-    expect(page.locator("#machine")).to_be_hidden()
-    expect(page.locator("#report")).to_be_visible()
-    page.emulate_media(media="screen")
 
 
 # -- machines, and every kind of load and motion

@@ -20,7 +20,6 @@ from hypothesis import strategies as st
 from live_server import Serving, reply, serving
 
 from drivesizer.live import guard
-from drivesizer.live.engine import JOBS
 from drivesizer.live.guard import LARGEST, REQUESTS, Guard
 
 POLICY = {"x-content-type-options": "nosniff", "referrer-policy": "no-referrer", "x-frame-options": "DENY",
@@ -112,11 +111,6 @@ def test_a_name_that_leads_here_is_not_enough(server: Serving) -> None:
     assert server.raw(whole.replace(f"http://{server.host}", "http://evil.example", 1).encode()).status == 404
 
 
-def test_port_80_has_hosts_without_it() -> None:
-    assert {"127.0.0.1", "localhost", "localhost:80"} <= Guard(_nowhere, "t", 80).hosts
-    assert "localhost" not in Guard(_nowhere, "t", 8080).hosts
-
-
 async def _nowhere(*_: Any) -> None:
     raise AssertionError
 
@@ -149,16 +143,6 @@ def test_no_name_leads_out_of_the_page(server: Serving, name: str) -> None:
         found = server.get(path)
         assert found.status == 404 or (name in (".", "") and path == f"/{name}"), path
         assert b"password" not in found.body and b"import" not in found.body
-
-
-def test_methods_that_are_not_there(server: Serving) -> None:
-    for method in ("PUT", "DELETE", "PATCH", "TRACE", "OPTIONS", "CONNECT", "PROPFIND", "get"):
-        found = server.get("/spec", method)
-        assert found.status == 405 and found.headers["allow"] == "GET, HEAD, POST"
-    assert server.get("/save").status == server.get("/do/answer").status == 405
-    assert server.post("/spec", {}).status == 405
-    assert server.raw(b"\x16\x03\x01\x02\x00\x01").status == 400  # the beginning of TLS
-    assert server.get("/", Upgrade="websocket", Connection="Upgrade, close").status == 200
 
 
 # -- how much
@@ -242,20 +226,6 @@ def _within(seconds: float, holds: Callable[[], bool]) -> bool:
 
 def _descriptors(server: Serving) -> int:
     return len(list(Path(f"/proc/{server.process.pid}/fd").iterdir()))
-
-
-def test_a_connection_takes_many_requests(server: Serving) -> None:
-    """As a browser does; each has its own answer, and no descriptor stays behind."""
-    import http.client
-
-    before = _descriptors(server)
-    connection = http.client.HTTPConnection(server.host, timeout=30)
-    for n in range(1000):
-        connection.request("GET", f"/{server.token}/{'spec' if n % 2 else 'nothing'}")
-        found = connection.getresponse()
-        assert found.status == (200 if n % 2 else 404) and found.read()
-    connection.close()
-    assert _descriptors(server) <= before + 1
 
 
 @pytest.mark.slow
@@ -377,10 +347,6 @@ def test_a_browser_is_started_with_an_address_that_leads_there_once() -> None:
     assert asyncio.run(request("/once/", origin="http://evil.example")) == (403, None)
     assert asyncio.run(request("/once/")) == (303, b"/token/")
     assert asyncio.run(request("/once/")) == asyncio.run(request("")) == (404, None)
-
-
-def test_every_job_has_its_request() -> None:
-    assert REQUESTS.keys() == JOBS.keys()
 
 
 def test_what_fails_inside_is_a_line_and_not_the_token(capsys: pytest.CaptureFixture[str]) -> None:

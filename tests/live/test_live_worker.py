@@ -140,29 +140,6 @@ def test_a_browser_that_does_not_read_holds_up_nobody(worker: Worker) -> None:
     assert asyncio.run(unread())[-1]["kind"] == "wrong"
 
 
-def test_a_large_request_comes_through_while_the_process_starts() -> None:
-    """More than a pipe holds; nothing waits for it but its own answer."""
-    starting = Worker("robot.yaml", None, 30.0, {"dropped/x.yaml": b"#" * 3_000_000})
-    try:
-        found = asyncio.run(pieces(starting, "a: 1\n" + "# long\n" * 250_000))
-        assert found[-1]["kind"] == "wrong" and starting.has == starting.own
-    finally:
-        starting.close()
-
-
-def test_the_end_is_said_to_who_waits() -> None:
-    closing = Worker("robot.yaml", None, 30.0, {})
-
-    async def ended() -> list[Any]:
-        both = [asyncio.create_task(pieces(closing, LONG, tab)) for tab in ("one", "two")]
-        await asyncio.sleep(0.1)
-        closing.close()
-        return [*await asyncio.gather(*both), await pieces(closing, SMALL)]
-
-    for one in asyncio.run(ended()):
-        assert one[-1] == {"kind": "wrong", "lines": ["drivesizer serve has been stopped"]}
-
-
 def test_memory_is_bounded() -> None:
     """A spec that needs more is said to, and the process goes on; in one of its own, for a limit is for good."""
     code = f"""
@@ -180,8 +157,3 @@ print(json.dumps([list(engine.done(held, "answer", one))[-1] for one in ({{"text
     large, small = json.loads(run.stdout)
     assert large["lines"] == ["more memory is needed than there is"] and small["kind"] == "wrong"
     assert run.stderr == ""
-
-
-def test_no_folder_stays_behind(worker: Worker, temporary: Path) -> None:
-    assert answered(worker) == ["spec", "wrong"]
-    assert list(temporary.glob("drivesizer-*")) == [Path(worker.folder.name)]

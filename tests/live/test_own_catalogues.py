@@ -108,9 +108,3 @@ def test_a_spec_finds_it_by_its_name_and_the_disk_keeps_nothing_of_it(held, tmp_
     take_over(held, {})
     with pytest.raises(InputError, match=r"dropped/mine\.yaml"):
         load([NAME], beside=tmp_path)
-
-
-def test_a_name_around_it_is_another_file(held, tmp_path):
-    take_over(held, {NAME: RIGHT.encode()})
-    with pytest.raises(InputError):
-        load(["dropped/../dropped/mine.yaml"], beside=tmp_path)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from drivesizer.live.server import content, fields, saved
+from drivesizer.live.server import content, saved
 
 TEXT = "name: Wägelchen\nload: 5 kg\n"
 
@@ -55,12 +55,6 @@ def test_line_ends_and_byte_order_mark_stay(path: Path, ends: str, mark: str) ->
     for text in ("a: 1\nb: é\n", "a: 1\r\nb: é\r\n"):  # as a file of another system is opened in the browser
         found = save(path, text, found["mark"])
         assert path.read_bytes() == f"{mark}a: 1{ends}b: é{ends}".encode()
-
-
-def test_lines_of_both_kinds_become_plain(path: Path) -> None:
-    path.write_bytes(b"a: 1\r\nb: 2\n")
-    assert save(path, "a: 1\nb: 3\n", content(path)["mark"])["kind"] == "saved"
-    assert path.read_bytes() == b"a: 1\nb: 3\n"
 
 
 def test_what_is_no_text_of_a_spec_is_not_read_and_not_lost(path: Path) -> None:
@@ -109,10 +103,3 @@ def test_what_cannot_be_written_stays_whole(path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr("drivesizer.files.writing._as_before", full)
     assert save(path, "a: 1\n", mark)["lines"] == [f"{path}: cannot be written (no space left on device)"]
     assert path.read_bytes() == TEXT.encode() and len(list(path.parent.iterdir())) == 1
-
-
-def test_fields_for_the_form_are_plain_data_or_nothing() -> None:
-    assert fields("load: {mass: 45 kg, driven_wheels: 4}\nx: .nan") == {
-        "load": {"mass": "45 kg", "driven_wheels": 4}, "x": ".nan",
-    }  # fmt: skip
-    assert fields("load: [1") is None and fields("a: &b [1]\nc: *b") is None and fields("a: 1\n" * 30_000) is None

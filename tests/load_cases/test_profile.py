@@ -14,7 +14,6 @@ from pydantic import ValidationError
 from rows import hold
 
 from drivesizer.errors import FieldError, InputError
-from drivesizer.files import csv_columns
 from drivesizer.load_cases.profile import (
     from_csv,
     harmonic,
@@ -40,10 +39,6 @@ def test_trapezoid_covers_speed_times_acceleration_and_cruise():
     assert found.speed == (0.0, 1.5, 1.5, 0.0, 0.0)
     assert found.distance == pytest.approx(1.5 * (2.0 + 3.0))
     assert found.top_speed == 1.5
-
-
-def test_legs_without_length_leave_no_breakpoint():
-    assert trapezoid(motion(cruise_time="0 s")).time == (0.0, 2.0, 4.0)
 
 
 def test_acceleration_lost_beside_the_cruise_is_refused():
@@ -85,13 +80,6 @@ def test_segments_remain_as_they_are_listed():
     assert found.distance == pytest.approx(3.0 + 3.0 + 4.0 - 0.5)
 
 
-BEYOND = {
-    "vanishing": (lambda: segments(pieces(("1e9 s", "1 m/s"), ("0.002 us", "0 m/s"))),
-     ("motion", "segments", 1, "time")),
-    "deceleration": (lambda: trapezoid(motion(deceleration_time="0.002 us", cruise_time="1e9 s")),
-     ("motion", "deceleration_time")),
-}  # fmt: skip
-
 AT_THE_DOOR = {  # no figures of a machine: refused by the field itself
     "steep": (lambda: trapezoid(motion(speed="1e300 m/s", acceleration_time="1e-20 s")), "acceleration_time: 1e-20 s"),
     "far": (lambda: trapezoid(motion(speed="1e300 m/s", cruise_time="1e100 s")), "cruise_time: 1e+100 s"),
@@ -109,13 +97,6 @@ AT_THE_DOOR = {  # no figures of a machine: refused by the field itself
 def test_figures_of_no_machine_are_refused_by_their_field(made, message):
     with pytest.raises(ValidationError, match=f"{message.partition(':')[0]}(.|\\n)*of a machine"):
         made()
-
-
-@pytest.mark.parametrize(("made", "field"), BEYOND.values(), ids=BEYOND)
-def test_figures_beyond_numbers_are_named_by_their_field(made, field):
-    with pytest.raises(FieldError, match="is too short beside the 1e\\+09 s before it") as caught:
-        made()
-    assert caught.value.field == field
 
 
 def asked(distance, speed, acceleration, jerk, **more):
@@ -284,63 +265,6 @@ def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     assert "\n" not in str(caught.value)
 
 
-def outcome(path):
-    """What reading gives: figures to the last bit, or the line that says what is wrong."""
-    try:
-        return [
-            (name, column.tobytes())
-            for name, column in csv_columns.columns(path, {"time": "time", "speed": "speed"}).items()
-        ]
-    except InputError as error:
-        return str(error)
-
-
-def test_read_in_one_go_or_row_by_row_is_the_same(tmp_path, monkeypatch):
-    """Damaged at random, in pieces of a few rows; and each of the files that are refused."""
-    random = np.random.default_rng(5)
-    rows = "".join(f"{k + random.random():.9g},{random.normal():.{k}g}\n" for k in range(1, 18))
-    damage = [
-        "\n",
-        " ",
-        "\t",
-        "_",
-        "#",
-        '"',
-        ",",
-        ";",
-        "\r",
-        "\x0c",
-        "nan",
-        "inf",
-        "1e400",
-        "0x1",
-        "-",
-        "e",
-        "é",
-        "9",
-        "",
-    ]
-    texts = [HEAD + rows, *(text for text, _ in WRONG.values())]
-    for _ in range(250):
-        text = HEAD + rows
-        for place in random.integers(len(HEAD), len(text), 1).tolist():
-            text = text[:place] + damage[random.integers(len(damage))] + text[place + random.integers(2) :]
-        texts.append(text)
-    paths = [tmp_path / f"{number}.csv" for number in range(len(texts))]
-    for path, text in zip(paths, texts, strict=True):
-        path.write_bytes(text.encode() if isinstance(text, str) else text)
-    at_once = [outcome(path) for path in paths]
-    monkeypatch.setattr(csv_columns, "plain_columns", lambda *_: None)
-    assert at_once == [outcome(path) for path in paths]
-    assert sum(isinstance(found, list) for found in at_once) > 20
-
-
-def test_too_many_rows(tmp_path, monkeypatch):
-    monkeypatch.setattr(csv_columns, "_MOST_ROWS", 3)
-    with pytest.raises(InputError, match=":6: row: more than 3 rows"):
-        from_csv(write(tmp_path, HEAD + "0,0\n1,1\n2,1\n3,1\n"))
-
-
 @pytest.mark.parametrize("name", ["gone.csv", ".", "a\0b.csv"])
 def test_unreadable_file(tmp_path, name):
     with pytest.raises(InputError, match="cannot be read"):
@@ -364,25 +288,6 @@ def robot(tmp_path):
         return load_spec(tmp_path / "robot.yaml")
 
     return made
-
-
-OWN = {
-    "triangle": {"profile": "triangle", "distance": "1.5 m", "time": "2 s"},
-    "s-curve": {
-        "profile": "s_curve", "distance": "2 m", "speed": "1 m/s", "acceleration": "2 m/s^2", "jerk": "10 m/s^3"
-    },
-    "harmonic": {"profile": "harmonic", "amplitude": "1 m", "period": "3 s"},
-    "segments": {"profile": "segments", "segments": "[{time: 1 s, to: 2 m/s}, {time: 3 s, to: 0 m/s}]"},
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", OWN)
-def test_the_specs_own_motion_has_its_name(robot, name):
-    spec = robot(motion=OWN[name])
-    assert profile_of(spec) == profile(spec, name)
-    assert profile_of(spec).name == name
-    with pytest.raises(InputError, match=f'"trapezoid": the spec.s motion is {name}; expected that'):
-        profile(spec, "trapezoid")
 
 
 def test_a_load_that_turns_has_its_own_units(robot, tmp_path):

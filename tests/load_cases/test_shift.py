@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import isnan, nan
 from typing import Any
 
 import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle, of_machine
+from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import counts, cycle_of_shift
 from drivesizer.machine.problem import problem
-from drivesizer.physics.load_cycle import LoadCycle, rms
+from drivesizer.physics.load_cycle import rms
 from drivesizer.simulate import hardest_case, validate
-from drivesizer.sizing import explain, load_parts, size
+from drivesizer.sizing import explain, load_parts
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 RAMP: dict[str, Any] = {"name": "up the ramp", "load": {"slope": "5 %"}}
@@ -56,19 +54,6 @@ def test_the_mean_square_of_a_shift_is_that_of_its_shares(share: str, lasting: s
         assert whole.total >= 5 * 60 / s * 0.95
 
 
-@pytest.mark.parametrize("unknown", ["as specified", "up the ramp"])
-def test_an_unknown_inertia_of_any_case_is_that_of_the_shift(unknown: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    spec = robot(RAMP | {"share": "10 %"})
-    specs = [one for _, one in spec.load_cases]
-
-    def cycle(one: RobotSpec) -> LoadCycle:
-        made = load_cycle(one)
-        return replace(made, inertia=nan) if (one is specs[0]) == (unknown == "as specified") else made
-
-    monkeypatch.setattr(of_machine, "load_cycle", cycle)
-    assert isnan(cycle_of_shift(spec).inertia)
-
-
 def test_heat_and_battery_count_a_ramp_by_its_share() -> None:
     """The mean power from the battery lies between flat and ramp by the share; as a whole shift it fails to last."""
     battery = {"series": 2, "parallel": 2, "chemistry": "lead-acid", "nominal_voltage": "12 V", "capacity": "40 A*h",
@@ -87,11 +72,6 @@ def test_heat_and_battery_count_a_ramp_by_its_share() -> None:
     flat, ramp, shift = mean(), mean(ramp=True), mean(RAMP | {"share": "10 %"})
     assert shift == pytest.approx(0.9 * flat + 0.1 * ramp, rel=0.01)
     assert flat < shift < ramp
-
-
-def test_a_case_with_a_share_is_no_case_of_its_own() -> None:
-    result = size(robot(RAMP | {"share": "10 %"}, {"name": "loaded", "load": {"mass": "220 kg"}}), top=1)
-    assert [case.name for case in result.problem.cases] == ["whole shift", "loaded"]
 
 
 def test_a_case_with_a_share_is_simulated_for_its_peaks() -> None:
@@ -156,8 +136,3 @@ def test_a_brake_that_closes_at_rest_takes_the_load_and_its_own_power_there() ->
     assert holding[0] == holding[1] > 0.0
     released = problem(load_spec(LIFT | {"control": {"at_rest": "brake"}}), load_parts(load_spec(LIFT))).spec
     assert released.brake_released == pytest.approx(5.2 / 25.2)
-
-
-def test_no_brake_closes_where_there_is_none() -> None:
-    with pytest.raises(InputError, match="there is no brake; expected needs"):
-        load_spec({**LIFT, "needs": {}, "control": {"at_rest": "brake"}})

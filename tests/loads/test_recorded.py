@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.files import csv_columns
 from drivesizer.load_cases import load_cycle
-from drivesizer.loads import recorded
-from drivesizer.physics import motion_curves
 from drivesizer.physics.cycle_at_gearhead import AT_REST, CycleAtBelt
 from drivesizer.physics.load_cycle import integral, rms
 from drivesizer.physics.motion_curves import local_parabola
@@ -131,22 +128,6 @@ def sine(time):
     return A * np.sin(W * time)
 
 
-def test_three_points_are_off_as_said():
-    h = 0.01
-    time = np.arange(0.0, 4.0, h)
-    slope = local_parabola(time, sine(time), 0.0)[1]
-    error = np.abs(slope - A * W * np.cos(W * time))[1:-1].max()
-    assert error == pytest.approx(A * W**3 * h**2 / 6, rel=0.01)
-
-
-def test_windows_are_off_as_said():
-    time, window = np.arange(0.0, 4.0, 1e-3), 0.2
-    value, slope = local_parabola(time, sine(time), window)
-    inside = (time > window) & (time < 4.0 - window)
-    assert np.abs(slope - A * W * np.cos(W * time))[inside].max() == pytest.approx(A * W**3 * window**2 / 40, rel=0.03)
-    assert np.abs(value - sine(time))[inside].max() == pytest.approx(A * W**4 * window**4 / 4480, rel=0.05)
-
-
 def test_speed_and_acceleration_out_of_a_position(shaft):
     period = 2 * math.pi / W
     time = uneven(period, 2000)
@@ -244,43 +225,3 @@ def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
 def test_a_window_longer_than_the_recording(shaft):
     with pytest.raises(InputError, match=r"robot\.yaml:5: load\.smoothing: 9 s is longer than the recording, 3 s"):
         shaft(POSITION, CORNERS, CORNERS, CORNERS, smoothing="9 s")
-
-
-def test_the_file_is_beside_the_spec(tmp_path, monkeypatch):
-    (tmp_path / "run.csv").write_text(SPEED + "\n0,0,0\n1,1,1\n")
-    spec = spec_of(tmp_path)
-    monkeypatch.chdir("/")
-    assert load_cycle(spec).name == "run.csv"
-
-
-# --- a long recording
-
-
-@pytest.mark.parametrize("head", [SPEED, POSITION])
-def test_a_long_recording_is_read_part_by_part(shaft, monkeypatch, head):
-    """Smoothed and cut into segments some at a time: the same cycle, but for the order in which windows are summed."""
-    time = uneven(40.0, 900)
-    noise = np.random.default_rng(5).normal(size=(2, len(time)))
-    columns = time, np.sin(time) + 0.05 * noise[0], np.cos(time) + 0.1 * noise[1]
-    more = {"smoothing": "0.9 s", "inertia": "0.02 kg*m^2"}
-    whole = shaft(head, *columns, **more)
-    monkeypatch.setattr(recorded, "_PART", 50)
-    parts = shaft(head, *columns, **more)
-    for name in ("duration", "speed", "acceleration", "torque"):
-        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
-    monkeypatch.setattr(motion_curves, "_PART", 60)
-    smoothed = shaft(head, *columns, **more)
-    assert len(smoothed.duration) == len(whole.duration)
-    for name in ("duration", "speed", "acceleration", "torque"):
-        np.testing.assert_allclose(getattr(smoothed, name), getattr(whole, name), rtol=1e-7, atol=1e-7)
-
-
-def test_a_recording_may_have_more_rows_than_other_files(shaft, monkeypatch):
-    """Ten million of them; a row beyond is refused with its line, whether or not the text is read in one go."""
-    monkeypatch.setattr(csv_columns, "_MOST_ROWS", 3)
-    monkeypatch.setattr(recorded, "_MOST_ROWS", 4)
-    four = CORNERS, CORNERS, CORNERS
-    assert shaft(SPEED, *four).total == 3.0
-    five = [np.append(column, 4.0) for column in four]
-    with pytest.raises(InputError, match=r"run.csv:7: row: more than 4 rows; expected a thinned recording$"):
-        shaft(SPEED, *five)

@@ -177,11 +177,6 @@ def test_bad_figures_are_refused_in_a_line(change, words):
     assert "\n" not in str(caught.value)
 
 
-def test_a_negative_life_is_refused():
-    with pytest.raises(InputError, match=r"needs\.life.*must be above 0 s"):
-        spec_of(needs={"life": "-20000 h"})
-
-
 def test_driving_torque_of_thk_level():
     """THK, A-733: WTF2040 at 1 m/s takes 120 N·mm, 80 kg at μ 0.003 and 15 N of seals. In acceleration THK divides the
     friction by the efficiency and the mass's inertia not, 3680 N·mm at the screw; here all that passes the nut is."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf, isnan, nan
+from math import inf, isnan
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,6 @@ import pytest
 from specs import HEAT, estimates_off, without
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.battery import pack_of, run_time
 from drivesizer.machine.energy_budget import charge_over_mission, energy_budget
@@ -152,18 +151,6 @@ def test_losses_of_a_controller_whose_efficiency_is_known(robot: RobotSpec, driv
     assert found.mean_power == pytest.approx(sum(one.mean for one in found.consumers))
 
 
-def test_losses_of_a_controller_of_which_nothing_is_printed(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    assert drive.controller is not None
-    bare = replace(drive, controller=replace(drive.controller, voltage_drop=nan))
-    on = robot.model_copy(update={"select": robot.select.model_copy(update={"estimates": "on"})})
-    found, printed = budget(on, bare, listed), budget(on, drive, listed)
-    assert found.consumers[2].assumed and found.consumers[2].mean == pytest.approx(printed.consumers[2].mean)
-    assert any(one.startswith("controllers lose 1 V times") for one in found.assumptions)
-    none = budget(robot, bare, listed)
-    assert none.consumers[2].mean == 0.0 and not none.consumers[2].assumed
-    assert "losses of the controllers not counted: neither drop nor efficiency is printed" in none.assumptions
-
-
 def test_the_charge_is_gone_when_the_time_is(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
     found = budget(robot, drive, listed)
     for mission in (found.full_time, 0.31 * found.full_time, 1000.0):
@@ -238,20 +225,6 @@ def test_the_voltage_at_the_peak(robot: RobotSpec, drive: DriveSet, listed: Cata
     assert check(weak, "battery_peak_current").demand > current
 
 
-def test_a_power_that_no_current_gives(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    found = budget(robot, drive, listed, resistance="800 mohm")
-    assert check(found, "battery_power").status == "fail"
-    assert check(found, "battery_voltage").status == "unknown"
-
-
-def test_a_polarised_battery_sags_more(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    plain = check(budget(robot, drive, listed), "battery_voltage").limit
-    quick = budget(robot, drive, listed, polarisation={"resistance": "30 mohm", "time_constant": "30 s"})
-    volts = check(quick, "battery_voltage").limit
-    mean = quick.mean_power / 24.0
-    assert plain - 3 * 0.03 * mean < volts < plain - 0.03 * mean * 0.9
-
-
 def test_the_nominal_voltage_lets_nothing_pass_that_hangs_on_the_voltage_at_rest(
     robot: RobotSpec, drive: DriveSet, listed: Catalog
 ) -> None:
@@ -280,47 +253,6 @@ def test_what_is_returned_charges(robot: RobotSpec, drive: DriveSet, listed: Cat
 
 
 # --- unknown figures, wrong input ------------------------------------------------------------------------------------
-
-
-def test_the_rated_time_that_the_spec_gives_is_an_assumption(
-    robot: RobotSpec, drive: DriveSet, listed: Catalog
-) -> None:
-    section = {"series": 2, "parallel": 2, "nominal_voltage": "12 V", "capacity": "7 A*h", "peukert_exponent": 1.22}
-    at = Battery.model_validate({**section, "rated_time": "3.25 h"})
-    found = energy_budget(robot, drive, at, equipment(), listed, drive_power(robot, drive))
-    assert "capacity as rated over 3.25 h, as the spec says" in found.assumptions
-    part = Battery.model_validate({"part": "NP7-12", "series": 2, "parallel": 2})
-    other = energy_budget(robot, drive, part, equipment(), listed, drive_power(robot, drive))
-    assert not any("as rated over" in one for one in other.assumptions)
-
-
-def test_unknown_figures_stay_unknown(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    battery = Battery.model_validate({"part": "NP7-12", "series": 2, "parallel": 2})
-    found = energy_budget(robot, drive, battery, equipment(), listed, drive_power(robot, drive))
-    assert found.status == "unknown"
-    assert found.checks[0].name == "battery_autonomy"
-    assert found.checks[0].status == "unknown"
-    for name in ("autonomy", "range", "capacity_needed", "strings_needed", "charge_drawn", "charge_left"):
-        assert isnan(figure(found, name)), name
-    assert not isnan(found.mean_power)
-    assert found.assumptions[0].startswith("run time unknown")
-    dark = replace(drive, motor=replace(drive.motor, no_load_current=np.nan, friction_torque=np.nan))
-    assert isnan(budget(robot, dark, listed).mean_power)
-    assert isnan(budget(robot, dark, listed).autonomy)
-
-
-def test_nothing_required_is_not_checked(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    free = robot.model_copy(update={"mission": None})
-    others = equipment([one for one in EQUIPMENT if "time" not in one])
-    found = budget(free, drive, listed, others=others)
-    assert isnan(found.required)
-    assert {"battery_autonomy", "battery_range"} & {one.name for one in found.checks} == set()
-    assert {"charge_left", "capacity_needed", "mission_energy"} & {one.name for one in found.figures} == set()
-    with pytest.raises(InputError, match=r"equipment: expected mission\.duration for the time of arm; else give its"):
-        budget(free, drive, listed)
-    short = [{"name": "arm", "power": "60 W", "time": "4 h"}]
-    with pytest.raises(InputError, match="expected the time of arm not to be longer than the mission"):
-        budget(robot, drive, listed, others=equipment(short))
 
 
 def test_a_machine_that_gives_more_than_it_takes_lasts_without_end(

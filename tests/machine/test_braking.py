@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import random
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,7 +77,7 @@ def _walked(spec: RobotSpec, one: DriveSet, chopper: float, steps: int = 400) ->
     return burnt, peak, longest
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_what_is_burnt_is_that_of_a_bus_walked_through_time(catalog, seed):
     of = random.Random(seed)
     given = {
@@ -209,13 +208,6 @@ def test_none_is_taken_where_the_capacitors_hold_all(shelf):
     assert one.braking is not None and one.braking.resistor is None
     assert "no brake resistor is needed" in " ".join(one.braking.assumptions)
     assert "brake resistor" not in {line.role for line in machine_parts(one, problem(spec, load_parts(spec, shelf)))}
-
-
-def test_where_none_is_listed_above_the_supply_it_is_unknown_and_said(catalog):
-    bare = replace(catalog, brake_resistors=catalog.brake_resistors.taken([]))
-    (one,) = explain(wheel(more="brake_resistor: any\n"), "110940", "406764", catalog=bare)
-    found = check(one, "resistor_available")
-    assert found.status == "unknown" and "list none above the supply's voltage" in found.note
 
 
 def test_a_kind_alone_changes_nothing(catalog):

@@ -84,13 +84,6 @@ def test_a_source_that_sags_below_what_the_motor_needs_fails(
         assert {f.name: f.value for f in one.braking.figures} == regenerated  # no matter of the source
 
 
-def test_no_resistance_changes_nothing(hoist: RobotSpec, best: DriveSet, catalog: Catalog) -> None:
-    one, other = again(hoist, best, catalog), again(given(hoist, "supply", resistance=1e-15), best, catalog)
-    assert [c.status for c in one.checks] == [c.status for c in other.checks]
-    for a, b in zip(one.figures, other.figures, strict=True):
-        assert a.value == pytest.approx(b.value, rel=1e-9)
-
-
 # --- energy, and the closed loop
 
 

@@ -287,7 +287,7 @@ def one_line(kind, folder, *changes):
     return str(refused.value)
 
 
-@pytest.mark.parametrize("figure", ["0", "-3", ".inf", "-.inf", "inf", "nan", "1e999", "1e400"])
+@pytest.mark.parametrize("figure", ["0", "-3", ".inf", "nan", "1e999"])
 @pytest.mark.parametrize("kind", FIRST)
 def test_figures_out_of_range(kind, figure, tmp_path):
     name, text = FIRST[kind].split(": ")

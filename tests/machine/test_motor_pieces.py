@@ -93,14 +93,6 @@ def test_what_is_not_known_is_unknown():
     assert found[0].load_torque == pytest.approx(0.474e-4 * 100 * math.pi / 0.1 + 0.035)
 
 
-def test_many_pieces_are_put_together():
-    steps = [{"time": "0.1 s", "to": "300 rpm"}, {"time": "0.1 s"}, {"time": "0.1 s", "to": "0 rpm"},
-             {"time": "0.2 s"}]  # fmt: skip
-    found, _, _ = pieces_of(WHEEL, {"profile": "segments", "segments": steps * 9})
-    assert [one.name for one in found] == ["accelerate", "run", "brake", "rest", "cycle"]
-    assert [one.duration for one in found] == pytest.approx([0.9, 0.9, 0.9, 1.8, 4.5])
-
-
 def test_every_output_prints_them(result, capsys):
     """The example's best drive: JSON, terminal and report, and the largest current as among its figures."""
     best = result.sets[0]

@@ -163,29 +163,3 @@ def test_the_intermittent_line_is_the_lesser_of_gearhead_and_controller(spec, ch
     assert field(spec, one_known).intermittent[0] == pytest.approx(
         chosen.motor.torque_constant * (1e3 - chosen.motor.no_load_current)
     )
-
-
-def test_what_is_unknown_stays_unknown_or_is_said(spec, chosen):
-    motor = replace(chosen.motor, thermal_resistance_housing=nan, max_winding_temperature=400.0, max_speed=nan)
-    bare = replace(
-        chosen, motor=motor, controller=None, gearhead=replace(chosen.gearhead, intermittent_input_speed=nan)
-    )
-    found = field(spec, bare)
-    assert not found.thermal
-    derated = motor.nominal_torque * np.sqrt((400.0 - 313.15) / (400.0 - ROOM))
-    assert found.continuous == pytest.approx(np.full(found.speed.shape, derated))
-    assert found.voltage == spec.supply.lowest and isnan(found.permissible_speed)
-    nothing = replace(
-        bare, motor=replace(motor, max_winding_temperature=nan), gearhead=replace(bare.gearhead, inertia=nan)
-    )
-    found = field(spec, nothing)
-    assert np.isnan(found.continuous).all() and np.isnan(found.voltage_hot).all() and np.isnan(found.cycle_torque).all()
-    assert np.isfinite(found.voltage_cold).all() and isnan(found.rms_torque)
-
-
-def test_the_axis_reaches_the_fastest_of_no_load_and_cycle(spec, chosen):
-    assert field(spec, chosen).voltage_cold[-1] == pytest.approx(0.0, abs=1e-9)
-    slow = spec.model_copy(update={"supply": spec.supply.model_copy(update={"nominal": 5.0, "min": None, "max": None})})
-    found = field(slow, chosen)
-    assert found.speed[-1] == np.abs(found.cycle_speed).max() and found.voltage_cold[-1] < 0
-    assert found.speed[0] == 0.0

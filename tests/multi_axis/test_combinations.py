@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from drivesizer.multi_axis.combinations import Choice, axis_by_axis, best_combination
+from drivesizer.multi_axis.combinations import Choice, best_combination
 
 ORDER = ("tip", "middle", "base")
 CARRIED = {"tip": (), "middle": ("tip",), "base": ("tip", "middle")}
@@ -107,34 +107,3 @@ def test_a_load_that_more_mass_lightens_makes_it_uncertain() -> None:
 
     found = best_combination(("tip", "base"), {"tip": (), "base": ("tip",)}, balanced)
     assert found.cost == (0, 8.0) and not found.certain
-
-
-def test_unknown_costs_come_behind_known_ones() -> None:
-    def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
-        if axis == "base":
-            return [Choice("base", (int(sum(masses) > 2.0), 1.0), 1.0)]
-        return [Choice("cheap", (0, 1.0), 3.0), Choice("dear", (0, 50.0), 1.0)]
-
-    found = best_combination(("tip", "base"), {"tip": (), "base": ("tip",)}, sized)
-    assert found.chosen["tip"].name == "dear" and found.cost == (0, 51.0)
-
-
-def test_where_an_axis_has_no_drive_the_others_still_ride() -> None:
-    def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
-        return [] if axis == "middle" else [Choice(f"{axis} {sum(masses):g}", (0, 1.0), 2.0)]
-
-    found = best_combination(ORDER, CARRIED, sized)
-    assert found.missing == "middle" and not found.certain
-    assert {axis: choice.name for axis, choice in found.chosen.items()} == {"tip": "tip 0", "base": "base 2"}
-
-
-def test_axis_by_axis_takes_the_cheapest_of_each() -> None:
-    def sized(axis: str, masses: tuple[float, ...]) -> list[Choice]:
-        if axis == "tip":
-            return [Choice("cheap", (0, 1.0), 3.0), Choice("light", (0, 2.0), 1.0)]
-        return [Choice("base", (0, 10.0 * sum(masses)), 1.0)]
-
-    pair = ("tip", "base"), {"tip": (), "base": ("tip",)}
-    found = axis_by_axis(*pair, sized)
-    assert found.chosen["tip"].name == "cheap" and found.cost == (0, 31.0) and not found.certain
-    assert best_combination(*pair, sized).cost == (0, 12.0)

@@ -13,13 +13,11 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.profile import static_torque
-from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.energy_budget import energy_budget
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
-from drivesizer.results.check import worst_of_cases
 from drivesizer.results.machine import MachinePower
 from drivesizer.sizing import explain, load_parts
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -72,22 +70,6 @@ def status(power: MachinePower) -> dict[str, str]:
 
 def check(power: MachinePower, name: str):
     return next(one for one in power.checks if one.name == name)
-
-
-def test_one_axis_is_that_of_its_own_spec_to_the_bit(shelf, drive):
-    one = axis(shelf, drive, "x")
-    own = problem(shared(), one.problem.catalog)
-    budget = braking_budget(own, drive, worst_of_cases)
-    power = common_supply(shared(), shelf, [one])
-    assert power.braking is not None and budget is not None
-    assert repr(power.braking) == repr(budget)
-    found = drive_power(one.problem.spec, drive, one.problem.cases[0].at_belt)
-    assert (power.drawn[0] == found.bus_drawn).all() and (power.total == found.drawn).all()
-    assert power.peak == float(found.peak.max()) and power.mean == found.mean(found.drawn)
-    assert power.exchanged == 0.0 and power.peak_axis == "x" and not power.unknown
-    (explained,) = explain(wheel(supply=f"accepts: all, {LIMITS}"), "110940", "406764", catalog=shelf)
-    peak = next(c for c in explained.every_check if c.name == "supply_current")
-    assert check(power, "supply_current").demand == pytest.approx(peak.demand, rel=1e-9)
 
 
 def test_one_battery_is_that_of_its_own_spec_to_the_bit(shelf, drive):
@@ -207,33 +189,6 @@ def test_a_battery_feeds_all_axes(shelf, drive):
     assert sum(line.mean for line in power.energy.consumers) == pytest.approx(power.energy.mean_power)
     assert power.energy.mean_power == pytest.approx(power.mean + 5.0)
     assert status(power)["battery_autonomy"] == "pass"
-
-
-def test_what_is_unknown_of_one_axis_is_unknown_of_all(shelf, drive):
-    lacking = replace(drive, motor=replace(drive.motor, rotor_inertia=math.nan))
-    power = common_supply(shared(), shelf, [axis(shelf, drive, "x"), axis(shelf, lacking, "y")])
-    assert [text.split(":")[0] for text in power.unknown] == ["y"] and math.isnan(power.peak) and power.peak_axis == ""
-    assert status(power)["supply_current"] == status(power)["resistor_mean_power"] == "unknown"
-    pair = [axis(shelf, drive, "x"), axis(shelf, drive, "y")]
-    bare = common_supply(shared("", "overvoltage_trip: 30 V"), shelf, pair)
-    assert status(bare)["bus_voltage"] == status(bare)["supply_overvoltage"] == "unknown"
-    large = common_supply(shared("", "capacitance: 100 mF"), shelf, pair)
-    stored = math.sqrt(24.0**2 + 2.0 * large.energy_left / 0.1)
-    assert check(large, "bus_voltage").status == "pass" and check(large, "bus_voltage").demand == pytest.approx(
-        stored, rel=1e-5
-    )
-    without = axis(shelf, replace(drive, controller=None), "y")
-    some = common_supply(shared("", "capacitance: 100 mF"), shelf, [axis(shelf, drive, "x"), without])
-    assert status(some)["bus_voltage"] == "unknown"
-
-
-def test_load_cases_go_together_by_name(shelf, drive):
-    case = "cases: [{name: heavy, load: {inertia: 6e-4 kg*m^2}}]\n"
-    x = axis(shelf, drive, "x", more=case)
-    power = common_supply(shared(), shelf, [x, axis(shelf, drive, "y")])
-    assert power.case == "heavy" and {one.case for one in power.checks if one.name == "supply_current"} == {"heavy"}
-    heavy = axis(shelf, drive, "x", inertia="6e-4 kg*m^2")
-    assert power.peak == pytest.approx(common_supply(shared(), shelf, [heavy, axis(shelf, drive, "y")]).peak)
 
 
 def test_a_motion_longer_than_the_cycle_is_refused_in_a_line(shelf, drive):

@@ -13,9 +13,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.supply_power import DrivePower, regenerated_of
 from drivesizer.multi_axis.phases import (
     AtAnyPhase,
-    common_period,
     exchanged,
-    fitted,
     from_start,
     longest_run_of_two,
     returned_over_phases,
@@ -151,12 +149,6 @@ def test_sums_never_exceed_the_single_ones(seed):
     assert exchanged(powers[:1], STIFF) is powers[0]
 
 
-def test_an_unknown_axis_makes_the_sum_unknown():
-    one = course(at_random(1, 1.0))
-    net = exchanged([one, course(at_random(2, 1.0)).times(math.nan)], STIFF)
-    assert np.isnan(net.peak).all() and np.isnan(net.returned).all() and np.isnan(net.drawn).all()
-
-
 def test_a_resistance_of_the_supply_has_the_current_of_all_axes():
     """Two axes of 96 W on 48 V and 0.5 ohm: P = U I - R I² of 192 W takes 4.18 A, of one alone 2.05 A."""
     soft = STIFF._replace(resistance=0.5)
@@ -168,28 +160,6 @@ def test_a_resistance_of_the_supply_has_the_current_of_all_axes():
     rising = exchanged([course([(0.0, 0.0), (1.0, 400.0)]), course([(0.0, 0.0), (1.0, 100.0)])], soft)
     exact = np.mean([48.0 * (48.0 - math.sqrt(48.0**2 - 2.0 * 500.0 * (k + 0.5) / 4000)) for k in range(4000)])
     assert exact <= float(rising.drawn @ rising.duration) <= exact * 1.002
-
-
-# --- courses ----------------------------------------------------------------------------------------------------------
-
-
-def test_a_course_is_shifted_and_repeated_without_a_change_of_its_energies():
-    one = course(at_random(3, 1.5))
-    for moved in (from_start(one, 0.37), from_start(one, 4.5), fitted(one, 4.5), fitted(one, 10.0)):
-        assert moved.mean(moved.bus_drawn) == pytest.approx(one.mean(one.bus_drawn))
-        assert moved.mean(moved.returned) == pytest.approx(one.mean(one.returned))
-        assert float(moved.peak.max()) == float(one.peak.max())
-    assert fitted(one, 4.5).total == pytest.approx(4.5) and fitted(one, 10.0).total == pytest.approx(10.0)
-    later = from_start(one, -worst_start(one))
-    assert worst_start(from_start(one, worst_start(one))) == 0.0 and later.total == pytest.approx(1.5)
-
-
-def test_periods_have_a_common_multiple_or_none():
-    assert common_period([0.6, 0.4, 1.0]) == pytest.approx(6.0)
-    assert common_period([math.pi, math.pi]) == math.pi
-    assert math.isnan(common_period([1.0, math.sqrt(2.0)]))
-    assert math.isnan(common_period([1.0, 1.001]))  # 1001 s: more than 60 of the longest
-    assert math.isnan(common_period([1.0, 0.98], [1000, 1000])) and common_period([1.0, 0.98], [10, 10]) == 49.0
 
 
 # --- at any phase -----------------------------------------------------------------------------------------------------

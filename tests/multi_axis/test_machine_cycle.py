@@ -7,16 +7,13 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.profile import profile, profile_of
 from drivesizer.multi_axis.axis_sizings import as_chosen
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.results.machine import MachineSizing
-from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec.machine import load_machine
 
@@ -91,13 +88,6 @@ def test_a_load_that_is_held_while_its_axis_waits_counts() -> None:
     assert held * 0.98 < rms < held * 1.01 and rms <= best.motor.nominal_current
 
 
-def test_energies_of_the_axes_are_those_of_their_courses_on_the_bus(row: MachineSizing) -> None:
-    assert row.power
-    for drawn, axis in zip(row.power.drawn, row.axes, strict=True):
-        energy = next(f.value for f in axis.best.figures if f.name == "energy")
-        assert energy == pytest.approx(float(drawn @ np.diff(row.power.time)), rel=1e-9)
-
-
 def test_axes_wait_until_the_last_is_done_or_as_long_as_the_cycle_is_given() -> None:
     assert until(ROW) == {"long": None, "ramps": pytest.approx(5.0), "curve": pytest.approx(5.0)}
     assert until(changed(ramps={"start": "4.5 s"})) == pytest.approx({"long": 5.2, "ramps": 5.2, "curve": 5.2})
@@ -139,19 +129,6 @@ def test_each_load_case_waits_for_its_own_cycle() -> None:
     assert spec.waits_until == pytest.approx(5.0)
 
 
-def test_a_rest_leaves_the_motion_before_it_as_it_was() -> None:
-    spec = laden(load_machine(ROW), "curve")
-    own, longer = (profile_of(one) for one in (spec.waiting({}), spec))
-    cycle, waits = load_cycle(spec.waiting({})), load_cycle(spec)
-    n = len(cycle.duration)
-    assert longer.duration == pytest.approx(5.0) and longer.time[:-1] == own.time and longer.payload
-    assert longer.payload[-1] == longer.payload[-2] == 0.0
-    assert (waits.torque[:n] == cycle.torque).all() and (waits.duration[:n] == cycle.duration).all()
-    assert waits.torque[n:] == pytest.approx(3.0 * 9.80665 * 0.015) and not waits.speed[n:].any()
-    rounded = laden(load_machine(ROW), "ramps")
-    assert profile(rounded, "s-curve").duration == pytest.approx(5.0)
-
-
 def test_a_recording_waits_as_its_last_moment_says_and_not_where_that_is_unknown(tmp_path: Path) -> None:
     for name, end in (("rests", "1,0,0.02\n1.2,0,0.02"), ("stops", "1,0,-0.04")):
         text = f"time,speed,torque\ns,rpm,N*m\n0,0,0.02\n0.5,100,0.05\n{end}\n"
@@ -164,14 +141,3 @@ def test_a_recording_waits_as_its_last_moment_says_and_not_where_that_is_unknown
     rests, stops = (load_cycle(laden(machine, name)) for name in ("rests", "stops"))
     assert rests.total == pytest.approx(5.0) and rests.torque[-1] == pytest.approx(0.02)
     assert stops.total == pytest.approx(1.0)
-
-
-def test_the_closed_loop_lasts_as_long(row: MachineSizing) -> None:
-    axis = row.axis("ramps")
-    assert axis.best
-    proof = validate(axis.spec, axis.best)
-    assert proof.series["time"][-1] == pytest.approx(5.0, abs=1e-3)
-    found = {c.name: c.demand for c in proof.checks}["motor_nominal_current"]
-    sized = {c.name: c.demand for c in axis.best.checks}["motor_nominal_current"]
-    assert found == pytest.approx(sized, rel=0.1)
-    assert any("until the machine's cycle of 5 s is over" in text for text in axis.result.assumptions)

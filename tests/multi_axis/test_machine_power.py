@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.multi_axis.common_supply import shared_sections
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import laden, size_machine
@@ -49,15 +48,6 @@ MACHINE: dict[str, Any] = {
 @pytest.fixture(scope="module")
 def sizing() -> MachineSizing:
     return size_machine(load_machine(MACHINE), top=1)
-
-
-def test_one_axis_alone_keeps_the_pieces_of_its_course():
-    """A piece shorter than 1e-12 of the cycle is nothing beside another axis; alone it stays in both."""
-    duration = np.array([1.0, 1e-12, 1.0])
-    columns = {name: np.arange(3.0) for name in DrivePower._fields if name not in ("duration", "distance")}
-    alone = DrivePower(duration=duration, distance=1.0, **columns)
-    assert [len(one.duration) for one in side_by_side([alone])] == [3]
-    assert [len(one.duration) for one in side_by_side([alone, alone])] == [2, 2]
 
 
 def test_a_machine_is_judged_on_its_supply(sizing):
@@ -162,15 +152,6 @@ def test_margins_and_surroundings_are_the_machine_s_else_the_strictest_of_the_ax
     assert (plain.margins.torque, plain.mission, plain.environment.ambient) == (0.0, None, 298.15)
     power = machine_power(load_machine({**MACHINE, "margins": {"torque": "10 %"}}), sizing.axes)
     assert next(c for c in power.checks if c.name == "supply_current").needed == 0.1
-
-
-def test_load_cases_change_the_machine_s_surroundings_and_supply():
-    of_all = {"name": "summer", "environment": {"ambient": "45 degC"}, "supply": {"min": "40 V", "current": "2 A"}}
-    cases = dict(shared({}, environment={"ambient": "20 degC"}, cases=[of_all]).load_cases)
-    (first, *_), summer = cases.values(), cases["summer"]
-    assert first.environment.ambient == 293.15 and first.supply.lowest == 48.0
-    assert summer.environment.ambient == 318.15 and (summer.supply.lowest, summer.supply.current) == (40.0, 2.0)
-    assert summer.brake_resistor == first.brake_resistor and not summer.supply.accepts
 
 
 def test_a_cycle_that_is_too_short_is_refused_where_it_stands(sizing):

@@ -9,15 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bought_parts import together
 from small_arms import arm, catalogue, least_of_all, two_joints
 
 from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.machine.problem import problem
 from drivesizer.multi_axis.sizing import laden, size_machine
-from drivesizer.output.json.documents import as_text
-from drivesizer.output.json.documents import sizing as document
 from drivesizer.results.machine import MachineSizing
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
@@ -79,32 +76,11 @@ def test_the_carrier_is_sized_with_the_mass_of_the_carried_drives(gantry: Machin
     assert laden(gantry.machine, "bridge").load.mass == pytest.approx(12.0 + riding.mass, rel=1e-15)
 
 
-def test_the_total_is_the_sum_over_the_axes(gantry: MachineSizing) -> None:
-    bests = [axis.best for axis in gantry.axes]
-    assert gantry.total == pytest.approx(sum(map(together, bests)), rel=1e-12)
-    assert gantry.certain and gantry.complete and gantry.searches == 2
-
-
-def test_a_machine_of_one_axis_is_that_spec() -> None:
-    shared = {name: value for name, value in GANTRY.items() if name != "axes"}
-    sections = GANTRY["axes"]["lift"]
-    machine = load_machine({**shared, "axes": {"lift": sections}})
-    one, other = (size(spec, top=1) for spec in (machine.axes[0].spec, load_spec({**shared, **sections})))
-    assert as_text(document(one)) == as_text(document(other))
-
-
 def test_an_axis_alone_has_the_drive_that_is_the_best_for_all(tmp_path: Path) -> None:
     found = size_machine(arm(Random(31), tmp_path, "price"), top=1)  # a dearer and lighter drive is worth its price
     moved = next(axis for axis in found.axes if axis.for_all)
     alone = size(laden(found.machine, moved.name), top=1).sets[0]
     assert alone.label == moved.best.label and repr(alone.checks) == repr(moved.best.checks)
-
-
-def test_carried_axes_ride_on_all_below_them() -> None:
-    axes = {**GANTRY["axes"], "rail": {**GANTRY["axes"]["bridge"], "carries": ["bridge"]}}
-    machine = load_machine({**GANTRY, "axes": axes})
-    assert machine.order == ("lift", "bridge", "rail")
-    assert machine.carried("rail") == {"bridge": None, "lift": None} and machine.carried("lift") == {}
 
 
 def test_distances_of_what_rides_add_along_the_chain() -> None:

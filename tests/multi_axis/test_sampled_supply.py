@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 
@@ -16,9 +14,6 @@ from drivesizer.multi_axis.common_supply import AxisPower, shared_sections
 from drivesizer.multi_axis.machine_power import machine_power, over_tolerances
 from drivesizer.multi_axis.sampled_supply import uncertain_machine
 from drivesizer.multi_axis.sizing import size_machine
-from drivesizer.output.json.documents import as_text, machine_document
-from drivesizer.output.json.schema import machine_report_schema
-from drivesizer.output.terminal.sizing import machine_sizing
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.machine import load_machine
@@ -160,16 +155,3 @@ def test_each_figure_of_the_file_is_one_in_all_axes(sizing):
     moved, both = found.at(values)
     assert moved.supply.nominal == 47.0
     assert all(case.spec.supply.nominal == 47.0 for one in both for case in one.problem.cases)
-
-
-def test_it_is_said_in_the_terminal_in_json_and_of_figures_without_effect(sizing, capsys):
-    machine_sizing(sizing)
-    said = " ".join(capsys.readouterr().out.split())
-    assert "over tolerances no limit of the supply is exceeded with " in said and "weakest: supply current" in said
-    assert "the tolerance of cycle_time has no effect: axes and supply are those of the nominal figure" in said
-    document = json.loads(as_text(machine_document(sizing)))
-    jsonschema.Draft202012Validator(machine_report_schema()).validate(document)
-    reliability = document["power"]["reliability"]
-    assert reliability["none_fails"] == sizing.power.reliability.probability
-    assert set(reliability["figures"]) == {"supply_peak", "supply_mean", "energy_left"}
-    assert any(text.startswith("over tolerances: 64 samples") for text in document["power"]["assumptions"])

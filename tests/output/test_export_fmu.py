@@ -279,13 +279,6 @@ def test_every_unit_is_defined_with_its_own_dimensions():
         assert found == {name: int(p) for name, p in _UNITS[unit].items() if name != "rad"}, unit
 
 
-def test_nothing_of_the_packing_stays(export):
-    path, modules = list(sys.path), set(sys.modules)
-    rendered(export, "fmu")
-    assert sys.path == path
-    assert not {name for name in set(sys.modules) - modules if name.split(".")[0] != "pythonfmu"}
-
-
 def test_without_pythonfmu_it_is_one_line(export, monkeypatch):
     there = builtins.__import__
 

@@ -212,17 +212,6 @@ def test_a_file_says_which_limit_it_has_and_why(form, export):
     assert "unknown: motor, permissible speed" in said and "weight" not in said
 
 
-def test_what_is_left_out_is_said(export):
-    train = replace(export.train, forward_torque=3.0, backward_torque=2.0)
-    cycle = replace(export.cycle, load_time=(0.0, 1.0), load_torque=(0.0, 1.0))
-    rich = replace(export, train=train, cycle=cycle, elastic=True)
-    said = " ".join(remarks(rendered(rich, "urdf")))
-    assert "a torque of 2.5 N*m against forward motion" in said
-    assert "torque of the load over time" in said and "elastic shaft" in said
-    assert "elastic shaft" in " ".join(remarks(rendered(rich, "mjcf")))
-    assert rich.load_friction == 0.5
-
-
 # --- ros2_control
 
 

@@ -214,11 +214,6 @@ def test_one_controller_of_all_joints_at_one_rate(export):
     assert gains["p"] == pytest.approx(law.kd * train.ratio**2 * train.efficiency)
 
 
-def test_the_same_machine_gives_the_same_bytes_and_one_file(arm, export, tmp_path):
-    (path,) = write(export, "urdf", tmp_path / "arm.urdf")
-    assert path.read_bytes() == rendered(machine_export(arm), "urdf") and list(tmp_path.iterdir()) == [path]
-
-
 def test_formats_without_links_have_the_joints_as_axes(arm, tmp_path):
     """Gazebo, FMUs and plain figures: each joint as its axis alone gives it, by its name."""
     of = machine_export(arm, bodies=False)
@@ -448,31 +443,3 @@ def test_mujoco_reads_the_same_robot(picker):
     assert slide.armature[0] == pytest.approx(train.motor_inertia * train.ratio**2 * train.efficiency / travel**2)
     assert model.jnt_actfrcrange[slide.id, 1] == pytest.approx(drive.of.limits.peak_torque.value / travel)
     assert model.joint("belt_shaft").type[0] == mujoco.mjtJoint.mjJNT_HINGE and model.actuator("belt_motor").id > 0
-
-
-def test_of_a_platform_the_file_says_where_its_base_is():
-    found = size_machine(
-        load_machine({
-            "name": "rover", "supply": {"nominal": "24 V", "accepts": "all"},
-            "select": {"motor": {"family": "DCX 26*"}, "gearhead": {"family": "GPX 26*"}},
-            "axes": {
-                "wheels": {
-                    "load": {"kind": "wheeled_vehicle", "mass": "20 kg", "driven_wheels": 2, "wheel_diameter": "150 mm",
-                             "rolling_resistance": 0.02, "inertia": "20 kg*cm^2", "friction_coefficient": 0.6},
-                    "platform": {"layout": {"kind": "differential", "track": "400 mm"},
-                                 "size": {"length": "500 mm", "width": "400 mm", "height": "200 mm"},
-                                 "casters": [{"x": "-200 mm", "y": "0 mm"}, {"x": "200 mm", "y": "0 mm"}],
-                                 "centre_of_mass": {"height": "100 mm"},
-                                 "limits": {"speed": "0.8 m/s", "acceleration": "0.5 m/s^2"}},
-                    "motion": {"waypoints": [{"x": "0 m", "y": "0 m"}, {"x": "2 m", "y": "0 m"}]},
-                },
-                "turret": {"load": {"kind": "flywheel", "inertia": "0.01 kg*m^2"},
-                           "motion": {"speed": "60 rpm", "acceleration_time": "0.5 s", "cruise_time": "1 s"}},
-            },
-        }),
-        top=1,
-    )  # fmt: skip
-    of = machine_export(found)
-    said = [line for line in of.said if line.startswith("wheels: ")]
-    assert said == ["wheels: the shaft of one wheel; exported as an axis of its own it is the base with all of them"]
-    assert said[0] in rendered(of, "mjcf").decode()

@@ -24,7 +24,7 @@ from drivesizer.output.export import export_of, platform_alone, write
 from drivesizer.output.export import files as exported
 from drivesizer.output.export.common import torque_law
 from drivesizer.output.export.mjcf import lossless
-from drivesizer.output.export.platform import PlatformExport, platform_export, split
+from drivesizer.output.export.platform import PlatformExport, platform_export
 from drivesizer.platform.dynamics import acceleration, motion, wheel_torques
 from drivesizer.sizing import explain
 from drivesizer.spec.description import read_description
@@ -432,13 +432,6 @@ def test_what_is_unknown_or_not_driven_is_said(made):
     blunt = replace(of, drives={k: replace(d, of=replace(d.of, controller=None)) for k, d in of.drives.items()})
     with pytest.raises(InputError, match=r"rotor's inertia is not in the catalogue.*expected --format urdf"):
         model_of(blunt)
-
-
-def test_wheels_heavier_than_the_whole_are_refused(cart):
-    _, of = cart
-    light = of.platform.inertia * 1e-3
-    with pytest.raises(InputError, match="less than its wheels alone have"):
-        split(replace(of.platform, inertia=light), None)
 
 
 def test_one_wheel_has_its_own_motion(mecanum):

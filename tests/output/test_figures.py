@@ -20,7 +20,6 @@ from drivesizer.output.report.figures.choice import trade_off
 from drivesizer.output.report.figures.cycle import speed_profile
 from drivesizer.output.report.figures.field import panels, paper_points, torque_speed
 from drivesizer.output.report.figures.style import STYLE, Window, named, thinned, windows
-from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
@@ -73,15 +72,6 @@ def test_every_axis_names_its_unit(result):
     assert {"speed", "speed error", "(m/s)", "current", "(A)", "voltage", "(V)", "time (s)"} <= said["loop"]
 
 
-def test_figures_do_not_follow_the_users_matplotlib(result):
-    import matplotlib
-
-    plain = speed_profile(result.spec)()
-    with matplotlib.rc_context({"lines.linewidth": 9.0, "font.size": 30.0}):
-        assert speed_profile(result.spec)() == plain
-        assert matplotlib.rcParams["font.size"] == 30.0  # and leave it as it was
-
-
 def test_operating_points_agree_with_the_requirements_of_the_set(result):
     of = {r.name: r.value for r in result.sets[0].requirements}
     points = {p.name: p for p in paper_points(result.sets[0], result.requirements)}
@@ -124,13 +114,6 @@ def test_every_motion_has_its_curve(motion, tmp_path):
     assert {"torque (mN·m)", "speed (rpm)"} <= labels(cycle.load_over_time([("", load_cycle(spec))]))
 
 
-def test_a_recorded_load_shows_the_speed_of_its_recording(tmp_path):
-    (tmp_path / "cycle.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,0,0.2\n1,40,1.4\n3,40,0.9\n4,0,-0.3\n")
-    path = tmp_path / "recorded.yaml"
-    path.write_text("name: x\nload: {kind: recorded, file: cycle.csv}\nsupply: {nominal: 24 V}\n", encoding="utf-8")
-    assert {"speed (rpm)", "time (s)", "40"} <= labels(speed_profile(read_spec(read(path))))
-
-
 def test_load_cases_have_names_of_their_own_and_plain_text(result, tmp_path):
     names = ["$a_1$ <b> & c", "_under", "測試 робот", "x" * 60]  # what turns the writing, a spec refuses
     cases = "".join(
@@ -171,17 +154,6 @@ def test_an_unknown_figure_leaves_its_line_out_and_the_rest_stands(result):
     assert not said & {"continuous", "continuous, nominal torque", "intermittent", "load cycle"}
 
 
-def test_a_stretch_in_which_only_the_torque_changes_is_not_left_out():
-    time = np.array([1.0, 20.0, 1.0])
-    speed, torque = np.array([[0.0, 5.0], [5.0, 5.0], [5.0, 0.0]]), np.array([[1.0, 1.0], [1.0, 3.0], [0.5, 0.5]])
-    level = np.full((3, 2), 0.7)
-    assert len(cycle.stretches([("", LoadCycle("x", time, speed, level, torque))])) == 1
-    quiet = LoadCycle("x", time, speed, level, level)
-    assert len(cycle.stretches([("", quiet)])) == len(cycle.stretches([("", quiet), ("alike", quiet)])) == 2
-    other = replace(quiet, duration=np.array([2.0, 20.0, 1.0]))
-    assert cycle.stretches([("", quiet), ("other", other)]) == [Window("", 0.0, 23.0)]
-
-
 def test_a_long_cruise_is_left_out_and_a_short_one_is_not():
     time = np.arange(0.0, 100.0, 0.1)
     long = np.clip(np.minimum(time / 2.0, (99.9 - time) / 2.0), 0, 1)
@@ -201,9 +173,3 @@ def test_thinning_keeps_the_highest_and_the_lowest_sample():
     assert len(rows) < 2000
     assert {123_457, 77_777, 0, 200_000} <= set(rows.tolist())
     assert np.all(np.diff(rows) > 0)
-
-
-def test_a_quiet_stretch_without_samples_is_still_drawn_to_the_edge():
-    time = np.array([0.0, 1.0, 2.0, 90.0, 91.0])
-    rows = thinned(time, np.ones(5), Window("", 0.0, 3.0))
-    assert rows.tolist() == [0, 1, 2, 3]

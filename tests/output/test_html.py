@@ -7,31 +7,23 @@ import re
 import zlib
 from dataclasses import replace
 from itertools import pairwise
-from math import nan
 
-import jinja2
 import numpy as np
 import pytest
-from html_reports import CASE, NAME, STARTERS, figures_of, hostile_spec, parsed, whole_validation
-from printed import blank_figures
+from html_reports import CASE, NAME, figures_of, hostile_spec, parsed, whole_validation
 
 from drivesizer.control.validation import Validation
-from drivesizer.errors import InputError
-from drivesizer.files.yaml_source import read
 from drivesizer.load_cases import load_cycle
 from drivesizer.output.document.content import Content
-from drivesizer.output.json import documents as json_documents
 from drivesizer.output.report import write
 from drivesizer.output.report.figures.field import panels
 from drivesizer.output.report.figures.style import COLOURS
-from drivesizer.output.report.html import page as page_module
-from drivesizer.output.report.html.curves import plain, sampled
+from drivesizer.output.report.html.curves import plain
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.plots import field_plot
-from drivesizer.output.report.html.templates import environment, mathml
+from drivesizer.output.report.html.templates import environment
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
-from drivesizer.spec.robot import read_spec
 
 
 @pytest.fixture(scope="module")
@@ -56,11 +48,6 @@ def hostile(tmp_path_factory, catalog) -> SizingResult:
     )
 
 
-@pytest.fixture(scope="module")
-def hostile_page(hostile):
-    return parsed(report_html(Content(hostile)))
-
-
 FAMILY = "</td><script>alert(2)</script>{{ 7*7 }}<a href='javascript:1'>x</a>"
 
 
@@ -74,85 +61,6 @@ def named_page(hostile):
 
 def words(element) -> str:
     return " ".join(element.text_content().split())
-
-
-# -- the numbers
-
-
-def shown_number(text: str) -> float:
-    """The last number of a text or of mathematics, such as ``n = 9.422⋅10−4 kg·m²``."""
-    found = re.findall(r"([-−]?\d+(?:\.\d+)?)(?:⋅10([-−]?\d+))?(?![\d/]*\w*\s*[=⋅])", text.split("=")[-1])
-    mantissa, power = found[0]
-    return float(mantissa.replace("−", "-")) * 10.0 ** int((power or "0").replace("−", "-"))
-
-
-def value_of(element) -> float | None:
-    found = element.xpath("descendant-or-self::data/@value")
-    return float(found[0]) if found else None
-
-
-def test_requirements_are_those_of_the_json_document(page, result):
-    document = json_documents.sizing(result)
-    wanted = document["requirements"] | document["sets"][0]["requirements"]
-    shown = {e.get("data-requirement"): e.xpath(".//data")[0] for e in page.xpath("//*[@data-requirement]")}
-    assert list(shown) == list(wanted) and len(wanted) > 20
-    for name, data in shown.items():
-        assert float(data.get("value")) == wanted[name]["value"]  # every digit
-        assert shown_number(data.text_content()) == pytest.approx(wanted[name]["value"], rel=5.1e-4)
-
-
-def test_requirements_of_a_load_that_the_paper_does_not_treat(hostile, hostile_page):
-    page, wanted = hostile_page, json_documents.sizing(hostile)["requirements"]
-    shown = {e.get("data-requirement"): e.xpath(".//data")[0] for e in page.xpath("//*[@data-requirement]")}
-    assert {name: float(data.get("value")) for name, data in shown.items()} == {
-        n: r["value"] for n, r in wanted.items()
-    }
-    for name, data in shown.items():
-        assert float(data.text.split()[0]) == pytest.approx(wanted[name]["value"], rel=5.1e-4)
-
-
-@pytest.mark.parametrize("table", ["checks", "beside", "budget", "loop-checks"])
-def test_checks_are_those_of_the_json_document(page, result, proof, table):
-    document = json_documents.validation(proof) if table == "loop-checks" else json_documents.drive_set(result.sets[0])
-    best = result.sets[0]
-    own, both = len(best.checks), len(best.checks) + len(best.beside)
-    parts = {"checks": slice(own), "beside": slice(own, both), "budget": slice(both, None)}
-    wanted = {check["name"]: check for check in document["checks"][parts.get(table, slice(None))]}
-    rows = page.xpath(f"//table[@id='{table}']//tr[@data-check]")
-    names = [row.get("data-check") for row in rows]
-    assert len(rows) >= 2 and sorted(names) == sorted(wanted)
-    for row, check in ((row, wanted[row.get("data-check")]) for row in rows):
-        cells = dict(zip(("demand", "limit", "margin"), row.xpath("td")[:3], strict=True))
-        for name, cell in cells.items():
-            assert value_of(cell) == (check[name] if words(cell) else None)
-            if check[name] is None:
-                assert words(cell) in ("", "unknown")
-            elif words(cell):
-                number, unit = f"{words(cell)} ".replace("−", "-").split(" ", 1)
-                thousand = unit.startswith("k") and not check["unit"].startswith("k")
-                said = float(number) * (1000.0 if thousand else 1.0)
-                if name == "margin":  # in percent, to a tenth below ten
-                    assert said == pytest.approx(100.0 * check[name], rel=0.0, abs=0.051 if abs(said) < 9.95 else 0.51)
-                else:
-                    assert said == pytest.approx(check[name], rel=5.1e-4)
-        assert words(row.xpath("td")[-1]) == check["status"]
-
-
-def test_sets_are_those_of_the_json_document(hostile, hostile_page):
-    document, page = json_documents.sizing(hostile), hostile_page
-    wanted = [*document["sets"], *document["misses"]]
-    rows = page.xpath("//table[@id='sets']/tbody/tr")
-    assert len(rows) == len(wanted) > 6
-    for row, found in zip(rows, wanted, strict=True):
-        cells = row.xpath("td")
-        assert found["motor"]["part"] in words(cells[1]) and found["gearhead"]["part"] in words(cells[2])
-        assert value_of(cells[0]) == found["rank"] == int(words(cells[0]))
-        assert value_of(cells[3]) == found["total_ratio"] == pytest.approx(float(words(cells[3])), rel=5.1e-4)
-        assert value_of(cells[4]) == pytest.approx(1e3 * found["mass_kg"], rel=1e-12)
-        assert value_of(cells[6]) == found["results"]["physics"]["smallest_margin"]
-        prices = [p["price"] for p in (found["motor"], found["gearhead"], found["encoder"], found["controller"]) if p]
-        assert value_of(cells[5]) == pytest.approx(sum(p for p in prices if p), abs=0.005)
-        assert words(cells[8]) == found["status"]
 
 
 # -- one file
@@ -207,11 +115,6 @@ def test_what_the_summary_says_first(page, result):
         assert part is not None and part.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
 
 
-def test_energy_is_that_of_the_load_cycle_where_it_is_known(hostile, hostile_page):
-    energy = next(f for f in hostile.sets[0].figures if f.name == "energy")
-    assert energy.text in [words(dd) for dd in hostile_page.xpath("//dl[@class='tiles']/div/dd")]
-
-
 # -- text stays text
 
 
@@ -248,19 +151,6 @@ def test_only_an_address_of_the_web_becomes_a_link():
     )
 
 
-def test_a_block_without_a_renderer_is_an_error(result, monkeypatch):
-    original = page_module.paper_data
-
-    def renamed(*given, **more):
-        made = original(*given, **more)
-        made["sections"][0]["blocks"][0]["kind"] = "oracle"
-        return made
-
-    monkeypatch.setattr(page_module, "paper_data", renamed)
-    with pytest.raises(jinja2.UndefinedError):
-        report_html(Content(result))
-
-
 # -- mathematics
 
 
@@ -271,10 +161,6 @@ def test_every_formula_is_mathematics_of_the_browser(page):
     assert not [text for text in said if re.search(r"thin|sqrt|dot|\"|_|\^", text)]
     assert "Vnom=1.5" not in said and any(text.startswith("nnom=") and "208.9" in text for text in said)
     assert len(page.xpath("//article//math//mfrac")) > 20 and page.xpath("//article//math//msqrt")
-
-
-def test_mathematics_without_sources():
-    assert mathml([]) == {} == mathml([""])
 
 
 # -- figures
@@ -319,20 +205,6 @@ def test_the_continuous_field_lies_inside_the_intermittent_one_and_both_under_th
         assert np.allclose(ever[slow], np.minimum(field.continuous, hot)[slow], rtol=1e-5)
 
 
-def test_unknown_figures_leave_their_lines_out(result):
-    best = result.sets[0]
-    motor = replace(best.motor, nominal_torque=nan, max_winding_temperature=nan)
-    gearhead = replace(best.gearhead, inertia=nan, intermittent_torque=nan, mass=nan)
-    bare = replace(best, motor=motor, gearhead=gearhead, controller=None, mass=nan)
-    page = parsed(report_html(Content(replace(result, sets=(bare,), misses=()))))
-    found = figures_of(page)
-    labels = [entry["label"] for entry in found["field"]["legend"]]
-    assert not {"continuous", "continuous, nominal torque", "intermittent", "load cycle"} & set(labels)
-    assert "sets-margin" not in found  # nothing to draw
-    assert words(page.xpath("//table[@id='sets']/tbody/tr[1]/td[5]")[0]) == "unknown"
-    assert page.xpath("//table[@id='sets']/tbody/tr[1]/td[5]/data") == []
-
-
 def test_no_peak_of_the_closed_loop_is_lost(page, proof):
     plot = figures_of(page)["loop"]
     current = next(t for t in plot["data"] if t["name"] == "current")
@@ -344,60 +216,7 @@ def test_no_peak_of_the_closed_loop_is_lost(page, proof):
     assert [entry["label"] for entry in plot["legend"]] == ["speed reference", "speed"]
 
 
-def test_a_record_of_one_sample_is_drawn():
-    assert sampled(np.zeros(1), [np.ones(1)], []).tolist() == [0]
-
-
 # -- every kind of drive
-
-CYCLE = "time,speed,torque\ns,rpm,N*m\n0,0,0.2\n0.5,40,1.4\n2.5,40,0.9\n3,0,-0.3\n4,0,0\n"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", sorted(path.stem for path in STARTERS.glob("*.yaml")))
-def test_every_starter_has_its_page(kind, tmp_path, catalog):
-    (tmp_path / "cycle.csv").write_text(CYCLE)
-    (tmp_path / "robot.yaml").write_bytes((STARTERS / f"{kind}.yaml").read_bytes())
-    found = size(read_spec(read(tmp_path / "robot.yaml")), catalog=catalog, top=2)
-    with blank_figures():  # those of every starter stand in the PDF
-        page = parsed(report_html(Content(found)))
-    assert found.sets[0].motor.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])
-    assert {"profile", "cycle", "field"} <= set(figures_of(page)) and "Closed loop" not in words(page.xpath("//nav")[0])
-
-
-def test_a_front_is_a_table_and_a_figure(hostile, hostile_page):
-    page = hostile_page
-    rows = page.xpath("//table[@id='front']/tbody/tr")
-    points = figures_of(page)["front"]["data"][0]
-    assert len(rows) == min(len(hostile.front), 40) and len(points["x"]) == len(hostile.front)
-    for point, one in zip(points["customdata"], hostile.front, strict=True):
-        assert point[0] == str(one.rank) and plain(one.label) == point[1] and "energy" in point[2]
-
-
-def test_a_page_without_a_set_names_the_nearest_misses(example_text, tmp_path):
-    (tmp_path / "robot.yaml").write_text(example_text.replace("speed: 1.5 m/s", "speed: 9 m/s"), encoding="utf-8")
-    result = size(read_spec(read(tmp_path / "robot.yaml")))
-    assert not result.sets
-    page = parsed(report_html(Content(result)))
-    verdict = words(page.xpath("//div[contains(@class, 'verdict')]")[0])
-    assert (
-        verdict.startswith("No drive meets all limits.")
-        and "it fails on:" in verdict
-        and result.misses[0].label in verdict
-    )
-    assert "The closest rejected drive" in [words(h) for h in page.xpath("//h2")]
-
-
-def test_a_page_without_anything_to_look_at(result):
-    empty = replace(result.counts, considered=0, feasible=0, failed_by={})
-    page = parsed(report_html(Content(replace(result, sets=(), misses=(), counts=empty, unrestricted=None))))
-    assert "no combination of motor and gearhead" in words(page.xpath("//div[contains(@class, 'verdict')]")[0])
-    assert list(figures_of(page)) == ["profile", "cycle"]
-
-
-def test_a_suffix_that_is_no_kind_of_report_is_one_line(result, tmp_path):
-    with pytest.raises(InputError, match=r"expected \.pdf, \.html, \.xlsx, \.csv or \.json"):
-        write(result, None, [tmp_path / "report.htm"])
 
 
 def test_a_symbol_in_a_note_is_lowered_and_the_rest_escaped():

@@ -34,17 +34,6 @@ def test_whole_and_damaged_files_give_the_same(tmp_path: Path, monkeypatch: pyte
         assert (packed(SCRIPT), _rendered("{{ name }} {{ value + 1 }}")) == wanted
 
 
-def test_what_is_kept_is_what_is_used_and_goes_with_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path))
-    packed(SCRIPT), _rendered("{{ value }}")
-    with monkeypatch.context() as patch:
-        patch.setattr("zlib.compress", pytest.fail)
-        patch.setattr("jinja2.environment.Environment.compile", pytest.fail)
-        assert zlib.decompress(packed(SCRIPT)).decode() == SCRIPT and _rendered("{{ value }}") == "3"
-    assert zlib.decompress(packed(SCRIPT + "x")).decode() == SCRIPT + "x" and _rendered("{{ value + 1 }}") == "4"
-    assert len(_all_kept(tmp_path)) == 2  # the older ones have gone
-
-
 def test_a_folder_that_cannot_be_written_is_no_hindrance(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DRIVESIZER_CACHE", str(tmp_path / "file"))
     (tmp_path / "file").write_text("no folder", encoding="utf-8")

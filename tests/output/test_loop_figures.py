@@ -82,32 +82,10 @@ def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_t
         assert margin.get_ydata()[0] == -180.0
 
 
-def test_no_curve_goes_beyond_its_nyquist_frequency_and_the_axis_to_the_highest(canvas):
-    axes = canvas(bode_and_step.bode, CASCADE).axes
-    ends = sorted(float(line.get_xdata()[-1]) for line in axes[0].lines if len(line.get_xdata()) > 2)
-    assert ends == pytest.approx(sorted(0.5 / loop.period for loop in CASCADE))
-    left, right = axes[2].get_xlim()
-    assert right == pytest.approx(0.5 / CASCADE[0].period)
-    assert left < 0.1 * min(loop.crossover for loop in CASCADE)
-    assert axes[2].get_xscale() == "log"
-
-
-@pytest.mark.parametrize("turns", [-2, 0, 1, 3])
-def test_the_phase_starts_in_the_same_turn_whatever_the_arctangent_gave(turns):
-    curve = bode_and_step.curve_of(lag("velocity", 0.07, 4e-4, turns=turns))
-    assert curve.phase[0] == pytest.approx(-90.0, abs=0.01) and curve.phase[-1] == pytest.approx(-180.0)
-
-
 def test_two_integrators_start_at_minus_180_degrees_on_either_side_of_the_cut():
     for start in (np.pi, np.pi - 1e-9, -np.pi):
         bode = replace(VELOCITY.bode, open_phase=np.linspace(start, start - 1.0, 1500))
         assert bode_and_step.curve_of(replace(VELOCITY, bode=bode)).phase[0] == pytest.approx(-180.0)
-
-
-def test_loops_differ_in_dashes_and_marks_and_not_in_colour_alone():
-    looks = [bode_and_step.look_of(loop) for loop in (*CASCADE, replace(VELOCITY, name="other"))]
-    for part in zip(*looks, strict=True):
-        assert len(set(part)) == len(looks)
 
 
 def test_an_unstable_loop_is_drawn_without_marks_and_says_so(canvas):
@@ -129,20 +107,6 @@ def test_a_step_is_drawn_until_it_has_settled_with_a_mark_where(canvas):
         a = loop.poles[0].real
         np.testing.assert_allclose(curve.get_ydata(), 100.0 * (1.0 - a ** (time / loop.period)), atol=1e-9)
         assert mark.get_xdata()[0] in (1e3 * loop.settling_time, loop.settling_time)
-
-
-def test_a_response_without_end_or_nothing_at_all_does_not_stop_the_drawing():
-    bode = VELOCITY.bode
-    odd = replace(bode, open_magnitude=np.where(bode.frequency > 100.0, 0.0, bode.open_magnitude),
-                  closed_magnitude=np.where(bode.frequency > 500.0, np.inf, bode.closed_magnitude))  # fmt: skip
-    ElementTree.fromstring(bode_and_step.bode([replace(VELOCITY, bode=odd)])())
-    ElementTree.fromstring(bode_and_step.step([replace(VELOCITY, settling_time=nan, step=np.full(20_000, 0.3))])())
-
-
-def test_figures_of_loops_have_units():
-    assert {"frequency (Hz)", "(dB)", "phase", "(°)", "closed loop"} <= labels(bode_and_step.bode(CASCADE))
-    assert "velocity, braking: crossover" in " ".join(labels(bode_and_step.bode(CASCADE)))
-    assert {"answer to a step (%)", "time (ms)", "time (s)"} <= labels(bode_and_step.step(CASCADE))
 
 
 def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
@@ -177,11 +141,6 @@ def test_figures_go_into_a_folder_as_drawing_and_picture_with_the_same_bytes_eac
     (folder / "notes.txt").write_text("mine")
     assert {path: path.read_bytes() for path in write_loop_figures(proof, folder)} == first
     assert (folder / "notes.txt").read_text() == "mine"
-
-
-def test_a_validation_without_records_of_its_loops_has_its_course_alone(result, tmp_path):
-    paths = write_loop_figures(synthetic_validation(result), tmp_path)
-    assert [path.name for path in paths] == ["closed_loop.svg", "closed_loop.png"]
 
 
 def test_a_folder_that_cannot_be_is_refused_in_a_line(proof, tmp_path):
@@ -315,10 +274,6 @@ def test_thinning_keeps_peaks_wherever_they_are_and_no_more_than_was_asked_for()
             assert place in rows and {0, count - 1} <= set(rows.tolist()) and len(rows) <= 200
             assert np.all(np.diff(rows) > 0)
             assert place in extremes(-peaked, 300)  # in the last bin, which is not full, as well
-
-
-def test_few_points_stay_all():
-    assert curve_points((np.arange(7.0),), 200).tolist() == list(range(7)) == extremes(np.arange(7.0), 200).tolist()
 
 
 # -- the block diagram

@@ -3,7 +3,6 @@
 import csv
 import io
 from dataclasses import replace
-from math import isnan, nan
 
 import openpyxl
 import pytest
@@ -11,7 +10,6 @@ import pytest
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.parts import NO_GEARHEAD, BeltDrive
 from drivesizer.output.document.content import Content
-from drivesizer.output.document.summary import parts_table
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import write
@@ -51,23 +49,6 @@ def test_a_line_for_each_part_with_the_number_of_the_catalogue(result):
     assert gearhead.price_source == PAGES and gearhead.maker == "maxon"
 
 
-def test_what_no_catalogue_knows_is_left_open(result):
-    lines = {x.role: x for x in parts_list(result.sets[0], result.catalog, 4)}
-    motor, belt = lines["motor"], lines["belt"]
-    assert isnan(motor.price) and (motor.currency, motor.pieces, motor.price_date, motor.price_source) == (
-        "",
-        None,
-        "",
-        "",
-    )
-    assert belt.order_number == belt.part == belt.maker == "" and isnan(belt.mass) and belt.said.startswith("1.1 : 1")
-    unknown = replace(result.sets[0], encoder=None)
-    line = {x.role: x for x in parts_list(unknown, result.catalog, 4)}["encoder"]
-    assert (line.order_number, line.part, line.quantity) == ("", "", 4) and isnan(line.price)
-    said = " ".join(x.note + x.said for x in lines.values())
-    assert "cable" not in said  # nothing is known of one
-
-
 @pytest.mark.parametrize(
     ("quantity", "price", "pieces"),
     [(1, 46.55, 1), (4, 46.55, 1), (5, 42.45, 5), (19, 42.45, 5), (20, 38.91, 20), (200, 38.91, 20)],
@@ -94,14 +75,6 @@ def test_a_name_that_the_catalogue_made_up_is_no_order_number(result, catalog):
     line = parts_list(replace(result.sets[0], encoder=encoder), catalog, 1)[3]
     assert (line.part, line.order_number) == ("ENX 16 EASY 1024", "")
     assert line.note.startswith("part: no order number known; the part name is made up here")
-
-
-def test_no_made_up_name_of_any_catalogue_passes_for_an_order_number(catalog):
-    """Held against the notes of the file itself: each that denies an order number has the words that are looked for."""
-    from drivesizer.output.parts import NO_NUMBER
-
-    denied = [n for n in catalog.notes if "part" in n.fields and "made up" in n.text]
-    assert denied and all(NO_NUMBER in note.text for note in denied)
 
 
 def test_a_cable_is_told_where_the_catalogue_knows_of_one(result, catalog):
@@ -132,29 +105,6 @@ def test_an_actuator_is_one_line_and_belts_are_three(result, tmp_path):
     assert {x.quantity for x in lines} == {3}
 
 
-def test_the_list_as_a_file_of_its_own(result, tmp_path):
-    written = write(result, None, [tmp_path / "report.csv"])
-    assert [path.name for path in written] == ["report.csv", "report-parts.csv"]
-    rows = list(csv.DictReader(io.StringIO(written[1].read_text(encoding="utf-8"))))
-    lines = parts_list(result.sets[0], result.catalog, result.spec.load.motors)
-    assert [(r["role"], r["order_number"], int(r["quantity"])) for r in rows[:-1]] == [
-        (x.role, x.order_number, x.quantity) for x in lines
-    ]
-    for row, line in zip(rows, lines, strict=False):
-        for cell, figure in ((row["price"], line.price), (row["mass_kg"], line.mass)):
-            assert cell == "" if isnan(figure) else float(cell) == figure
-        assert row["price_date"] == line.price_date and bool(row["currency"]) == (not isnan(line.price))
-
-
-def test_the_list_as_a_section_of_the_table(result):
-    rows = list(csv.DictReader(io.StringIO(csv_tables.report_csv(Content(result)).decode())))
-    found = {r["name"]: r for r in rows if r["section"] == "part"}
-    assert found["gearhead_quantity"]["value"] == "4"
-    assert (found["gearhead_price"]["value"], found["gearhead_price"]["unit"]) == ("127.73", "EUR")
-    assert (found["motor_price"]["value"], found["motor_price"]["status"]) == ("", "unknown")
-    assert float(found["total_masses"]["si_value"]) == pytest.approx(0.828)
-
-
 def test_the_list_has_its_sums_in_file_and_workbook(result, tmp_path):
     """208 g four times; 4 x 127.73 EUR: as numbers in the file, as formulas of the cells above in the workbook."""
     written = write(result, None, [tmp_path / "report.csv", tmp_path / "report.xlsx"])
@@ -178,18 +128,6 @@ def test_a_set_that_falls_is_not_bought(result, tmp_path):
         for r in csv.DictReader(io.StringIO(csv_tables.report_csv(Content(fallen)).decode()))
         if r["section"] == "part"
     ]
-
-
-def test_a_part_without_any_figure_has_a_line(result, catalog):
-    bare = replace(result.sets[0].motor, mass=nan, price=nan, price_5=nan, price_20=nan, list_price=nan)
-    line = parts_list(replace(result.sets[0], motor=bare), catalog, 7)[0]
-    assert line.quantity == 7 and isnan(line.mass)
-
-
-def test_a_total_that_no_part_has_is_unknown(result, catalog):
-    lines = [replace(line, mass=nan, price=nan, currency="") for line in parts_list(result.sets[0], catalog, 1)]
-    total = parts_table(lines, "the one drive", "selected").rows[-1]
-    assert {total.cells["masses"], total.cells["price"]} == {"unknown"}
 
 
 def test_a_price_in_another_currency_has_a_total_of_its_own(spec, tmp_path):

@@ -21,10 +21,9 @@ from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes
-from drivesizer.output.report import write_machine, write_sets
+from drivesizer.output.report import write_machine
 from drivesizer.output.report.csv import files_csv
 from drivesizer.output.report.figures.machine import layers
-from drivesizer.output.several_axes import mass_tree
 from drivesizer.results.check import tightest
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.machine import load_machine
@@ -164,25 +163,10 @@ def test_tables_have_the_records_figures_of_every_axis(machine, files):
     assert [float(parts[-1][name]) for name in ("masses_kg", "prices")] == [pytest.approx(2.0), 350.0]
 
 
-def test_drives_in_rows_have_their_axis(machine, tmp_path):
-    (path,) = write_sets(machine, tmp_path / "sets.csv")
-    rows = [row for row in csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))) if row["list"] == "set"]
-    best = {row["axis"]: row["motor_part"] for row in rows if row["rank"] == "1"}
-    assert best == {axis.name: axis.best.motor.part for axis in machine.axes[:2]}
-
-
 def test_a_machine_of_one_axis_gives_the_document_of_a_plain_spec(machine):
     one = replace(machine, machine=replace(machine.machine, axes=machine.machine.axes[:1]), axes=machine.axes[:1])
     alone = document(Content(replace(one.axes[0].result, front=(), pareto=())))
     assert document(MachineContent(one))["sections"] == alone["sections"]
-
-
-def test_the_same_machine_gives_the_same_bytes(machine, files, tmp_path):
-    with blank_figures():
-        written = write_machine(machine, {}, [tmp_path / "report.html", tmp_path / "report.xlsx"])
-    assert {path.name: path.read_bytes() for path in written} == {path.name: files[path.name] for path in written}
-    (figure,) = MachineContent(machine).loads.values()
-    assert figure("svg") == figure("svg")
 
 
 def test_drives_that_fail_together_are_no_answer(whole):
@@ -220,20 +204,3 @@ def test_power_is_stacked_by_axis_and_written_with_the_records_figures(whole, tm
     table = [*csv.DictReader(io.StringIO(files[tmp_path / "a-power.csv"].decode()))]
     assert max(float(row["out of the source (W)"]) for row in table) == course.total.max()
     assert float(table[-1]["time (s)"]) == course.time[-1]
-
-
-def test_of_many_axes_those_of_the_largest_peaks_have_a_layer_and_the_others_their_sum(whole):
-    many = replace(whole.power, axes=tuple("abcdefghi"), drawn=np.outer(range(9, 0, -1), [1.0, 2.0]),
-                   returned=np.ones((9, 2)), total=np.ones(2), left=np.ones(2), time=np.arange(3.0))  # fmt: skip
-    found = layers(many, many.course())
-    assert [one.name for one in found] == [*"abcdef", "3 others"]
-    assert [*found[-1].drawn] == [3 + 2 + 1, 12.0] and [*found[-1].returned] == [3.0, 3.0]
-    unknown = replace(many, drawn=np.where(np.arange(9)[:, None] == 0, np.nan, many.drawn))
-    assert [one.name for one in layers(unknown, unknown.course())] == [*"bcdefg", "2 others"]
-
-
-def test_an_axis_stands_below_the_nearest_one_that_carries_it():
-    axes = {"x": _axis("9 kg") | {"carries": ["y", "z"]}, "y": _axis("6 kg") | {"carries": ["z"]}, "z": _axis("1 kg"),
-            "free": _axis("1 kg")}  # fmt: skip
-    spec = load_machine({"name": "portal", "supply": {"nominal": "24 V"}, "axes": axes})
-    assert mass_tree(spec) == [("x", 0, ""), ("y", 1, "x"), ("z", 2, "y"), ("free", 0, "")]

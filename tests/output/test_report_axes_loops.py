@@ -6,7 +6,6 @@ import csv
 import io
 import json
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import jsonschema
@@ -18,15 +17,13 @@ from printed import blank_figures, text_of
 from two_axes import STEPPER, two_axes
 from typer.testing import CliRunner
 
-import drivesizer.simulate
 from drivesizer.cli import app
 from drivesizer.commands.common import proven
-from drivesizer.errors import InputError, NoLoopError
+from drivesizer.errors import InputError
 from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.json.documents import as_text, machine_document
 from drivesizer.output.json.schema import machine_report_schema
-from drivesizer.output.report.html.plots import power_plot
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -109,37 +106,11 @@ def test_every_table_has_the_figures_of_validate(files, book, validated):
             assert all((name, digits(number)) in cells for number in numbers)
 
 
-def test_series_over_time_are_whole_in_a_file_of_each_axis(files, book, content):
-    for number, (_, proof) in enumerate(content.proofs.items(), 1):
-        rows = [*csv.DictReader(io.StringIO(files[f"a-axis{number}-timeseries.csv"].decode()))]
-        assert [float(row["time (s)"]) for row in rows] == proof.series["time"].tolist()
-    assert {"x over time", "table over time"} < {*book.sheetnames}
-
-
 # -- chapters
 
 
 def document(content):
     return paper_data(document_of(content))
-
-
-def test_each_chapter_prints_the_sections_of_a_report_of_one_axis(content, validated):
-    sections = {one["name"]: one for one in document(content)["sections"]}
-    titles = {number: [one["title"] for name, one in sections.items() if name.startswith(f"axis{number}-")]
-              for number in (1, 2)}  # fmt: skip
-    assert {"Closed loop", "The loops by linear theory"} < {*titles[1]} and "Open loop" in titles[2]
-    assert not {"Closed loop", "The loops by linear theory"} & {*titles[2]}
-    for number, (name, proof) in enumerate(content.proofs.items(), 1):
-        loop = sections[f"axis{number}-loop"]["blocks"]
-        checks = next(block for block in loop if block.get("name") == f"axis{number}-loop-checks")
-        assert {row["data"]["check"] for row in checks["rows"]} == {one["name"] for one in validated[name]["checks"]}
-        figures = next(block for block in loop if block["kind"] == "pair")["left"][0]["rows"]
-        assert [row["cells"][1]["text"] for row in figures] == [figure.text for figure in proof.figures]
-        assert any(block["kind"] == "picture" and block["name"] == f"axis{number}-loop" for block in loop)
-        assert f"axis{number}-loop" in content.drawings
-    rows = {row["cells"][0]: row["cells"][1:] for row in sections["loops"]["blocks"][0]["rows"]}
-    assert rows["x"][0].startswith("closed loop, ") and rows["table"][0].startswith("open loop, ")
-    assert "every axis passes" in str(sections["summary"]["blocks"][0])
 
 
 def test_the_loop_carries_what_rides_on_the_axis(content):
@@ -165,25 +136,6 @@ def test_pdf_and_page_show_the_loops(files):
 # -- failing, missing, older
 
 
-def test_an_axis_that_fails_or_is_not_simulated_is_named(content, monkeypatch):
-    failing = {name: replace(proof, status="fail") for name, proof in content.proofs.items() if name == "x"}
-    first, *others = document(MachineContent(content.sizing, failing))["sections"]
-    assert "Simulated in its hardest load case, x fails." in str(first["blocks"][0])
-    rows = next(one for one in others if one["name"] == "loops")["blocks"][0]["rows"]
-    assert rows[1]["cells"][1].startswith("not simulated") and rows[1]["cells"][-1][0]["text"] == "unknown"
-
-    def refuse(spec: Any, drive: Any, **_: Any) -> Any:
-        raise NoLoopError(f"motor {drive.motor.part}: its inductance is unknown")
-
-    monkeypatch.setattr(drivesizer.simulate, "validate", refuse)
-    sizing, proofs = proven(content.sizing)
-    assert (
-        not proofs
-        and "not simulated in open loop: motor A2: its inductance is unknown" in sizing.axes[1].result.warnings
-    )
-    assert "loops" not in {one["name"] for one in document(MachineContent(sizing, proofs))["sections"]}
-
-
 def test_documents_with_and_without_loops_obey_the_schema(files, content):
     validator = jsonschema.Draft202012Validator(machine_report_schema())
     report = json.loads(files["a.json"])
@@ -200,25 +152,3 @@ def test_documents_with_and_without_loops_obey_the_schema(files, content):
 def test_a_profile_that_an_axis_cannot_follow_is_refused_with_its_name(content):
     with pytest.raises(InputError, match=r"^x: profile .triangle.: the spec's motion is trapezoid; expected [^\n]*$"):
         proven(content.sizing, "triangle")
-
-
-# -- power that can be moved
-
-
-def test_power_on_the_page_is_stacked_by_axis_and_adds_up_to_the_course(content):
-    power = content.sizing.power
-    plot, course = power_plot(power), power.course(1000)
-    assert [entry["label"] for entry in plot["legend"]] == ["x", "table", "out of the source"]
-    for stack, rows in (("drawn", course.drawn), ("returned", -course.returned)):
-        traces = [trace for trace in plot["data"] if trace.get("stackgroup") == stack]
-        assert [len(trace["y"]) for trace in traces] == [len(course.time)] * 2
-        assert np.sum([trace["y"][:-1] for trace in traces], axis=0) == pytest.approx(
-            rows.sum(axis=0), rel=1e-5, abs=1e-4
-        )
-    assert plot["data"][-1]["y"][:-1] == pytest.approx(course.total, rel=1e-5, abs=1e-6)
-    net = course.drawn[0] - course.returned[0]
-    assert plot["data"][0]["customdata"][:-1] == pytest.approx(net, rel=1e-3, abs=1e-4)
-    assert min(net) < 0.0 < max(net)  # braking shows below zero
-    assert power_plot(replace(power, drawn=power.drawn * np.nan, returned=power.returned * np.nan)) is None
-    unknown = power_plot(replace(power, total=power.total * np.nan))
-    assert [entry["label"] for entry in unknown["legend"]] == ["x", "table"]

@@ -6,8 +6,6 @@ import io
 import re
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
-from xml.etree import ElementTree
 
 import pypdf
 import pytest
@@ -15,25 +13,18 @@ from pdf_text import texts_of
 from printed import blank_figures
 from synthetic_validation import labels
 
-from drivesizer.load_cases import load_cycle
 from drivesizer.output.document import SECTIONS, printed
 from drivesizer.output.document.axes import document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.document.records import BOOK
-from drivesizer.output.part import _row
-from drivesizer.output.parts import machine_parts
-from drivesizer.output.report.figures.cycle import Row, Trace, each_over_time
 from drivesizer.output.report.figures.field import TOGETHER, Panel, alone, leading, panels, torque_speed_panels
-from drivesizer.output.report.figures.style import Drawing, Window
 from drivesizer.output.report.html.candidate_plots import apart
-from drivesizer.output.report.html.page import both_schemes, report_html
+from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.pdf import report_pdf
-from drivesizer.results.check_kinds import CHECKS, PARTS, part_of, sorted_by_part
+from drivesizer.results.check_kinds import PARTS, part_of, sorted_by_part
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.sections import TitleBlock
-
-HTML = Path(report_html.__code__.co_filename).parent
 
 
 @pytest.fixture(scope="module")
@@ -93,15 +84,6 @@ def test_the_method_that_did_not_rank_has_no_verdict(by_physics, result):
     assert shown == own and own != {check.name for check in by_physics.sets[0].beside}
 
 
-def test_totals_of_the_first_page_are_those_of_the_parts_list(result):
-    lines = machine_parts(result.sets[0], result.problem)
-    prices = sum(line.quantity * line.price for line in lines if line.price == line.price)
-    (price,) = [value for name, value, _ in blocks(result, "summary")["tiles"]["rows"] if name.startswith("Price")]
-    assert price == f"{prices:.2f} EUR"
-    *_, total = blocks(result, "summary")["parts"]["rows"]
-    assert total["total"] and total["cells"][-1]["text"] == f"≥ {prices:.2f} EUR"  # the motor's is unknown
-
-
 def test_the_first_page_of_a_pdf_holds_all_of_it_and_files_go_with_it(result):
     digests = {f"maker {n}": f"{n:032x}" for n in range(80)}
     many = replace(result, problem=replace(result.problem, catalog=replace(result.catalog, digests=digests)))
@@ -144,15 +126,6 @@ def test_of_unknown_checks_no_more_is_said_than_that_none_fails(result):
 # -- groups
 
 
-def test_every_check_has_a_part():
-    names = {name for declared in CHECKS.values() for name in declared}
-    found = {name: part_of(name) for name in names}
-    assert {*found.values()} == {*PARTS}
-    for name, part in found.items():
-        first = name.split("_")[0]
-        assert part == first.capitalize() or first not in {"motor", "gearhead", "encoder", "controller", "battery"}
-
-
 def test_checks_are_grouped_by_part_and_keep_their_order_within(result):
     best = result.sets[0]
     ordered = sorted_by_part(best.checks)
@@ -186,55 +159,7 @@ def test_four_load_cases_have_a_diagram_each(result):
     assert leading(two) is two[0] and alone(two) == []
 
 
-def test_limits_are_named_once_above_small_diagrams(result):
-    cycle = load_cycle(result.spec)
-    columns = {"current": cycle.torque.ravel(), "voltage": cycle.speed.ravel()}
-    traces = [Trace(f"wheel {n}", cycle.time.ravel(), columns) for n in range(3)]
-    top = float(abs(cycle.torque).max())
-    sides = (Row("current", "current", "A", (("near", 1.5 * top), ("far", 9.0 * top))), Row("voltage", "voltage", "V"))
-    svg = Drawing(lambda figure: each_over_time(figure, traces, sides, [Window("", 0.0, cycle.total)]))
-    named = [text.text or "" for text in ElementTree.fromstring(svg()).iter() if "near" in (text.text or "")]
-    assert len([said for said in labels(svg) if said.startswith("near ")]) == 1 and len(named) <= 1
-    assert not [said for said in labels(svg) if said.startswith("far ")]  # out of sight
-
-
 # -- the page
-
-
-def test_no_button_of_a_figure_sends_it_anywhere():
-    script = (HTML / "plots.js").read_text(encoding="utf-8")
-    (buttons,) = re.findall(r"modeBarButtons: (\[\[.*?\]\])", script)
-    known = {"toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"}
-    assert {*re.findall(r'"(\w+)"', buttons)} == known  # by name: none that plotly.js adds appears
-    assert 'plotlyServerURL: ""' in script and "displaylogo: false" in script
-
-
-def test_still_figures_follow_light_and_dark():
-    drawing = '<svg xmlns="x"><g style="fill: #ffffff; stroke: #0072b2"/><g style="fill: #cfe3f1"/></svg>'
-    made = both_schemes(drawing)
-    style, rest = made.partition("<style>")[2].split("</style>")
-    assert not re.search(r"#[0-9a-f]{6}", rest) and rest.count("var(--") == 3
-    light, dark = style.split("@media screen and (prefers-color-scheme:dark)")
-    values = [dict(re.findall(r"--(\w{6}):(#\w{6})", part)) for part in (light, dark)]
-    assert values[0] == {colour: f"#{colour}" for colour in ("000000", "0072b2", "cfe3f1", "ffffff")}
-    bright = [sum(int(one[n : n + 2], 16) for n in (1, 3, 5)) for one in (values[1]["ffffff"], values[1]["000000"])]
-    assert bright[0] < 150 < 600 < bright[1]  # paper dark, letters light
-    assert values[1].keys() == values[0].keys()
-
-
-def test_style_of_chips_tables_and_paper():
-    style = (HTML / "style.css").read_text(encoding="utf-8")
-    (chip,) = re.findall(r"^\.pill \{(.*?)\}", style, re.M)
-    assert "white-space: nowrap" in chip
-    assert re.search(r"\.framed\.more::after[^}]*content: \"→\"", style)  # a table that goes on says so
-    assert ".framed" in (HTML / "blocks.html").read_text(encoding="utf-8").replace('class="framed"', ".framed")
-    paper = style.partition("@media print")[2]
-    assert "@page" in paper and ".framed::after" in paper and "prefers-color-scheme" not in paper
-
-
-def test_labels_of_points_close_together_go_to_other_sides():
-    assert apart([], []) == [] and apart([(1.0, 1.0)], ["1"]) == ["top center"]
-    assert apart([(207.0, 2.1), (207.0, 0.9), (190.0, -29.0)], ["1", "2", "3"])[:2] == ["top center", "bottom center"]
 
 
 def test_no_label_covers_another_and_the_crowded_ones_are_left_to_the_pointer():
@@ -245,15 +170,3 @@ def test_no_label_covers_another_and_the_crowded_ones_are_left_to_the_pointer():
     for one in ("middle right", "middle left"):
         ups = [y / 29.0 + steps[side] for (_, y), side in zip(points, sides, strict=True) if side == one]
         assert all(abs(a - b) > 0.05 for a, b in pairwise(ups))
-
-
-def test_an_estimated_figure_has_three_digits(result):
-    """Three digits of an estimate, six of a printed figure."""
-    best = result.sets[0]
-    motors = result.catalog.motors
-    row = motors.rows[best.motor.part]
-    part = replace(best.motor, thermal_resistance_housing=14.123456)
-    known = dict.fromkeys(result.catalog.confidence("motors", row), "estimated")
-    made = _row(part, "thermal_resistance_housing", "motors", known)
-    assert made == {"name": "thermal resistance housing", "text": "14.1 K/W", "mark": "estimated"}
-    assert _row(part, "thermal_resistance_housing", "motors", dict.fromkeys(known, "quoted"))["text"] == "14.1235 K/W"

@@ -1,19 +1,16 @@
 """The JSON report: one document of sizing, parts list and closed loop, and the schema that it obeys."""
 
 import json
-from dataclasses import replace
 
 import jsonschema
 import pytest
 from synthetic_validation import synthetic_validation
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.document.content import Content
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json import documents as json_file
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import write
-from drivesizer.output.report.json import report_json
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -102,11 +99,3 @@ def test_the_series_is_thinned_with_its_peaks(result):
     for name in ("time", "speed", "error", "current"):
         values = proof.series[name]
         assert (min(told["columns"][name]), max(told["columns"][name])) == (values.min(), values.max())
-
-
-def test_half_a_letter_and_quotes_are_written(result, tmp_path):
-    entered = {"name": '\ud800 " \\ \x00 測試'}
-    proof = replace(synthetic_validation(result, step=1.0), profile=entered["name"])
-    (path,) = write(result, proof, [tmp_path / "report.json"])
-    assert json.loads(path.read_bytes())["validation"]["profile"] == entered["name"]
-    assert report_json(Content(result, proof)) == path.read_bytes()

@@ -6,9 +6,8 @@ import json
 import math
 import re
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
-from math import cos, isnan, nan, sin
+from math import cos, isnan, sin
 
 import jsonschema
 import numpy as np
@@ -23,21 +22,17 @@ from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.output.document.content import Content, driven_over, machine_words
 from drivesizer.output.document.machine import FOLLOWED, PERMITTED, mass_blocks
 from drivesizer.output.document.records import Table
-from drivesizer.output.document.rows import consumers_table
 from drivesizer.output.json.documents import sizing
 from drivesizer.output.json.schema import report_schema
-from drivesizer.output.report import html
 from drivesizer.output.report.csv import report_csv
 from drivesizer.output.report.figures import cycle as motion
 from drivesizer.output.report.figures import cycle as wheels
 from drivesizer.output.report.figures import machine
-from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.figures.style import COLOURS, Window, thinned
+from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.json import report_json
 from drivesizer.output.report.pdf import report_pdf
-from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
@@ -80,23 +75,6 @@ def test_a_platform_is_told_by_mass_wheels_size_and_way(spec):
     )
 
 
-def test_free_wheels_and_casters_are_told_apart():
-    text = re.sub(r"  wheels:.*?  roller_resistance: 0.01[^\n]*\n", WHEELS, TEXT, flags=re.DOTALL)
-    text = text.replace("driven_wheels: 4", "driven_wheels: 2").replace("{trajectory: sps_way.csv}", TRAPEZOID)
-    assert "on 2 driven fixed wheels and 1 free fixed wheel and 1 caster, " in machine_words(
-        read_spec(YamlSource(text, str(EXAMPLE)))
-    )
-
-
-WHEELS = """  wheels:
-    - {kind: fixed, x: 0 mm, y: 150 mm}
-    - {kind: fixed, x: 0 mm, y: -150 mm}
-    - {kind: fixed, x: 0 mm, y: 100 mm, driven: false}
-  casters: [{x: 300 mm, y: 0 mm}]
-"""
-TRAPEZOID = "{speed: 1 m/s, acceleration_time: 2 s, cruise_time: 5 s}"
-
-
 # -- the way
 
 
@@ -131,14 +109,6 @@ def test_a_passage_stands_where_it_is_and_is_as_wide_as_it_is(canvas):
     assert not bare.patches  # without a place
 
 
-def test_a_way_that_ends_elsewhere_has_two_marks_and_the_same_way_is_drawn_once(canvas):
-    spec = changed(("{trajectory: sps_way.csv}", "{waypoints: [{x: 0 m, y: 0 m}, {x: 4 m, y: 0 m}, {x: 4 m, y: 2 m}]}"))
-    (axes,) = canvas(machine.plan_view, spec).axes
-    assert [text.get_text() for text in axes.texts] == ["start", "end"]
-    more = read_spec(YamlSource(TEXT + "cases: [{name: slope, load: {slope: 2 deg}}]\n", str(EXAMPLE)))
-    assert len(machine.ways_of(more)) == 1
-
-
 def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
     straight, turning = canvas(motion.speed_profile, result.spec).axes
     forwards, left = (line for line in straight.lines if len(line.get_xdata()) > 2)
@@ -166,31 +136,6 @@ def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
         assert (torque.min(), torque.max()) == pytest.approx((cycle.torque.min(), cycle.torque.max()))
         rpm = cycle.speed * 30.0 / np.pi
         assert (speed.min(), speed.max()) == pytest.approx((rpm.min(), rpm.max()))
-
-
-def test_a_wheel_that_rests_is_drawn_at_rest(canvas, result):
-    """A long piece between many short ones keeps both of its ends."""
-    cycle = result.problem.cases[0].cycle
-    still = [k for k in range(len(cycle.duration)) if cycle.duration[k] > 4.9 and not cycle.speed[k].any()]
-    start, end = cycle.time[still[0]]
-    assert end - start == pytest.approx(5.0) and not cycle.torque[still[0]].any()
-    line = canvas(wheels.wheels_over_time, [("a", cycle)]).axes[0].lines[0]
-    inside = np.linspace(start + 0.05, end - 0.05, 50)
-    assert np.abs(np.interp(inside, *line.get_data())).max() < 1e-9
-
-
-def test_thinning_keeps_both_ends_of_a_step_in_time_that_can_be_seen():
-    time = np.concatenate([np.linspace(0.0, 1.0, 3000), np.linspace(6.0, 7.0, 3000)])
-    values = np.concatenate([np.linspace(1.0, 0.0, 3000), np.linspace(0.0, 1.0, 3000)])
-    rows = thinned(time, values, Window("", 0.0, 7.0))
-    assert {2999, 3000} <= set(rows.tolist()) and len(rows) < 750
-
-
-def test_more_wheels_than_rows_leave_the_rest_to_other_reports(canvas, result):
-    cycle = result.problem.cases[0].cycle
-    most = wheels.MOST_WHEELS
-    axes = canvas(wheels.wheels_over_time, [(f"wheel {n}", cycle) for n in range(most + 3)]).axes
-    assert len(axes) == 2 * most
 
 
 def test_the_energy_of_a_way_is_the_sum_over_its_wheels(result):
@@ -229,24 +174,6 @@ def test_masses_one_by_one_with_their_sum_and_what_it_lacks(result):
     assert sums[0] == f"{known:.4g} kg" and len(sums) == 2
     lacks = ", ".join(row.name for row in best.masses if isnan(row.each))
     assert note.text == f"Not known and not in the sum: {lacks}."
-
-
-def test_an_unknown_consumer_is_named_and_not_summed(result):
-    whole = result.sets[0].energy
-    consumed = [one._replace(mean=nan) if one.name.startswith("losses") else one for one in whole.consumers]
-    budget = replace(whole, consumers=tuple(consumed))
-    assert consumers_table(budget).rows[-1].cells["note"] == "of the known ones"
-    bars = html.plots.consumers_plot(budget)["data"][0]
-    place = bars["y"].index("losses of the controllers")
-    assert bars["customdata"][place] == bars["text"][place] == "unknown" and bars["x"][place] == 0.0
-    assert bars["x"][bars["y"].index("drive")] == pytest.approx(budget.consumers[0].mean, rel=1e-5)
-    charge = html.plots.charge_plot(budget)["data"][0]
-    assert charge["y"][0] == 100.0 and charge["x"][-1] == pytest.approx(budget.autonomy / 3600.0, rel=1e-4)
-
-
-def test_unknown_masses_are_named_where_unknown_checks_are(result):
-    lacks = dict(unknown_figures(result.sets[0]))
-    assert lacks["Mass of the machine"] == "battery"
 
 
 # -- what falls
@@ -321,14 +248,6 @@ def test_every_report_has_the_platforms_matrices(result, sheets):
     jsonschema.validate(document, schema["$defs"]["PlatformNumbers"] | {"$defs": schema["$defs"]})
 
 
-def test_figures_of_a_way_are_drawn_with_the_same_bytes_each_time(result, spec):
-    made = report_drawings(result, None)
-    assert list(made)[:3] == ["way", "profile", "cycle"]
-    for name in ("way", "profile", "cycle", "battery"):
-        assert made[name]("svg") == made[name]("svg")
-    assert "way" not in report_drawings(size(spec, top=1), None)
-
-
 def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     """A diagonal of the drive is slower than straight on; a circle shows what the spec asks for."""
     content = Content(result, None)
@@ -345,12 +264,6 @@ def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     whole, without, asked = (np.hypot(*line.get_data()) for line in panels[0].lines)
     assert whole == pytest.approx(found.speed[0][[*range(72), 0]]) and asked == pytest.approx(np.full(73, 1.5))
     assert (without <= whole + 1e-9).all()
-
-
-def test_the_json_report_of_a_platform_has_them(result, tmp_path):
-    found = json.loads(report_json(Content(result, None)))
-    jsonschema.Draft202012Validator(report_schema()).validate(found)
-    assert len(found["platform"]["permitted_speeds"]["speeds"]) == 5 * 72
 
 
 SHORT = (

@@ -79,24 +79,6 @@ def test_every_section_figure_and_table_is_there_and_numbered(sheets, text):
     assert f"page {last} of {last}" in text
 
 
-def test_what_figures_say_can_be_searched_and_copied(text):
-    for said in ("torque at the motor's shaft", "energy of a cycle (J)", "speed there (rpm)", "current (A)",
-                 "friction and iron of the motor", "frequency (Hz)"):  # fmt: skip
-        assert said in text, said
-
-
-def test_energy_heat_parts_and_what_is_not_known_are_told(text):
-    for said in (
-        "Energy per cycle 5447 J", "drawn less what is regenerated and kept (70 %", "Copper loss, mean 0.3661 W",
-        "Winding in periodic steady state, mean 38.23 °C",
-        "Winding, permitted 125 °C",
-        "4 × gearhead maxon GP 26 A 27:1 406764 27:1, exactly 26.851 308 g 127.73 EUR 510.92 EUR", "≥ 510.92 EUR",
-        "without motor, belt, encoder, controller", "cables, connectors",
-        "Motor permissible speed 5552 rpm 14000 rpm +152 % pass", "encoder max speed 24000 rpm recalled",
-    ):  # fmt: skip
-        assert said in text, said
-
-
 def test_a_date_is_printed_where_it_is_given_and_nowhere_else(sheets, text):
     plain, dated = (sheets[paper].content for paper in ("a4", "us-letter"))
     assert all(DATED in page for page in texts_of(dated))

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import combinations
-from math import inf, isnan, nan, sqrt
+from math import inf, nan, sqrt
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,8 +12,6 @@ from synthetic_validation import labels
 
 from drivesizer.machine.set_cycle import WarmUp, set_cycle
 from drivesizer.machine.supply_power import EnergyFlow
-from drivesizer.output.document.summary import parts_table
-from drivesizer.output.parts import parts_list
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.set_behaviour import Behaviour
@@ -72,16 +70,6 @@ def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas
     assert "used share of the limit (%)" in labels(choice.margins(CHECKS))
 
 
-def test_the_margins_of_a_set_have_a_bar_for_each_check(canvas, result):
-    best = result.sets[0]
-    (axes,) = canvas(choice.margins, best.beside).axes
-    for bar, one in zip(axes.patches, reversed(best.beside), strict=True):
-        if not isnan(one.margin):
-            assert bar.get_width() == pytest.approx(
-                min(100.0 * one.demand / one.limit, 125.0), rel=1e-9
-            ) or one.name in ("encoder_counts", "largest_reduction", "winding_temperature")
-
-
 # -- energy
 
 FLOW = EnergyFlow(drawn=100.0, supply=2.0, controller=3.0, copper=15.0, friction=10.0, gearhead=15.0, belt=5.0,
@@ -101,15 +89,6 @@ def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
     assert len({*hatches(axes)}) == 3
     said = labels(cycle.energy_bars(FLOW))
     assert {"energy of a cycle (J)", "2 J, 2 %", "work on the load", "regenerated, kept by the supply"} <= said
-
-
-def test_a_load_that_gives_goes_up_again_and_large_energies_have_larger_units(canvas):
-    flow = EnergyFlow(*(1e3 * x for x in (40.0, 0.0, 0.0, 10.0, 5.0, 5.0, 0.0, -30.0, 0.0, 50.0, 50.0)))
-    (axes,) = canvas(cycle.energy_bars, flow).axes
-    ends = [bar.get_x() + bar.get_width() for bar in axes.patches]
-    assert ends == pytest.approx([40.0, 30.0, 25.0, 20.0, 50.0, 0.0])
-    said = labels(cycle.energy_bars(flow))
-    assert "energy of a cycle (kJ)" in said and "−30 kJ, −75 %" in said and "belt" not in said
 
 
 def test_the_bars_of_a_result_sum_to_its_figures(hoist):
@@ -148,14 +127,6 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
     assert seen > 30
     assert {"torque at the gearhead's output (N·m)", "speed there (rpm)", "load cycle", "18.9 V, winding warm",
             "drives", "brakes", "60 %"} <= labels(field.efficiency_map(cases, 18.9))  # fmt: skip
-
-
-def test_the_map_of_a_drive_far_below_the_usual_lines_has_its_own(canvas, result):
-    best = result.sets[0]
-    weak = replace(best, gearhead=replace(best.gearhead, efficiency=0.09))
-    (axes,) = canvas(field.efficiency_map, [("", set_cycle(result.spec, weak))], 18.9).axes
-    drawn = [len(getattr(lines, "levels", ())) for lines in axes.collections]
-    assert max(drawn) >= 3
 
 
 def test_the_cycle_stands_in_the_map_with_its_torques_and_speeds(canvas, result):
@@ -228,7 +199,7 @@ def test_temperatures_are_drawn_with_their_limits(canvas):
 # -- front
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
     random = np.random.default_rng(seed)
     x, y = np.sort(random.gamma(1.5, 100.0, 40)), np.sort(random.gamma(1.5, 60.0, 40))[::-1]
@@ -246,12 +217,6 @@ def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
         assert not one.padded(-0.6).overlaps(other.padded(-0.6))
     for point in axes.transData.transform(np.column_stack([x, y])):
         assert not any(box.padded(-0.6).contains(*point) for box in boxes)
-
-
-def test_the_front_of_a_result_is_drawn_with_its_parts(hoist):
-    said = labels(report_drawings(hoist, None)["front"])
-    assert {"mass (g)", "price (EUR)"} <= said
-    assert any(hoist.front[0].motor.part[:8] in text for text in said)
 
 
 # -- all of them
@@ -275,21 +240,3 @@ def test_figures_that_hang_on_an_unknown_one_are_left_out(result):
     bare = replace(result.sets[0], gearhead=replace(result.sets[0].gearhead, inertia=nan))
     made = report_drawings(replace(result, sets=(bare,)), None)
     assert {"efficiency", "demand", "energy", "heat"}.isdisjoint(made) and {"margins", "field", "cycle"} <= set(made)
-
-
-# -- the parts list
-
-
-def test_the_parts_list_multiplies_and_sums_what_is_known(result):
-    best = result.sets[0]
-    made = parts_table(parts_list(best, result.catalog, 4), "all 4 drives", "the selected drive")
-    *lines, total = [row.cells for row in made.rows]
-    rows = {row["role"]: row for row in lines}
-    shown = {role: [row[key].text for key in ("quantity", "masses", "price", "prices")] for role, row in rows.items()}
-    assert shown["gearhead"] == ["4 ×", "308 g", "127.73 EUR", "510.92 EUR"]  # 4 of 77 g
-    assert shown["motor"][2:] == ["unknown"] * 2 and rows["motor"]["order_number"] == "118752"
-    assert total["prices"].text == "≥ 510.92 EUR" and total["masses"].text.startswith("≥ ")
-    nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None)
-    *lines, total = [row.cells for row in parts_table(parts_list(nothing, result.catalog, 1), "one", "").rows]
-    assert total["price"] == "unknown"
-    assert {row["role"]: row["named"] for row in lines}["encoder"] == "none is listed for this motor"

@@ -63,20 +63,6 @@ def test_a_mark_stands_in_its_cell_and_dots_go_over_it():
 
 
 @pytest.mark.parametrize(
-    ("end", "count", "expected"),
-    [
-        (12000, 6, [0, 2000, 4000, 6000, 8000, 10000, 12000]),
-        (78.9, 6, [0, 20, 40, 60]),
-        (0.3, 3, [0, 0.1, 0.2, 0.3]),
-        (1.9, 1, [0, 1]),
-        (9.99, 10, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]),
-    ],
-)
-def test_ticks(end, count, expected):
-    assert ticks(end, count) == pytest.approx(expected)
-
-
-@pytest.mark.parametrize(
     "end", [n * 10.0**power for n in (1, 1.01, 1.99, 2, 4.99, 5, 7.3, 9.99) for power in (-6, 0, 9)]
 )
 def test_ticks_are_round_even_and_within_the_axis(end):

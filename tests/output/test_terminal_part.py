@@ -5,14 +5,13 @@ Expected figures come from the formulas of the trade, written out here.
 
 from __future__ import annotations
 
-from math import exp, isnan, log, nan, pi, sqrt
+from math import exp, isnan, log, pi, sqrt
 from pathlib import Path
 
 import pytest
 
 from drivesizer.catalog.query import Hit, find, open_catalogs
 from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
-from drivesizer.output import part as part_heat
 from drivesizer.output.terminal import catalog as terminal_part
 from drivesizer.physics.thermal import COPPER
 
@@ -153,29 +152,6 @@ def test_the_chart_tells_what_is_computed_cut_or_permitted_for_a_while(part, sho
     assert "peak torque, for" not in words(shown(part(peak_torque="200 mN*m")))
 
 
-def test_a_nominal_point_without_speed_stands_on_the_line(part, shown):
-    assert "● nominal torque, on the line" in words(shown(part(nominal_speed=None)))
-
-
-def test_a_small_stall_torque_is_shown(part, shown):
-    said = words(shown(part(stall_torque="70 mN*m")))
-    assert "beyond the chart" not in said
-    assert "0 20 40 60 torque" in said
-
-
-def test_an_actuators_chart_is_at_its_output(part, shown):
-    said = words(shown(part("actuators")))
-    assert "torque [N·m]" in said
-    assert "at 24 V, winding at 25 °C; cut at the permitted 160 rpm; stall, 18 N·m, is beyond the chart" in said
-    assert "peak torque, for a short time" in said
-
-
-def test_without_figures_there_is_no_chart(part, shown):
-    said = shown(part(stall_torque=None, stall_current=None, resistance=None))
-    assert "torque and speed" in said
-    assert "┤" not in said
-
-
 # --- heat ------------------------------------------------------------------------------------------------------------
 
 
@@ -272,17 +248,6 @@ def test_rows_whose_figures_are_unknown_are_left_out(part, shown):
     assert "at standstill 1." in words(shown(part(nominal_current=None, nominal_torque=None)))
 
 
-def test_what_is_missing_is_one_line(part, shown):
-    out = shown(part(max_winding_temperature=None, motor_time_constant=None))
-    assert "heat: unknown without max winding temperature, motor time constant" in out
-    assert "continuous current by" not in out
-
-
-def test_times_are_told_in_the_unit_that_people_use():
-    told = [part_heat._duration(time) for time in (0.381, 93.0, 300.0, 9000.0, float("inf"), nan)]
-    assert told == ["0.381 s", "93 s", "5 min", "2.5 h", "unbounded", "unknown"]
-
-
 # --- the page --------------------------------------------------------------------------------------------------------
 
 
@@ -293,11 +258,6 @@ def test_the_page_fits_and_is_plain_on_a_pipe(part, shown, section, width):
     widest = max(len(text.rstrip()) for text in out.splitlines())
     assert width - 2 <= widest <= width
     assert "\x1b" not in out
-
-
-def test_the_chart_does_not_grow_with_any_terminal(part, shown):
-    out = shown(part("motors", **REGION), 100_000)
-    assert max(len(text.rstrip()) for text in out.splitlines() if text.endswith("]") or "┬" in text) <= 160
 
 
 def test_a_wide_page_sets_tables_side_by_side(part, shown):

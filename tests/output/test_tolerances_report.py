@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -16,18 +15,15 @@ from typer.testing import CliRunner
 
 from drivesizer.cli import app
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.document.content import Content, error_and_weakest
+from drivesizer.output.document.content import error_and_weakest
 from drivesizer.output.json import documents as json_documents
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import csv as csv_tables
-from drivesizer.output.report import workbook, write
+from drivesizer.output.report import write
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.choice import swings, tornado
 from drivesizer.output.terminal.sizing import DETAILS, sizing
-from drivesizer.output.terminal.tables import MARK
 from drivesizer.output.words import likely, moved, reported
-from drivesizer.results.check import LoopShare, Reliability
-from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explained, size
@@ -58,12 +54,6 @@ def test_the_json_document_says_how_sure_and_is_what_its_schema_says(result: Siz
         assert found["probability"] >= 0.5 and found["drivers"][0]["name"] == "load.rolling_resistance"
         assert found["smallest_margin"]["p5"] <= found["smallest_margin"]["p95"]
     assert all(one["reliability"]["probability"] < 0.5 for one in document["unsure"])
-
-
-def test_without_tolerances_the_keys_are_there_and_null(spec, catalog) -> None:  # type: ignore[no-untyped-def]
-    document = json_documents.sizing(size(spec, catalog=catalog))
-    assert document["uncertainty"] is None and document["unsure"] == []
-    assert document["sets"][0]["reliability"] is None
 
 
 def test_the_pdf_and_the_page_tell_the_same_rows(result: SizingResult, tmp_path: Path) -> None:
@@ -97,30 +87,7 @@ def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> 
     assert report_drawings(result, None)["tornado"]("png").startswith(b"\x89PNG")
 
 
-def test_the_terminal_names_the_three_that_matter_most(
-    result: SizingResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "120")
-    sizing(result, details=DETAILS)
-    said = capsys.readouterr().out
-    best = result.sets[0].reliability
-    assert best and result.uncertainty
-    assert "Probability that every check passes" in said and "What its smallest margin depends on most" in said
-    for driver in best.drivers[:3]:
-        assert driver.title.split(" +-")[0].split(" in ")[0] in said
-    assert f"{result.uncertainty.examined} drives sampled, 512 times each (seed 1)" in said
-
-
 # --- what is printed where nothing was sampled, and where nothing is sure enough -----------------------------------
-
-
-def test_without_tolerances_a_table_has_no_further_column_and_a_workbook_no_further_sheet(spec, catalog) -> None:  # type: ignore[no-untyped-def]
-    bare = size(spec, catalog=catalog)
-    heads = next(csv.reader(io.StringIO(csv_tables.sets_csv(bare).decode())))
-    assert not any("probability" in head or "passes" in head or "_95" in head for head in heads)
-    assert csv_tables.report_csv(Content(bare)).decode().splitlines()[0] == ",".join(csv_tables.COLUMNS)
-    book = openpyxl.load_workbook(io.BytesIO(workbook.report_xlsx(Content(bare))))
-    assert not any("olerance" in name or "robab" in name for name in book.sheetnames)
 
 
 def test_the_other_columns_are_those_of_the_nominal_spec(example_text: str) -> None:
@@ -180,35 +147,6 @@ def told(result: SizingResult, capsys: pytest.CaptureFixture[str], *, quiet: boo
     return capsys.readouterr().out
 
 
-def test_nothing_reached_is_said_at_the_terminal(
-    unsure: SizingResult, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    said = " ".join(told(unsure, capsys).split())
-    surest = unsure.unsure[0].status  # unknown where its motor's heat is: the time constants of some are not printed
-    assert "No drive reaches the confidence of 100 %." in said
-    assert "is the most probable." in said and "The smallest margins of" in said and MARK[surest] in said
-    assert "no drive reaches the confidence of 100 %" in said and "No drive meets all limits" not in said
-
-
-@pytest.mark.parametrize("columns", ["80", "140"])
-def test_no_word_of_the_table_is_broken_and_quiet_leaves_the_notes_out(
-    result: SizingResult, columns: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", columns)
-    looped = replace(result, sets=tuple(replace(one, reliability=_looped(one)) for one in result.sets))
-    said, quiet = told(looped, capsys), told(looped, capsys, quiet=True)
-    assert max(map(len, said.splitlines())) <= int(columns)
-    assert "limits are the catalogue's" in " ".join(said.split()) and "limits are the catalogue's" not in quiet
-    assert "Uncertain figures" in said and "Uncertain figures" not in quiet
-
-
-def _looped(one: DriveSet) -> Reliability:
-    assert one.reliability
-    share = LoopShare(samples=16, probability=1.0, error=0.1875, weakest="Controller peak current")
-    return replace(one.reliability, weakest="Controller peak current", loop=share)
-
-
 # --- one pair --------------------------------------------------------------------------------------------------------
 
 
@@ -230,31 +168,6 @@ def test_a_pair_that_falls_at_nominal_figures_is_sampled_too(result: SizingResul
     failed = {check.title for check in one.checks if check.status == "fail"}
     assert one.status == "fail" and one.reliability and one.reliability.probability < 1.0
     assert failed <= {check.title for check in moved(one.reliability)}
-
-
-def test_explain_tells_how_sure_a_pair_is(
-    result: SizingResult, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    best, file = result.sets[0], tmp_path / "robot.yaml"
-    file.write_text(result.spec.text, encoding="utf-8")
-    words = ["explain", str(file), "--motor", best.motor.part, "--gearhead", best.gearhead.part, "--samples", "256"]
-    run = CliRunner().invoke(app, words)
-    said = " ".join(run.output.split())
-    assert (
-        run.exit_code == 0 and "Probability that all checks pass" in said and "1 drive sampled, 256 times each" in said
-    )
-    assert "What its smallest margin depends on most" in said and "load.mass" in said
-    document = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
-    assert document["uncertainty"]["samples"] == 256
-    assert 0.0 < document["sets"][0]["reliability"]["probability"] < 1.0
-
-
-def test_explain_samples_nothing_without_tolerances(spec, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr("drivesizer.search.uncertainty.run.sample_drives", pytest.fail)
-    pair = explained(spec, "118752", "406764")
-    assert pair.uncertainty is None and pair.sets[0].reliability is None
-    assert json_documents.explanation(pair)["uncertainty"] is None
 
 
 @pytest.mark.slow

@@ -14,13 +14,8 @@ from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
-from drivesizer.output.document.candidates import gearhead_words
-from drivesizer.output.document.records import Small
-from drivesizer.output.document.summary import parts_table
-from drivesizer.output.parts import parts_list
-from drivesizer.output.report.figures.field import Panel, paper_points, torque_speed
+from drivesizer.output.report.figures.field import Panel, torque_speed
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, size
@@ -54,14 +49,6 @@ def test_an_unknown_rms_current_is_no_point_of_the_field(spec, rubs_unknown):
     assert "load cycle" in said and not any("nan" in text or "RMS" in text for text in said)
 
 
-def test_a_requirement_that_is_unknown_is_no_point_either(spec, catalog, chosen):
-    known = size(spec, catalog=catalog, top=1).requirements
-    lacking = tuple(replace(r, value=nan) if r.name == "maximum_torque_per_motor" else r for r in known)
-    assert len(paper_points(chosen, known)) == 4
-    names = {point.name for point in paper_points(chosen, lacking)}
-    assert names == {"cruise", "RMS"}
-
-
 def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
     """What heat and energy a set takes at least is not what it takes: each table says unknown, none a figure."""
     motors = catalog.motors
@@ -75,21 +62,6 @@ def test_least_figures_are_unknown_in_every_table(spec, rubs_unknown, catalog):
         assert isnan(figures[name]), name
     does = Behaviour(problem(spec, catalog), rubs_unknown)
     assert does.cost == "unknown" and (does.heat[0].title, does.heat[0].text) == ("Copper loss, mean", "unknown")
-
-
-def test_a_mass_that_a_data_sheet_has_is_not_called_unknown(chosen, catalog):
-    weighed = replace(chosen, controller=replace(chosen.controller, mass=0.33))
-    rows = parts_table(parts_list(weighed, catalog, 1), "one", "").rows[:-1]
-    masses = {row.cells["role"]: row.cells["masses"].text for row in rows}
-    assert (masses["encoder"], masses["controller"]) == ("unknown", "330 g")
-
-
-def test_a_name_that_the_catalogue_made_up_is_no_order_number(chosen, catalog):
-    made_up = catalog.encoders.record(catalog.encoders.rows["ENC 30 HEDL 5540"])
-    lines = parts_list(replace(chosen, encoder=made_up), catalog, 1)
-    cells = {row.cells["role"]: row.cells for row in parts_table(lines, "one", "").rows[:-1]}
-    assert cells["encoder"]["order_number"] == "" and cells["motor"]["order_number"] == "118752"
-    assert cells["encoder"]["named"][-1] == Small("no order number")
 
 
 @pytest.fixture(scope="module")
@@ -142,11 +114,6 @@ def lift(catalog):
     return explain(read_spec(YamlSource(LIFT, "lift.yaml")), "614949", "223084", catalog=catalog)[0]
 
 
-def test_a_resistor_of_unknown_pulse_energy_lacks_that_alone(lift):
-    lacks = dict(unknown_figures(lift))
-    assert lacks["Brake resistor pulse energy"] == "brake resistor pulse energy"
-
-
 def test_a_load_that_its_weight_would_move_is_not_advised_to_be_without_power(lift):
     """Friction keeps the integral where lifting left it; only a brake may relieve the motor of a load that hangs."""
     friction = LIFT.replace("friction_force: 25 N", "friction_force: 90 N").replace(
@@ -165,15 +132,3 @@ def test_what_a_payload_needs_at_rest_is_not_kept_by_the_integral(lift):
 
 def warned(text, drive):
     return validate(read_spec(YamlSource(text, "lift.yaml")), drive).warnings
-
-
-def test_a_part_number_that_is_family_and_reduction_is_printed_once(lift):
-    same = replace(lift.gearhead, family="38A", reduction="25:1", part="38A 25:1")
-    assert gearhead_words(replace(lift, gearhead=same)) == "38A 25:1"
-    assert gearhead_words(lift) == "GP 52 C 15:1 223084"
-
-
-def test_a_part_that_no_catalogue_lists_is_so_in_the_report_too(lift, catalog):
-    lines = parts_list(replace(lift, encoder=None), catalog, 1)
-    (row,) = (row for row in parts_table(lines, "one", "").rows if row.cells["role"] == "encoder")
-    assert row.cells["named"] == "none is listed for this motor"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import random
-import warnings
 
 import numpy as np
 import pytest
@@ -16,13 +15,10 @@ from drivesizer.physics.braking import (
     largest_mean,
     largest_pulse,
     largest_resistance,
-    least_bus_capacitance,
     power_while_on,
-    preferred_resistance,
     smallest_resistance,
     storable_energy,
 )
-from drivesizer.physics.power_stage import bus_voltage
 
 # --- as printed -----------------------------------------------------------------------------------------------------
 
@@ -188,37 +184,6 @@ def test_what_is_burnt_falls_with_the_capacitance_and_is_never_more_than_what_is
     assert sums[0] == pytest.approx(returned.sum())
     assert sums == sorted(sums, reverse=True)
     assert sums[-1] == pytest.approx(max(returned.sum() - drawn.sum(), 0.0))
-
-
-def test_the_least_capacitance_ends_at_the_limit():
-    stored = 3.7
-    C = float(least_bus_capacitance(stored, 56.0, 48.0))
-    assert bus_voltage(48.0, stored, C) == pytest.approx(56.0)
-    assert storable_energy(C, 56.0, 48.0) == pytest.approx(stored)
-    assert least_bus_capacitance(stored, 48.0, 48.0) == math.inf
-    assert least_bus_capacitance(0.0, 48.0, 48.0) == 0.0
-
-
-def test_a_braking_without_end_is_no_pulse_of_a_resistor_that_withstands_it():
-    duration, energy = np.array([2.0, 1.0]), np.array([20.0, 15.0])
-    assert largest_pulse(duration, energy) == math.inf
-    assert largest_pulse(duration, energy, 10.0) == 15.0
-    assert largest_pulse(duration, energy, 15.0) == 0.0
-
-
-def test_a_piece_without_duration_burns_nothing():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        found = burning(np.array([1.0, 0.0, 1.0]), np.array([50.0, 0.0, 0.0]), np.array([100.0, 0.0, 0.0]),
-                        np.array([50.0, 0.0, 0.0]), 10.0)  # fmt: skip
-    assert found.peak == 100.0 and found.energy.sum() == 50.0 and not np.isnan(found.duration).any()
-
-
-def test_nothing_to_burn():
-    assert largest_resistance(56.0, 0.0) == math.inf
-    assert burnt_energy(np.ones(3), np.zeros(3), 1.0).tolist() == [0.0, 0.0, 0.0]
-    assert largest_pulse(np.ones(3), np.zeros(3)) == 0.0
-    assert preferred_resistance(math.inf, (0.1, 100.0)) == 100.0
 
 
 def test_derating_needs_both_ends_of_its_line():

@@ -13,8 +13,6 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
-from drivesizer.physics import cycle_at_gearhead
-from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle, integral, rms
 from drivesizer.spec.robot import read_spec
 
@@ -38,22 +36,6 @@ def test_integrals_of_products_against_simpson(rows):
     for dt, (w0, w1), (t0, t1) in rows:
         by_hand += dt / 6 * (w0 * t0 + 4 * (w0 + w1) / 2 * (t0 + t1) / 2 + w1 * t1)
     assert integral(c.duration, c.speed, c.torque) == pytest.approx(by_hand, rel=1e-12, abs=1e-9)
-
-
-@given(segments)
-def test_moments_are_means_of_products_part_by_part(rows):
-    """Of a long cycle the functions are there a few segments at a time."""
-    cycle = CycleAtBelt(cycle_of(rows).split(), 0.9)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cycle_at_gearhead, "_PART", 2)
-        parted = CycleAtBelt(cycle.load_cycle, 0.9)
-        found = parted.moments, parted.acts, parted.braked
-    six = np.moveaxis(cycle.functions, 2, 0)
-    for a, b in itertools.combinations_with_replacement(range(6), 2):
-        mean = integral(cycle.load_cycle.duration, six[a], six[b]) / cycle.load_cycle.total
-        assert cycle.moments[a, b] == pytest.approx(mean, rel=1e-12, abs=1e-13)
-    for one, other in zip(found, (cycle.moments, cycle.acts, cycle.braked), strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-13)
 
 
 @given(segments)

@@ -1,7 +1,6 @@
 """The physics as a whole: profiles by hand, load cases, margins at their limit, objectives, fronts, the same bytes."""
 
 import itertools
-import json
 import math
 import random
 from dataclasses import replace
@@ -16,10 +15,8 @@ from specs import estimates_off
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
 from drivesizer.machine.problem import problem
-from drivesizer.output.json import documents as json_documents
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.drive_train import gear_loss
 from drivesizer.physics.motor_demand import demands
@@ -27,7 +24,6 @@ from drivesizer.results.ratings import supply_voltage_limit
 from drivesizer.search.columns.candidates import Rows, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits
-from drivesizer.search.columns.paper import vehicle
 from drivesizer.search.ranking import objective_of
 from drivesizer.search.search import search
 from drivesizer.sizing import explain, size
@@ -112,11 +108,6 @@ def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, 
     assert (pair.paper.status, pair.physics.status) == ("fail", "pass")
 
 
-def test_wheel_speed_by_hand(spec):
-    cycle = load_cycle(spec, trapezoid(spec.motion))
-    assert cycle.speed.max() * 30 / math.pi == pytest.approx(188.0, abs=0.05)
-
-
 @pytest.fixture(scope="module")
 def by_physics(example_text):
     return estimates_off(read_spec(YamlSource(example_text.replace("method: paper", "method: physics"), "robot.yaml")))
@@ -129,38 +120,6 @@ def test_a_set_has_the_same_checks_whichever_method_ranked(spec, by_physics, cat
     for mine, theirs in ((one.beside, other.checks), (other.beside, one.checks)):
         assert [repr(c) for c in mine] == [repr(c) for c in theirs]
     assert [repr(c) for c in one.comparison] == [repr(c) for c in other.comparison]
-
-
-@pytest.mark.slow
-def test_physics_ranks_the_whole_catalogue(example_text, catalog):
-    """Every set that stands obeys its limits, worked out again from the records; several belts at once."""
-    text = example_text[: example_text.index("select:")] + "select: {objective: price}\n"
-    text = text.replace("method: paper", "method: physics").replace("ratio: 1.1 ", "ratios: [0.9, 1.1, 1.6]")
-    spec = read_spec(YamlSource(text, "robot.yaml"))
-    result = size(spec, catalog=catalog, top=120)
-    assert result.method == "physics"
-    assert len(result.sets) == 120
-    assert len({s.belt_ratio for s in result.sets}) > 1
-    wheel = 1100 * math.pi * (0.0762**2 - 0.03**2) * 0.05 / 2 * (0.0762**2 + 0.03**2)
-    steps = vehicle(spec, 0.0).steps.values()
-    turning = {r.name: r.value for r in steps if r.name in ("wheel_inertia", "shaft_inertia")}
-    assert turning["wheel_inertia"] == pytest.approx(wheel, rel=1e-12)
-    load = spec.load.model_copy(update={"inertia": sum(turning.values())})
-    segments = segments_by_hand(spec.model_copy(update={"load": load}), trapezoid(spec.motion))
-    for s in result.sets:
-        extra = 0.0 if s.encoder is None or math.isnan(s.encoder.inertia) else s.encoder.inertia
-        pieces = by_hand.drive(s.motor, s.gearhead, extra, s.belt_ratio, spec.belt_efficiency, segments)
-        mine = by_hand.asked(pieces, s.motor, s.gearhead, spec.environment.ambient)
-        checks = {c.name: c for c in s.checks}
-        assert checks["controller_peak_current"].demand == pytest.approx(mine.I_peak, rel=1e-9)
-        assert checks["motor_nominal_current"].demand == pytest.approx(mine.I_rms, rel=1e-9)
-        assert checks["gearhead_continuous_torque"].demand == pytest.approx(mine.gear_rms, rel=1e-9)
-        assert mine.gear_peak <= s.gearhead.intermittent_torque
-        assert not mine.V_peak[1] > s.controller.max_duty * (22.0 - s.controller.voltage_drop)
-        assert not mine.I_rms > s.controller.continuous_current
-        assert not mine.I_peak > s.controller.peak_current
-    prices = [s.objective for s in result.sets if s.status == "pass" and len(s.objective_of) == 2]
-    assert prices == sorted(prices)
 
 
 # --- load cases ---
@@ -230,16 +189,6 @@ def test_the_margin_is_that_of_the_worst_case_too(catalog):
     in_heat = (both.case == 1) & np.isfinite(hot.demand)
     assert in_heat.sum() > 10
     assert both.margin[in_heat] == pytest.approx(hot.margin[in_heat], rel=1e-9)
-
-
-def test_the_name_of_the_case_is_reported(catalog):
-    spec = spec_from(LIFT + CASES + ONE)
-    best = size(spec, catalog=catalog, top=1).sets[0]
-    told = {c.name: c.case for c in best.checks}
-    assert told["gearhead_continuous_torque"] == "as specified"  # the heaviest
-    assert told["gearhead_continuous_speed"] == "quick"
-    assert told["supply_voltage"] == "weak"
-    assert {c.case for c in size(spec_from(LIFT + ONE), catalog=catalog, top=1).sets[0].checks} == {""}
 
 
 def test_one_controller_for_all_cases(catalog):
@@ -390,23 +339,6 @@ def test_the_front_is_what_nobody_beats(names, catalog):
     assert 0 < len(theirs) < found.passing
 
 
-def test_a_front_beyond_the_sets_that_are_shown(catalog):
-    """With one set shown the front is the same one."""
-    names = ("mass", "winding_temperature", "margin")
-    few, many = (size(spec_from(BOTH), catalog=catalog, top=top, pareto=names) for top in (1, 300))
-    assert len(few.sets) == 1
-    assert [s.label for s in few.front] == [s.label for s in many.front]
-    assert len(few.front) > 1
-
-
-def test_a_front_without_rejected_sets(catalog):
-    """A spec that rejects unknowns has none on its front."""
-    text = LIFT + NARROW.replace("UNKNOWN", "unknown: reject,")
-    result = size(spec_from(text), catalog=catalog, top=5, pareto=("mass", "energy"))
-    assert all(s.status == "pass" for s in result.sets)
-    assert all(s.status == "pass" for s in result.front)
-
-
 @pytest.mark.parametrize(
     "text", ["mass=2,energy=1", "peak_current=0.3,mass=1,winding_temperature=4", "margin=1,mass=0.2"]
 )
@@ -443,19 +375,6 @@ def test_single_objectives(objective, catalog):
     known = [k for k in keys if k[1] < 3]
     assert [k[:2] for k in keys] == sorted(k[:2] for k in keys)
     assert known == sorted(known)
-
-
-def test_the_same_bytes_twice(catalog):
-    spec = LIFT + CASES + NARROW.replace("UNKNOWN ", "")
-    objective = objective_of("mass=2,energy=1")
-    both = []
-    for _ in range(2):
-        result = size(spec_from(spec), catalog=catalog, top=8, objective=objective, pareto=("mass", "energy"))
-        document = json_documents.sizing(result)
-        document.pop("generated", None)
-        both.append(json_documents.as_text(document).encode())
-    assert both[0] == both[1]
-    json.loads(both[0], parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
 
 
 def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it(spec, catalog):

@@ -54,12 +54,6 @@ def test_what_is_not_printed_is_assumed_unless_estimates_are_off():
     assert (bare.resistance, bare.standby) == (0.0, 0.0)
 
 
-def test_an_actuator_loses_nothing_beside_its_printed_figures():
-    inside = printed(inside="XL430", voltage_drop=0.0, max_duty=1.0, supply_max=12.0, standby_current=0.052)
-    assert (float(inside.loss), bool(inside.assumed)) == (0.0, False)
-    assert inside.standby == pytest.approx(0.052 * 24.0)
-
-
 def test_given_figures_replace_those_of_the_catalogue():
     given = Given(voltage_drop="0.3 V", resistance="50 mohm", standby="2 W")
     found = printed(voltage_drop=1.0, max_efficiency=0.94, max_duty=0.9, supply_max=70.0, given=given)
@@ -152,16 +146,6 @@ def of_the_engine(supply: Supply) -> np.ndarray:
     from engine_tasks import gains, machine
 
     return np.array(table(Drive(train=machine(), controller=gains(), supply=supply), 1.0, 1))
-
-
-def test_without_loss_beyond_the_drop_both_laws_are_the_same():
-    """V_s = V_0 - n R_s D I where the stage loses what its duty leaves of the drop."""
-    one = stage(max_duty=0.9, drop=1.0, loss=0.9)
-    feed, supply = Feed(one, 24.0, 0.03, 4), Supply(voltage=24.0, resistance=0.03, sets=4, max_duty=0.9,
-                                                    voltage_drop=1.0, loss=0.9)  # fmt: skip
-    expected = 0.9 * (24.0 - 4 * 0.03 * 0.9 * 8.0 - 1.0)
-    assert feed.usable - feed.leads * 8.0 == pytest.approx(expected)
-    assert available_voltage(of_the_engine(supply), 8.0, 1.0) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

@@ -57,32 +57,6 @@ def test_more_heat_than_can_be_carried_off_runs_away():
     assert steady_winding_temperature(298.15, 2.32, 3.1, 14.0, limit * 1.001) == inf
 
 
-def test_unknown_stays_unknown():
-    assert isnan(steady_winding_temperature(298.15, 2.32, 3.1, nan, 1.0))
-    assert isnan(current_derating(313.15, nan))
-    # of runaway and an unknown figure the unknown counts, wherever it stands
-    for n in range(6):
-        figures = [298.15, 2.32, 3.1, 14.0, 99.0, 0.4]
-        assert steady_winding_temperature(*figures) == inf
-        figures[n] = nan
-        assert isnan(steady_winding_temperature(*figures))
-
-
-def test_columns_are_their_elements():
-    ambient, currents, losses = 305.0, np.array([0.0, 0.9, 1.4, 40.0, nan]), np.array([[0.0], [1.7]])
-    found = steady_winding_temperature(ambient, 2.32, 3.1, 14.0, currents, losses)
-    assert found.shape == (2, 5)
-    assert found[:, 0] == pytest.approx([305.0, 305.0 + 14.0 * 1.7])  # the housing's loss alone passes R_th2 alone
-    assert found[:, 3].tolist() == [inf, inf] and np.isnan(found[:, 4]).all()
-    alone = [[steady_winding_temperature(ambient, 2.32, 3.1, 14.0, i, p) for i in currents] for p in losses[:, 0]]
-    assert found == pytest.approx(np.array(alone), rel=1e-14, nan_ok=True)
-    T_max = np.array([398.15, 373.15, nan, 290.0])
-    for around in (298.15, 320.0, 380.0, nan):
-        shares = [current_derating(around, t) for t in T_max]
-        assert current_derating(around, T_max) == pytest.approx(np.array(shares), nan_ok=True)
-    assert np.isnan(current_derating(np.array([310.0, 298.15]), np.array([nan, 290.0]))).all()
-
-
 def test_derating():
     assert current_derating(25.0 + CELSIUS, nan) == 1.0
     assert current_derating(50.0 + CELSIUS, 125.0 + CELSIUS) == pytest.approx(sqrt(75.0 / 100.0))
@@ -129,11 +103,6 @@ def test_the_continuous_current_brings_the_winding_to_its_limit(R_25, R_th1, rat
     current = float(continuous_current(R_25, R_th1, R_th2, T_max, ambient, loss))
     motor = TwoBodies(R_25=R_25, R_th1=R_th1, R_th2=R_th2, tau_w=11.0, tau_h=400.0)
     assert steady_state(motor, ambient, current, loss).winding == pytest.approx(T_max, abs=1e-8)  # K
-
-
-def test_derating_is_the_ratio_of_continuous_currents_without_friction():
-    at_25, at_50 = (continuous_current(2.0, 3.0, 7.0, 125.0 + CELSIUS, t + CELSIUS) for t in (25.0, 50.0))
-    assert at_50 / at_25 == pytest.approx(current_derating(50.0 + CELSIUS, 125.0 + CELSIUS), rel=1e-12)
 
 
 def test_continuous_current_over_speed():

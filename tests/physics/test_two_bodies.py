@@ -5,8 +5,8 @@ Resistances, time constants and durations differ everywhere: no ratio is 1.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from math import exp, inf, isnan, log, nan, sqrt
+from dataclasses import fields
+from math import exp, inf, log, sqrt
 
 import numpy as np
 import pytest
@@ -53,25 +53,6 @@ def exact(motor, start, t, square, loss):
 def motors(draw):
     ranges = ((0.05, 90.0), (0.3, 30.0), (0.9, 60.0), (0.7, 70.0), (90.0, 2300.0))
     return TwoBodies(**{name: draw(st.floats(*ends)) for name, ends in zip(NAMES, ranges, strict=True)})
-
-
-def random_motors(random, n):
-    ranges = ((0.05, 90.0), (0.3, 30.0), (0.9, 60.0), (0.7, 70.0), (9.0, 2300.0))
-    return TwoBodies(**{
-        name: np.exp(random.uniform(*np.log(ends), n)) for name, ends in zip(NAMES, ranges, strict=True)
-    })  # fmt: skip
-
-
-def random_cycle(random, motors, hottest=4.0):
-    """Durations, mean square currents (some beyond what can be borne for long) and housing losses; with pauses."""
-    n, S = len(motors.R_25), int(random.integers(2, 8))
-    dt = random.exponential(1.0, S) * 10.0 ** random.uniform(-2.0, 3.5)
-    limit = 1.0 / (COPPER * motors.R_25 * (motors.R_th1 + motors.R_th2))
-    share = random.uniform(0.0, 1.0, (n, S)) ** random.uniform(0.3, 6.0, (n, 1))
-    share *= hottest ** random.uniform(-2.0, 1.0, (n, 1))
-    rise = random.uniform(0.0, 1.0, (n, S)) ** 3 * 10.0 ** random.uniform(-1.0, 3.0, (n, 1))
-    pauses = random.random((2, n, S)) < 0.3
-    return dt, np.where(pauses[0], 0.0, share * limit[:, None]), np.where(pauses[1], 0.0, rise / motors.R_th2[:, None])
 
 
 # --- over a span and in the long run
@@ -149,22 +130,6 @@ def test_a_pulse_beyond_the_limit_is_borne_with_a_pause_and_not_without():
         assert warmed(one, AMBIENT, [seconds, 14.0], [[square * factor, 0.0]], 0.0).peak[0] == inf
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_motors_that_run_away_or_are_unknown_do_not_mind_the_others(seed):
-    random = np.random.default_rng(seed)
-    motors = random_motors(random, 400)
-    dt, squares, losses = random_cycle(random, motors, hottest=9.0)
-    for n, name in enumerate(NAMES):
-        getattr(motors, name)[n] = (nan, 0.0, inf, -1.0)[(seed + n) % 4]
-    squares[7, 0], losses[8, 1] = nan, nan
-    found = warmed(motors, AMBIENT, dt, squares, losses)
-    assert np.isnan(found.peak[[0, 1, 2, 3, 4, 7, 8]]).all() and not np.isnan(found.peak[9:]).any()
-    kept = np.isfinite(found.peak)
-    assert 20 < kept.sum() < 390
-    again = warmed(TwoBodies(**{x: getattr(motors, x)[kept] for x in NAMES}), AMBIENT, dt, squares[kept], losses[kept])
-    assert again.peak == pytest.approx(found.peak[kept], rel=1e-12)
-
-
 # --- overload
 
 
@@ -229,13 +194,3 @@ def test_a_hot_housing_lifts_the_winding_over_its_limit_for_a_while():
     time = overload_time(MOTOR, AMBIENT, start, AMBIENT + 80.0, 0.5)
     assert exact(MOTOR, start, time, 0.25, 0.0)[0] == pytest.approx(AMBIENT + 80.0, abs=1e-8)
     assert overload_time(MOTOR, AMBIENT, start, AMBIENT + 108.0, 0.5) == inf  # its top is lower than that
-
-
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("figure", [nan, 0.0, inf])
-def test_a_missing_figure_gives_nothing(name, figure):
-    motor = replace(MOTOR, **{name: figure})
-    assert isnan(steady_state(motor, AMBIENT, 1.0).winding)
-    assert isnan(overload_time(motor, AMBIENT, COLD, 398.15, 4.0))
-    for arguments in [(nan, 4.0, 0.1), (398.15, nan, 0.1), (398.15, 4.0, nan)]:
-        assert isnan(overload_time(MOTOR, AMBIENT, COLD, *arguments))

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from platform_limits import BOTH, DRIVING, TURNING
 from platform_vehicles import LOPSIDED, VEHICLE
@@ -30,7 +29,7 @@ from drivesizer.platform.dynamics import (
 )  # fmt: skip
 from drivesizer.platform.grip import effective_inertia, floor_forces, wheel_cycles
 from drivesizer.platform.planner import Limits, Waypoint, plan
-from drivesizer.platform.trajectory import Trajectory, joined
+from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Caster, Platform
 from drivesizer.spec.robot import read_spec
 
@@ -213,28 +212,6 @@ def test_on_a_slope_the_work_is_what_it_climbs():
 turns = st.floats(-4.0, 4.0)
 
 
-@settings(max_examples=25)
-@given(turns, turns, turns)
-def test_straight_lines_miss_little_of_speeds_and_torques(x, y, turn):
-    """In the middle of pieces, against the motion itself there."""
-    assume(math.hypot(x, y) > 0.1 and abs(turn) > 0.1)
-    limits = Limits(**DRIVING, **TURNING, jerk=2.0, turning_jerk=8.0)
-    t = plan([START, Waypoint(x=x, y=y, heading=turn)], limits)
-    d = dynamics(LOPSIDED)
-    v_0, (a_0, a_1) = t.velocity[..., 0], np.moveaxis(t.acceleration, 2, 0)
-    half = t.duration / 2
-    middle = t.at(t.time.mean(axis=1)), v_0 + half * (3 * a_0 + a_1) / 4, (a_0 + a_1) / 2
-    exact = Trajectory(2 * half, *(np.repeat(c[:, :, None], 2, axis=2) for c in middle))
-    for ends, at in zip(zip(*_both(d, t), strict=True), zip(*_both(d, exact), strict=True), strict=True):
-        for line, value in zip(ends, at, strict=True):
-            assert np.abs(line.mean(axis=1) - value[:, 0]).max() < 1e-3 * max(np.abs(v).max() for v in at)
-
-
-def _both(d, t):
-    m = motion(d, t)
-    return np.einsum("ij,jkl->ikl", d.kinematics.E, m.eta), wheel_torques(d, m.eta, m.eta_dot)
-
-
 # --- the floor --------------------------------------------------------------------------------------------------------
 
 
@@ -403,30 +380,6 @@ def test_rounding_is_no_turning_round(heading):
     assert len(motion(d, t).duration) == len(t.duration)
     for i in (1, 3):
         assert not wheel_cycles(d, t)[i].speed.any()
-
-
-def test_a_slope_in_columns_is_that_of_each_piece():
-    d, t = dynamics(mecanum(rolling_resistance=0.02)), along(Profile("x", (0.0, 1.0, 3.0, 4.0), (0.0, 1.0, -1.0, 0.0)))
-    level, steep = (wheel_cycles(d, t, Ground(slope=s)) for s in (0.0, 0.1))
-    mixed = wheel_cycles(d, t, Ground(slope=np.array([[0.0, 0.0], [0.0, 0.0], [0.1, 0.1]])))
-    assert mixed[0].torque[:2] == pytest.approx(level[0].torque[:2])
-    assert mixed[0].torque[-1] == pytest.approx(steep[0].torque[-1])
-
-
-def test_blocks_change_nothing(monkeypatch):
-    d, t = dynamics(ROLLING), plan(CURVES, BOTH)
-    whole = wheel_cycles(d, t, Ground(slope=0.05), friction=0.6)
-    monkeypatch.setattr("drivesizer.platform.dynamics._BLOCK", 7)
-    for a, b in zip(whole, wheel_cycles(d, t, Ground(slope=0.05), friction=0.6), strict=True):
-        assert_same(a, b, 1e-9)
-        assert [o.demand for o in a.own] == pytest.approx([o.demand for o in b.own])
-
-
-def test_one_after_the_other():
-    d, parts = dynamics(mecanum(rolling_resistance=0.02)), [moved(1.0, 0.0), moved(0.0, 1.0)]
-    both = wheel_cycles(d, joined(parts))[0]
-    alone = [wheel_cycles(d, p)[0] for p in parts]
-    assert both.torque == pytest.approx(np.concatenate([c.torque for c in alone]))
 
 
 @pytest.mark.parametrize(

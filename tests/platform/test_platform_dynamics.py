@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from platform_vehicles import LOPSIDED, VEHICLE
-from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, car, differential, mecanum
+from platforms import INERTIA, MASS, RADIUS, WHEEL, car, differential, mecanum
 from scipy.integrate import solve_ivp
 from wheel_sets import wheel_sets
 
@@ -34,7 +34,6 @@ from drivesizer.platform.wheels import Caster, Payload, Platform, loaded, withou
 from drivesizer.spec.robot import read_spec
 
 G = 9.80665
-LEVER = LENGTH * (math.cos(ALPHA) + math.sin(ALPHA))
 NULL = np.array([1.0, 1.0, -1.0, -1.0])
 figure = st.floats(-2.0, 2.0)
 velocities = st.tuples(figure, figure, figure)
@@ -124,20 +123,6 @@ def test_power_of_the_wheels_is_that_of_the_motion(p, eta, rate):
     assert eta @ d.C @ eta == pytest.approx(0.0, abs=1e-12 * p.mass)
 
 
-@given(platforms())
-def test_the_inertia_is_symmetric_and_positive(p):
-    d = dynamics(p)
-    assert pytest.approx(d.M.T) == d.M
-    assert (np.linalg.eigvalsh(d.M) > 0.0).all()
-    assert pytest.approx(-d.C.T) == d.C
-
-
-@given(platforms(), velocities)
-def test_energy_is_the_quadratic_form(p, eta):
-    d = dynamics(p)
-    assert energy(d, eta) == pytest.approx(np.array(eta) @ d.M @ eta / 2, rel=1e-9, abs=1e-12)
-
-
 def coasting(d, start, seconds, ground=None):
     """Posture and velocity over a run without torque."""
     rest = np.zeros(len(d.kinematics.driven))
@@ -217,21 +202,6 @@ def test_straight_on_each_wheel_has_a_vehicles_load_cycle(degrees):
     assert torques.shape == (4, *cycle.torque.shape)
     assert torques == pytest.approx(np.broadcast_to(cycle.torque, torques.shape), rel=1e-12, abs=1e-13)
     assert wheel_speeds(d.kinematics, eta) == pytest.approx(np.broadcast_to(cycle.speed, torques.shape), rel=1e-12)
-
-
-def test_sideways_and_diagonal_beside_straight_on():
-    """√2 the speed and √2 the torque at two wheels on a diagonal, none at the others; sideways the signs of (33)."""
-    d = dynamics(mecanum())
-    ahead = wheel_torques(d, [1.0, 0.0, 0.0], [0.8, 0.0, 0.0])
-    by_hand = (MASS * RADIUS / 4 + WHEEL / RADIUS) * 0.8  # N*m
-    assert ahead == pytest.approx([by_hand] * 4)
-    assert wheel_torques(d, [0.0, 1.0, 0.0], [0.0, 0.8, 0.0]) == pytest.approx(by_hand * np.array([1, -1, 1, -1]))
-    half = 0.8 / math.sqrt(2)
-    diagonal = wheel_torques(d, [half, half, 0.0], [half, half, 0.0])
-    assert diagonal == pytest.approx(by_hand * math.sqrt(2) * np.array([1, 0, 1, 0]), abs=1e-12)
-    turning = wheel_torques(d, [0.0, 0.0, 1.0], [0.0, 0.0, 2.0])
-    by_hand = (INERTIA * RADIUS / (4 * LEVER) + WHEEL * LEVER / RADIUS) * 2.0
-    assert turning == pytest.approx(by_hand * np.array([1, -1, -1, 1]))
 
 
 def test_a_wheel_that_stands_does_not_resist():
@@ -372,40 +342,7 @@ def test_the_weight_along_a_slope_points_downhill(slope, uphill, theta):
     assert force[2] == pytest.approx(LOPSIDED.x * force[1] - LOPSIDED.y * force[0])
 
 
-@given(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1), st.floats(-0.2, 0.2), st.floats(-3.0, 3.0))
-def test_what_the_wheels_carry_is_in_balance(x, y, slope, theta):
-    p = replace(mecanum(), x=x, y=y, height=0.25)
-    ground, pull = Ground(slope=slope, uphill=0.4), (0.6, -0.8)
-    load = contact_loads(p, theta, ground, accelerated=pull)
-    places = np.array(p.contacts)
-    force = MASS * np.array(pull) - weight_along(p, theta, ground)[:2]  # what the floor pushes with
-    normal = MASS * G * math.cos(slope)
-    assert load.sum() == pytest.approx(normal)
-    assert load @ places == pytest.approx(normal * np.array([x, y]) - 0.25 * force, abs=1e-9)
-
-
-def test_a_differential_drive_and_its_caster_are_levers():
-    p = replace(differential(), casters=(Caster(x=-0.4, y=0.0),), x=-0.1)
-    assert contact_loads(p) == pytest.approx(30.0 * G * np.array([0.375, 0.375, 0.25]))
-    assert contact_loads(differential()) == pytest.approx([15.0 * G] * 2)  # on a line: nothing carries the moment
-
-
 # --- columns and refusals ---------------------------------------------------------------------------------------------
-
-
-def test_columns_give_what_single_figures_give():
-    p = replace(LOPSIDED, casters=(Caster(x=0.3, y=0.2, rolling_resistance=0.015),))
-    p = replace(p, wheels=tuple(replace(w, rolling_resistance=0.02, roller_resistance=0.01) for w in p.wheels))
-    d, some = dynamics(p), np.random.default_rng(5)
-    eta, rate, theta = some.normal(size=(3, 6, 2)), some.normal(size=(3, 6, 2)), some.normal(size=(6, 2))
-    slope = some.uniform(-0.2, 0.2, size=(6, 2))
-    torques = wheel_torques(d, eta, rate, theta=theta, ground=Ground(slope=slope))
-    back = acceleration(d, eta, torques, theta=theta, ground=Ground(slope=slope))
-    assert back == pytest.approx(rate, abs=1e-12)
-    for i, j in itertools.product(range(6), range(2)):
-        alone = wheel_torques(d, eta[:, i, j], rate[:, i, j], theta=theta[i, j], ground=Ground(slope=slope[i, j]))
-        assert torques[:, i, j] == pytest.approx(alone, rel=1e-12, abs=1e-13)
-        assert energy(d, eta)[i, j] == pytest.approx(energy(d, eta[:, i, j]))
 
 
 @pytest.mark.parametrize(

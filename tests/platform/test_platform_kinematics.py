@@ -1,6 +1,5 @@
 """Kinematics of platforms: as printed, laws over random sets of wheels, singular sets, the declared equations."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -156,15 +155,6 @@ def test_world_and_robot_and_back(theta, rates):
     assert np.hypot(*to_robot(theta, rates)[:2]) == pytest.approx(math.hypot(*rates[:2]), abs=1e-12)
 
 
-def test_columns_give_what_single_figures_give():
-    k, eta = kinematics(mecanum().wheels), np.random.default_rng(3).normal(size=(3, 7, 2))
-    theta, speeds = np.linspace(-2, 3, 14).reshape(7, 2), wheel_speeds(kinematics(mecanum().wheels), eta)
-    for i, j in itertools.product(range(7), range(2)):
-        assert speeds[:, i, j] == pytest.approx(wheel_speeds(k, eta[:, i, j]), rel=1e-13)
-        assert velocity(k, speeds)[:, i, j] == pytest.approx(eta[:, i, j], rel=1e-12)
-        assert to_world(theta, eta)[:, i, j] == pytest.approx(to_world(theta[i, j], eta[:, i, j]), rel=1e-13)
-
-
 # --- a motor that failed ----------------------------------------------------------------------------------------------
 
 
@@ -238,13 +228,6 @@ def test_singular_sets_are_refused_in_one_line(name):
     assert "\n" not in str(refused.value) and len(str(refused.value)) < 140
 
 
-def test_a_skid_steer_goes_straight_only():
-    wheels = [Wheel(x=x, y=y, held=True, **AT) for x in (-0.3, 0.3) for y in (-0.2, 0.2)]
-    assert kinematics(wheels).motions.T.tolist() == [[1.0, 0.0, 0.0]]
-    with pytest.raises(InputError, match=r"^velocity of the platform: it slides wheel 1 by 0\.15 m/s, at sample 1$"):
-        wheel_speeds(kinematics(wheels), [[1.0, 1.0], [0.0, 0.0], [0.0, 0.5]])
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -284,17 +267,6 @@ def test_what_the_paper_prints_wrong_is_found():
     assert "3 × 4" in str(found[58].values)
 
 
-def test_a_form_with_wrong_units_is_found():
-    wrong = replace(PLATFORM[23], printed="array([x_R_dot - L * theta_dot**2, y_R_dot])")
-    assert "entry 1" in str(robot_figures.finding(wrong).units)
-    wrong = replace(PLATFORM[32], printed="-J_1 * r")
-    assert robot_figures.finding(wrong).units
-    wrong = replace(PLATFORM[59], printed="inv(E.T) @ M_R @ K_plus")
-    assert robot_figures.finding(wrong).units and "3 × 4" in str(robot_figures.finding(wrong).values)
-    wrong = replace(PLATFORM[50], printed="M_R + E.T @ E")
-    assert robot_figures.finding(wrong).units
-
-
 @pytest.mark.parametrize("number", sorted(PLATFORM))
 def test_a_declaration_says_what_its_function_does(number):
     e = PLATFORM[number]
@@ -310,24 +282,3 @@ def test_a_declaration_says_what_its_function_does(number):
     )
     told = dict(robot_figures.rows(e))
     assert told["as computed"].startswith(f"{e.symbol} = ") and "None" not in told["as printed"]
-
-
-def test_a_term_has_one_unit_in_all_equations():
-    units = {}
-    for e in PLATFORM.values():
-        for t in (*e.terms, e.result):
-            assert units.setdefault(t.name, t.unit) == t.unit, (e.number, t.name)
-
-
-def test_expressions_as_text():
-    assert matrix_equation.text("inv(E.T) @ (R @ M_R)") == "(Eᵀ)⁻¹ R M_R"
-    assert matrix_equation.text("a - (b - c)") == "a − (b − c)"
-    assert matrix_equation.text("a / (b * c)") == "a / (b c)"
-    assert matrix_equation.text("(a + b) * c**2") == "(a + b) c²"
-    assert (
-        robot_figures.find("(50)") is PLATFORM[50] is robot_figures.find("inertia_matrix")
-        and robot_figures.find("20") is None
-    )
-    assert dict(robot_figures.rows(PLATFORM[50]))["as computed"] == "M̄ = M_R + Eᵀ M_ϕ E"
-    with pytest.raises(ValueError, match="no notation"):
-        matrix_equation.text("a if b else c")

@@ -12,7 +12,6 @@ from platform_limits import BOTH, DRIVING, TURNING
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases.profile import s_curve
-from drivesizer.platform import planner
 from drivesizer.platform.planner import Limits, Waypoint, plan
 from drivesizer.spec.motions import SCurve
 
@@ -101,29 +100,6 @@ def test_without_a_heading_it_turns_towards_the_next_waypoint_then_drives():
     assert t.posture[:, -1, 1] == pytest.approx([0.0, 0.0, 1.5 * math.pi])
 
 
-def test_headings_are_taken_as_they_are():
-    assert plan([turned(170), turned(-170)], BOTH).posture[2, -1, 1] == pytest.approx(math.radians(-170))
-    after = plan([Waypoint(x=0, y=0), Waypoint(x=-1, y=1e-3), turned(-170, x=-1, y=1e-3)], BOTH)
-    assert after.posture[2, -1, 1] == pytest.approx(math.radians(190))  # the short way after one without a heading
-
-
-def test_in_one_direction_it_does_not_stop():
-    through = plan([ORIGIN, Waypoint(x=0.3, y=0.1), Waypoint(x=0.6, y=0.2), Waypoint(x=3.0, y=1.0)], BOTH)
-    assert through.total == pytest.approx(plan([ORIGIN, Waypoint(x=3.0, y=1.0)], BOTH).total)
-    posed = [turned(a, x=0.1 * a) for a in (0, 20, 50)]
-    assert plan(posed, BOTH).total == pytest.approx(plan(posed[::2], BOTH).total)
-    bent = plan([turned(0), turned(20, x=2.0), turned(50, x=4.0)], BOTH)  # place goes on, heading does not
-    assert (np.abs(bent.velocity[:, 1:, 0]).max(axis=0) == 0.0).sum() == 1
-
-
-def test_a_pause_is_a_piece_at_rest():
-    w = [Waypoint(x=0, y=0, heading=0, pause=1.0), Waypoint(x=1, y=0, pause=2.5), Waypoint(x=1, y=0, pause=0.5)]
-    t = plan([*w, Waypoint(x=2, y=0)], BOTH)
-    rests = (t.velocity == 0.0).all(axis=(0, 2)) & (t.acceleration == 0.0).all(axis=(0, 2))
-    assert t.duration[rests] == pytest.approx([1.0, 3.0])
-    assert t.total == pytest.approx(4.0 + 2 * 2 * math.sqrt(1 / 0.8))
-
-
 # --- laws that hold for any way ---------------------------------------------------------------------------------------
 
 place = st.integers(-40, 40).map(lambda k: k / 10)
@@ -182,23 +158,6 @@ def test_postures_between_the_ends_of_pieces_are_those_of_the_motion():
     known = np.array([np.interp(edges, fine, row) for row in speed])
     assert known == pytest.approx(t.velocity[:, :, 0], abs=1e-6)
     assert t.at([-1.0, 1e9]) == pytest.approx(t.posture[:, [0, -1], [0, 1]])
-
-
-def test_pieces_are_fine_enough_for_straight_lines(monkeypatch):
-    """Speed in the robot's axes and its rate, straight in each piece, against pieces 32 times as fine."""
-    ways = [turned(0), turned(300, x=2.0, y=1.0), turned(-40, x=-1.0, y=0.5), turned(90, x=-1.0, y=0.5)]
-    limits = Limits(**DRIVING, **TURNING, jerk=3.0)
-    coarse = plan(ways, limits)
-    monkeypatch.setattr(planner, "_PIECES", 32 * 32)
-    fine = plan(ways, limits)
-    moment = fine.time[:, 0]
-    i = np.searchsorted(coarse.time[:, 1], moment + 1e-9).clip(0, len(coarse.duration) - 1)
-    share = ((moment - coarse.time[i, 0]) / coarse.duration[i]).clip(0.0, 1.0)
-    for straight, exact in zip(coarse.in_robot(), fine.in_robot(), strict=True):
-        between = straight[:, i, 0] * (1 - share) + straight[:, i, 1] * share
-        off = np.abs(between - exact[:, :, 0]).max(axis=1)
-        assert (off < 1e-3 * np.hypot.reduce(exact[:2], axis=0).max())[:2].all()
-        assert off[2] < 1e-3 * np.abs(exact[2]).max()
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------------

@@ -62,26 +62,6 @@ def test_on_a_circle_it_feels_the_centripetal_acceleration(step):
     assert t.acceleration[2] == pytest.approx(gain, abs=10 * step**2)
 
 
-def test_the_spline_is_twice_continuous_and_its_pieces_are_the_samples():
-    time = np.arange(0.0, 10.0001, 0.01)
-    t = spline(time, circle(time)[0])
-    assert len(t.duration) == len(time) - 1
-    for column in (t.posture, t.velocity, t.acceleration):
-        assert column[:, 1:, 0] == pytest.approx(column[:, :-1, 1], abs=1e-12)
-    assert t.posture[:, :, 0] == pytest.approx(circle(time)[0][:, :-1], abs=1e-12)
-    assert (t.velocity[:, 0, 0] == 0.0).all() and (t.velocity[:, -1, 1] == 0.0).all()
-
-
-def test_coarse_samples_fall_into_finer_pieces():
-    time = np.arange(0.0, 10.1, 0.5)
-    t = spline(time, circle(time)[0])
-    assert np.abs(np.diff(t.posture[2], axis=1)).max() < 1.2 / 32
-    assert t.total == pytest.approx(10.0)
-    straight = t.velocity.mean(axis=2)  # against the parabola's middle
-    parabola = 1.5 * np.diff(t.posture, axis=2)[..., 0] / t.duration - straight / 2
-    assert np.abs(parabola - straight)[:2].max() < 1e-3 * np.hypot(*t.velocity[:2]).max()
-
-
 def test_where_it_rests_it_rests():
     """Two moves with a rest between, evenly accelerated: without a spline of its own each would shake the rest."""
     time = np.arange(0.0, 7.001, 0.05)

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.search.relaxations import relaxations
-from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import load_spec, read_spec
 
@@ -165,21 +163,6 @@ def test_friction_helps_the_brake_where_it_is_to_be_counted(lift):
     assert check(found["bare", "G20"], "holding").status == "unknown"  # too little alone, and no brake is listed
 
 
-def test_samples_hold_by_the_friction_that_is_printed(lift):
-    """Motors that print none: whatever share of the no-load torque is dry in a sample, nothing more is held."""
-    problem = lift().problem
-    motors = problem.catalog.motors
-    brushless = {"kind": np.full(len(motors), "brushless"), "pole_pairs": np.full(len(motors), 2.0)}
-    catalog = replace(problem.catalog, motors=replace(motors, columns={**motors.columns, **brushless}))
-    found = []
-    for word in ("counted", "ignored"):
-        needs = {"hold_unpowered": True, "holding_factor": 2.85, "holding_friction": word}
-        spec = load_spec({**problem.machine.entered, "needs": needs})
-        found.append(size(spec, catalog=catalog, top=1, sampling=Sampling(64, 1, None)))
-    chances = [[repr(one.reliability) for one in (*each.sets, *each.unsure)] for each in found]
-    assert chances[0] == chances[1] and len(chances[0]) > 0
-
-
 def test_counted_friction_against_plain_python(lift):
     draw = np.random.default_rng(11)
     strengths = {"B1": 0.1, "B2": 0.3, "B4": 0.9}
@@ -213,11 +196,6 @@ def test_a_motor_without_a_list_has_none_and_that_is_unknown(lift):
     assert check(named, "brake_fits").status == "unknown" and named.status == "unknown"
 
 
-def test_none_strong_enough_is_said_of_the_strongest(lift):
-    one = drives(lift(needs="holding_factor: 10"))["listed", "G20"]
-    assert one.brake.part == "B4" and check(one, "holding").status == "fail"
-
-
 def test_a_brake_of_the_spec_at_the_load(lift):
     found = drives(lift(more="brake: {torque: 12 N*m, at: load, inertia: 20 kg*cm^2, mass: 2 kg, power: 20 W}"))
     for one in found.values():
@@ -239,7 +217,7 @@ def stopped(one, speed, weight, load_inertia, count):
     return W, permitted, weight + load_inertia * slowing, brake.energy_per_stop >= W and count <= permitted
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_sets_against_plain_python(lift, seed):
     draw = np.random.default_rng(seed)
     mass, speed, count = draw.uniform(2, 30), draw.uniform(0.05, 0.25), int(draw.integers(1, 3000))
@@ -317,23 +295,3 @@ def test_bad_figures_are_one_line(section, said):
     with pytest.raises(InputError) as error:
         load_spec({**SWING, **section})
     assert said in str(error.value) and "\n" not in str(error.value)
-
-
-def test_a_catalogue_s_brake_without_torque_is_refused(folder):
-    for bad in ("0", "-1"):
-        (folder / "bad.yaml").write_text(PARTS.replace("[B1, 0.1,", f"[B1, {bad},"), encoding="utf-8")
-        with pytest.raises(Exception, match=r"static_torque"):
-            load_parts(read_spec(YamlSource(LIFT.replace("parts.yaml", "bad.yaml") % ("", "", ""), str(folder / "r"))))
-
-
-def test_every_combination_of_needs_has_its_checks(lift):
-    names = {"holding", "gearhead_holding", "brake_stop_energy", "brake_stops", "gearhead_stop_torque"}
-    for hold, stops in product((True, False), repeat=2):
-        problem = lift().problem
-        needs = {"hold_unpowered": hold} | ({"emergency_stops": 10} if stops else {})
-        found = size(load_spec({**problem.machine.entered, "needs": needs}), catalog=problem.catalog, top=1)
-        one = (found.sets or found.misses)[0]
-        wanted = ({"holding", "gearhead_holding"} if hold else set()) | (names - {"holding", "gearhead_holding"}
-                                                                       if stops else set())  # fmt: skip
-        assert {c.name for c in one.checks} & names == wanted
-        assert (one.brake is not None) == (hold or stops)

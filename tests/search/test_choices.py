@@ -13,14 +13,12 @@ from starters import starter
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.sizing import used_share, weighted_order
 from drivesizer.search import ranking
-from drivesizer.search.choices import choices, picked
+from drivesizer.search.choices import choices
 from drivesizer.search.columns import offers
 from drivesizer.search.columns.evaluation import smallest_margin
-from drivesizer.search.machine_filter import least_power
 from drivesizer.search.search import search
 from drivesizer.search.shortlist import problem_with_drive_mass
 from drivesizer.sizing import load_parts, size
-from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import read_spec
 
 NAMES = ("mass", "price", "energy", "margin")
@@ -128,25 +126,6 @@ def test_the_best_of_all_that_pass_is_among_them(belt_axis):
         assert weighted_order(columns, dict(zip(NAMES, weights, strict=True))).order[0] in among
 
 
-def test_where_waveforms_take_long_bounds_pick(belt_axis, monkeypatch):
-    """Of a tenth of the drives that pass: by one figure of the catalogue the best, else seldom far from it."""
-    problem, every, whole, columns = belt_axis
-    monkeypatch.setattr("drivesizer.search.choices._CELLS", 40 * len(problem.cases[0].at_belt.load_cycle.duration))
-    found = chosen(problem, every)
-    assert not found.whole and len(found.drives) <= 45 < found.passing / 6
-    among, draw = places(whole, found), np.random.default_rng(5)
-
-    def lost(weights):
-        scored = weighted_order(columns, weights)
-        known = [place for place in among if not scored.lacking[place]]
-        return scored.score[known].min() / scored.score[scored.order[0]] - 1.0
-
-    for weights in ({"mass": 1.0}, {"price": 1.0}, {"mass": 1.0, "price": 1.0}):
-        assert lost(weights) < 1e-9
-    losses = [lost(dict(zip(NAMES, weights, strict=True))) for weights in draw.dirichlet(np.full(4, 0.7), 200)]
-    assert np.median(losses) < 1e-9 and max(losses) < 0.15
-
-
 @pytest.mark.parametrize("text", ["mass=2,price=1", "price=1,energy=3", "mass=1,price=1,energy=1,margin=4"])
 def test_the_search_ranks_by_weights_as_the_page_does(belt_axis, text):
     """Controllers are chosen by the weights, too: no drive with the lightest of them is better."""
@@ -166,33 +145,7 @@ def test_the_search_ranks_by_weights_as_the_page_does(belt_axis, text):
     )  # fmt: skip
 
 
-def test_drives_are_picked_by_a_bound_of_their_power(belt_axis):
-    """What stands in place of the energy is no more than it, of each drive."""
-    problem, _, whole, columns = belt_axis
-    time = problem.cases[0].cycle.total
-    share = problem.spec.supply.regeneration
-    drawn = columns["energy"] + share * whole.figures["returned"] - whole.figures["returned"]
-    assert (least_power(problem, 0, whole.candidates) * time <= drawn * (1 + 1e-9)).all()
-
-
-def test_by_the_papers_method_there_is_no_energy(spec):
-    free = spec.select.model_copy(update={"motor": MotorChoice(), "gearhead": Choice()})
-    found = size(spec.model_copy(update={"select": free, "battery": None}), choices=20).choices
-    assert found and all([*one.figures] == ["mass", "price", "margin"] for one in found.drives)
-    margins = [one.figures["margin"] for one in found.drives]
-    assert margins == sorted(margins, reverse=True) and len(margins) == found.passing > 5
-    assert found.drives[found.first].figures["mass"] == min(one.figures["mass"] for one in found.drives)
-
-
 def test_none_is_given_where_none_is_wanted_or_passes(result, tmp_path):
     assert result.choices is None
     found = size(fan(tmp_path, BATTERY.replace("9 h", "17 h")), choices=20)
     assert not found.sets and found.choices is None
-
-
-def test_of_a_layer_that_is_too_long_the_ends_stay():
-    mass = np.linspace(1.0, 2.0, 50)
-    figures = {"mass": mass, "price": 3.0 - mass, "energy": np.full(50, np.nan)}
-    rows, whole = picked(figures, np.array([7]), 10)
-    assert {0, 7, 49} <= {*rows.tolist()} and len(rows) <= 11 and not whole
-    assert picked({"price": np.full(30, np.nan)}, np.array([1]), 10).rows.tolist() == [1]

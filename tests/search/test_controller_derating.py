@@ -1,13 +1,12 @@
 """Controllers in a hot ambient: lines that maxon prints, what is not known, and drives that lose their controller."""
 
 from dataclasses import asdict, replace
-from math import isnan, nan
+from math import nan
 
 import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.parts import Controller
 from drivesizer.results.ratings import controller_current
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import load_spec
@@ -43,27 +42,6 @@ def test_lines_that_maxon_prints(maxon, part, celsius, ampere):
     """EPOS2 24/5, 50/5 and 70/10: full current up to 55, 45 and 45 °C, then 0.179, 0.143 and 0.250 A/K less."""
     row = asdict(maxon.controllers.record(maxon.controllers.rows[part]))
     assert float(controller_current(row, ZERO + celsius)) == pytest.approx(ampere, abs=0.01)  # slopes have 3 digits
-
-
-def test_columns_are_as_one_by_one():
-    random = np.random.default_rng(5)
-    known = random.random((4, 300)) < 0.7
-    drawn = (random.uniform(1, 9, 300), random.uniform(300, 330, 300), random.uniform(0.05, 0.4, 300),
-             random.uniform(335, 360, 300))  # fmt: skip
-    names = "continuous_current", "full_current_ambient", "derating_slope", "ambient_max"
-    figures = {name: np.where(k, x, nan) for name, k, x in zip(names, known, drawn, strict=True)}
-    figures["inside"] = np.full(300, "")
-    for ambient in (295.0, 318.0, 350.0):
-        found = np.broadcast_to(controller_current(figures, ambient), 300)
-        for n, value in enumerate(found):
-            current, full, slope, most = (float(figures[name][n]) for name in names)
-            plain = current
-            if ambient > full:
-                plain = nan if isnan(slope) else max(current - slope * (ambient - full), 0.0)
-            if ambient > most and not isnan(current):
-                plain = 0.0
-            assert value == pytest.approx(plain, nan_ok=True)
-    assert isnan(controller_current(asdict(Controller()), 400.0))
 
 
 def test_a_hot_case_takes_what_the_controller_may_carry(maxon):

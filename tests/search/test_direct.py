@@ -67,18 +67,6 @@ def test_the_motor_alone_is_a_set(direct):
     assert peak == pytest.approx((torque + rotor + friction) / 98e-3, rel=1e-9)
 
 
-def test_two_catalogues_share_the_lack_of_a_gearhead(direct):
-    both = load([str(direct / "one.yaml"), str(direct / "two.yaml"), "maxon"])
-    rows = [n for n, part in enumerate(both.gearheads["part"]) if part == "direct"]
-    assert len(rows) == 1
-    pairs = [(str(both.motors["part"][m])) for m, g in zip(*both.motor_gearhead[:2], strict=True) if g == rows[0]]
-    assert pairs == ["one-90", "two-90"]
-    maxon = load(["maxon"])
-    assert len(both.motor_gearhead.left) == len(maxon.motor_gearhead.left) + 2
-    again = load([str(direct / "one.yaml"), str(direct / "two.yaml"), "maxon"])  # from the compiled files
-    assert again.motor_gearhead.right.tolist() == both.motor_gearhead.right.tolist()
-
-
 def test_direct_is_no_name_for_a_motor(direct):
     path = direct / "one.yaml"
     path.write_text(path.read_text(encoding="utf-8").replace("gearheads: [direct]", "gearheads: [direkt]"), "utf-8")
@@ -171,14 +159,6 @@ def test_only_motors_without_gearhead_are_candidates_of_direct_drive(unlisted):
     maxon = load(["maxon"])
     assert size(spec_of(ALONE, "maxon")).counts.considered == int((~maxon.motors.excluded).sum())
     assert size(spec_of(FAN, unlisted)).counts.considered == 0
-
-
-def test_explain_takes_any_motor_without_gearhead(unlisted):
-    with_gearhead, without = (explain(spec_of(text, unlisted, "maxon"), "one-90", "direct") for text in (FAN, ALONE))
-    assert repr(with_gearhead[0].checks) == repr(without[0].checks)  # NaN is not itself
-    assert {c.name: c.status for c in without[0].checks}["compatibility"] == "pass"
-    behind_one = explain(spec_of(ALONE, "maxon"), "118752", "166160")[0]  # its choice of gearheads is left aside
-    assert repr(behind_one.checks) == repr(explain(spec_of(FAN, "maxon"), "118752", "166160")[0].checks)
 
 
 def test_what_pulls_at_the_shaft_is_the_motors_to_carry(unlisted):

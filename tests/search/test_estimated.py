@@ -6,7 +6,6 @@ against the normal distribution that the band stands for.
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from math import isnan, log, nan
 from pathlib import Path
@@ -20,12 +19,7 @@ from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.machine.problem import problem
-from drivesizer.output.json import documents
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.problem import Problem
-from drivesizer.search.columns.candidates import Candidates
-from drivesizer.search.columns.evaluation import by_physics
-from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import OPEN, sifted
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.uncertain_figures import holding_of_a_set
@@ -142,20 +136,6 @@ def test_the_probability_of_a_check_is_its_own(maxon, table):
     assert found.probability == probable["winding_temperature"] < 0.3  # what turns first decides for all together
 
 
-def test_a_check_that_is_known_at_an_end_of_the_bands_alone_passes_in_no_sample(maxon, table):
-    """As one whose demand is nothing at the favourable end and whose limit is unknown: here one that is never known."""
-    poorer = with_figure(maxon, "continuous_torque", np.nan, "gearheads", GEARHEAD)
-    whole = problem(table, search_view(with_figure(poorer, "rotor_inertia", np.nan)))
-    never = "gearhead_continuous_torque"
-    rows = (whole.catalog.table(s).rows[p] for s, p in (("motors", MOTOR), ("gearheads", GEARHEAD)))
-    given = Candidates(*(np.array([row]) for row in rows), np.ones(1), np.ones(1, bool))
-    found = by_physics(whole, given, False)
-    alone = found.candidates._replace(controller=found.controller)
-    left, counted = (passing(whole, alone, names, samples=16) for names in (set[str](), {never}))
-    assert never not in left and left[""] > 0.0
-    assert counted[never] == counted[""] == 0.0
-
-
 def test_without_estimates_the_figure_is_unknown_and_nothing_else_changes(maxon, table):
     poorer = with_figure(maxon, "rotor_inertia", np.nan)
     found = one(estimates_off(table), poorer)
@@ -185,43 +165,6 @@ def test_the_search_finds_what_the_single_drive_is(maxon, table):
         for mine, found_check in zip(alone.checks, drive.checks, strict=True):
             assert (mine.name, mine.status, mine.note) == (found_check.name, found_check.status, found_check.note)
             assert mine.demand == pytest.approx(found_check.demand, rel=1e-9, nan_ok=True)
-
-
-def test_json_says_what_is_estimated(maxon, table, lacking):
-    document = json.loads(json.dumps(documents.drive_set(lacking)))
-    (estimate,) = document["estimated"]
-    assert (estimate["figure"], estimate["confidence"], estimate["si_unit"]) == ("rotor_inertia", "estimated", "kg*m^2")
-    assert estimate["low"] < estimate["value"] == document["motor"]["rotor_inertia"] < estimate["high"]
-    assert document["status"] == "open" and 0.0 < document["probability"] < 1.0
-    (check,) = (c for c in document["checks"] if c["status"] == "open")
-    assert check["band"]["low"] < check["limit"] < check["band"]["high"]
-
-
-def test_a_printed_figure_has_no_band(maxon, table):
-    found = one(table, maxon)
-    assert not found.estimated and isnan(found.probability) and not [c for c in found.checks if c.band]
-
-
-def test_parts_of_an_actuator_take_the_estimates_of_its_row():
-    view = search_view(load(["robotis"]))
-    favourable, unfavourable = view.ends
-    differ = favourable.motors["rotor_inertia"] != unfavourable.motors["rotor_inertia"]
-    inside = view.motors["inside"][differ & ~np.isnan(favourable.motors["rotor_inertia"])]
-    rows = [view.actuators.rows[part] for part in inside]
-    assert set(rows) <= set(view.estimates["actuators"].get("rotor_inertia", (np.zeros(0),))[0].tolist())
-    guessed = view.actuators["part"][view.estimates["actuators"]["efficiency"].rows]
-    some = np.isin(view.gearheads["inside"], guessed)
-    assert (favourable.gearheads["efficiency"][some] >= unfavourable.gearheads["efficiency"][some]).all()
-
-
-def test_the_problem_at_an_end_is_a_problem(maxon, table):
-    """Nothing else of a problem changes with the end of the band."""
-    from drivesizer.machine.problem import problem
-    from drivesizer.search.columns.evaluation import at_ends
-
-    whole: Problem = problem(table, search_view(with_figure(maxon, "rotor_inertia", np.nan)))
-    for end in at_ends(whole):
-        assert end.cases is whole.cases and end.machine is whole.machine
 
 
 def test_samples_vary_an_estimated_figure_within_its_band(maxon, table):

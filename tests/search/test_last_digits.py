@@ -3,39 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from specs import selecting
-from starters import starter
 
-from drivesizer.physics import cycle_at_gearhead
-from drivesizer.physics.figures import product
 from drivesizer.results.check_columns import at_most, worst_case
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
-from drivesizer.sizing import size
-
-
-def test_another_rounding_of_products_changes_no_order_and_no_moment(tmp_path, catalog, monkeypatch):
-    """A belt axis goes to and fro alike: each peak is met twice. Every product is off by a few of its last digits."""
-    spec = selecting(starter("belt_axis", tmp_path), objective="energy")
-    plain = _order_and_moments(size(spec, catalog=catalog, top=10, pareto=("mass", "margin")))
-    rng = np.random.default_rng(1)
-
-    def rounded_otherwise(rows, columns):
-        found = product(rows, columns)
-        return found * (1.0 + 4e-16 * rng.integers(-2, 3, found.shape))
-
-    monkeypatch.setattr(cycle_at_gearhead, "product", rounded_otherwise)
-    assert _order_and_moments(size(spec, catalog=catalog, top=10, pareto=("mass", "margin"))) == plain
-
-
-def _order_and_moments(result):
-    shown = {name: getattr(result, name) for name in ("sets", "misses", "front", "alternatives")}
-    assert all(shown.values())
-    return {
-        name: [(one.label, [(c.name, c.at_time, c.band is None) for c in one.checks],
-                [p.motor_torque > 0.0 for p in one.pieces]) for one in some]
-        for name, some in shown.items()
-    }  # fmt: skip
 
 
 def test_margins_and_objectives_that_differ_by_rounding_are_equal(catalog):

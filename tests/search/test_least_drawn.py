@@ -1,7 +1,6 @@
 """What a battery surely cannot feed falls before its waveform is computed, and nothing else changes by that."""
 
 import math
-from collections import Counter
 from importlib import resources
 
 import numpy as np
@@ -9,14 +8,11 @@ import pytest
 from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.budgets import machine_budget
 from drivesizer.machine.problem import problem
-from drivesizer.search import in_order, machine_filter
 from drivesizer.search.columns.candidates import pairs
 from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.search.machine_filter import least_power
-from drivesizer.search.set_record import drive_parts
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import load_parts
 from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -48,38 +44,6 @@ def machine(tmp_path):
         return read_spec(YamlSource(text, str(tmp_path / "fan.yaml")))
 
     return of
-
-
-def every_record(spec):
-    """Each set in full with its own budget, one by one, in the order of their mass."""
-    given = problem(spec, load_parts(spec))
-    found = by_physics(given, pairs(given), True)
-    alone = [drive_parts(found, row) for row in range(len(found.controller))]
-    return [(one.motor.part, machine_budget(given, one).checks) for one in alone]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("hours", "peak"), [(10, 50), (14, 50), (12, 9.5), (30, 50)])
-def test_sets_and_counts_are_those_of_every_set_judged_by_itself(machine, monkeypatch, hours, peak):
-    """Pieces of 4, 8, 16, ... sets in blocks of 8, 128, ...: as by one set at a time until three stand."""
-    for module, name, value in ((in_order, "_FIRST", 8), (machine_filter, "_FEWEST", 1), (machine_filter, "_FIRST", 1)):
-        monkeypatch.setattr(module, name, value)
-    monkeypatch.setattr(machine_filter, "_MORE", 2)
-    spec = machine(hours, peak)
-    given, stand, fell, by = problem(spec, load_parts(spec)), [], [], Counter()
-    least = least_power(given, 0, pairs(given))
-    for (motor, budget), power in zip(every_record(spec), least, strict=True):
-        if len(stand) == 3:
-            break
-        failed = {check.name for check in budget if check.status == "fail"}
-        (fell if failed else stand).append(motor)
-        assert 20 * 24 / power >= hours or "battery_autonomy" in failed  # of 20 A*h and 24 V
-        by.update(failed if 20 * 24 / power >= hours else {"battery_autonomy"})  # the rest is then not looked at
-    found = size(spec, top=3)
-    assert [one.motor.part for one in found.sets] == stand
-    assert (found.counts.judged, found.counts.feasible) == (len(stand) + len(fell), MOTORS - len(fell))
-    assert found.counts.failed_by_budget == dict(by)
-    assert {one.motor.part for one in found.misses} >= set(fell[:3])
 
 
 def test_least_power_by_hand(machine):

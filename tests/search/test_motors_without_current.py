@@ -8,11 +8,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.view.search_view import search_view
-from drivesizer.machine.problem import problem
 from drivesizer.results.ratings import nominal_torque_limit
-from drivesizer.search.columns.candidates import pairs
-from drivesizer.search.columns.evaluation import by_physics
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 
@@ -79,31 +75,6 @@ def test_a_motor_with_too_little_torque_is_not_among_the_unknown_ones(catalog):
     ]  # fmt: skip
     assert 0 < len(found.sets) < 3
     assert {one.status for one in found.sets} == {"unknown"}
-
-
-def test_a_motor_with_its_current_has_no_check_of_its_torque(spec):
-    (found,) = size(spec, top=1).sets
-    assert "motor_nominal_torque" not in {check.name for check in found.checks}
-
-
-def test_a_check_that_some_candidates_do_not_have_limits_nothing_there(catalog, tmp_path):
-    """Of motors with and without a known current, each behind a belt of its own."""
-    known = "- family: K\n  source: sheet\n  common: {kind: brushless}\n  columns: [part, nominal_torque (N*m), " \
-        "nominal_current (A), torque_constant (N*m/A), mass (kg)]\n  rows: [[K-1, 2, 4, 0.5, 2]]\n"  # fmt: skip
-    text = TEXT.replace("compatibility:", f"{known}compatibility:").replace("motors: [S]", "motors: [S, K]")
-    (tmp_path / "both.yaml").write_text(text, encoding="utf-8")
-    both = load(["both.yaml"], beside=tmp_path)
-    belts = {"transmission": [{"kind": "direct"}, {"kind": "belt", "ratios": [1, 2], "efficiency": 1}]}
-    whole = problem(load_spec(SPEC | belts), search_view(both))
-    every = pairs(whole)
-    rows = [both.motors.rows[part] for part in ("S-4", "K-1", "S-1")]
-    some = every.on(np.array([every.motor.tolist().index(row) for row in rows]))
-    some = some._replace(belt=np.array([1.0, 2.0, 1.0]))
-    found = {check.name: check for check in by_physics(whole, some, True).checks}
-    torque = found["motor_nominal_torque"]
-    assert torque.limit == pytest.approx([2.39, np.inf, 0.64])
-    assert torque.failed.tolist() == [False, False, True] and torque.passed[1]
-    assert not np.isnan(found["motor_nominal_current"].demand[1])
 
 
 def test_between_standstill_and_nominal_speed_the_torque_is_between():

@@ -1,7 +1,6 @@
 """Motors as they are mounted: figures that makers print, hand calculation, bands, and the loss of the gearhead."""
 
 from dataclasses import asdict
-from math import nan, sqrt
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.thermal import COPPER, continuous_current, with_plate
-from drivesizer.sizing import explain, load_parts, size
-from drivesizer.spec.mounting import Mounting, mounting_words
+from drivesizer.sizing import explain, size
+from drivesizer.spec.mounting import Mounting
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -93,33 +92,6 @@ def test_half_the_resistance_at_maxon():
 # --- as columns and by hand
 
 
-def by_hand(R_1, R_2, mounted, rise, loss):
-    """The gain of one motor in plain Python."""
-    left = rise - R_2 * loss
-    ratio = max(rise - mounted * loss, 0.0) / left if left > 0 else 1.0
-    return sqrt(ratio * (R_1 + R_2) / (R_1 + mounted))
-
-
-def test_gains_are_those_of_one_motor_each():
-    random = np.random.default_rng(3)
-    n = 200
-    one, two = random.uniform(0.5, 8, n), random.uniform(2, 20, n)
-    dry, viscous = random.uniform(1e-4, 2e-3, n), random.uniform(0, 2e-6, n)
-    speed, rise = random.uniform(200, 900, n), random.uniform(60, 130, n)
-    motor = {"thermal_resistance_winding": one, "thermal_resistance_housing": two, "nominal_speed": speed,
-             "kind": np.full(n, "brushed"), "winding": np.full(n, ""), "friction_torque": dry,
-             "viscous_friction": viscous, "max_winding_temperature": 298.15 + rise,
-             "rated_ambient": np.full(n, 298.15), "data_temperature": np.full(n, nan), "resistance": np.ones(n),
-             "nominal_current": np.ones(n), "torque_constant": np.ones(n), "no_load_current": np.zeros(n),
-             "no_load_speed": speed}  # fmt: skip
-    for share in (0.2, 0.5, 1.3):
-        plain = [by_hand(*x) for x in zip(one, two, share * two, rise, (dry + viscous * speed) * speed, strict=True)]
-        assert rating_gain(motor, share * two) == pytest.approx(plain)
-    assert rating_gain(motor, two) == pytest.approx(np.ones(n))
-    lacking = motor | {"thermal_resistance_winding": np.full(n, nan)}
-    assert np.isnan(rating_gain(lacking, 0.5 * two)).all() and np.isnan(rating_gain(lacking, 1.5 * two)).all()
-
-
 @pytest.fixture(scope="module")
 def printed():
     """The best drive as printed, and its parts alone."""
@@ -154,22 +126,6 @@ def test_the_mounted_motor_by_hand(printed):
     warmer = explained(printed, {"housing_resistance": 1.5})
     assert winding(warmer).demand > winding(printed.sets[0]).demand
     assert warmer.motor.nominal_current < was.nominal_current
-
-
-def test_as_printed_is_as_without_the_section(printed):
-    same = size(load_spec(SPEC | OFF | {"mounting": {"kind": "as_printed"}}), top=2)
-    assert repr([(s.label, s.checks) for s in same.sets]) == repr([(s.label, s.checks) for s in printed.sets[:2]])
-    assert same.assumptions == printed.assumptions
-
-
-def test_its_band_counts_without_estimates_too(printed):
-    """A flange is 0.2 to 0.8 of the printed figure, a lack of it 1 to 1.45: that of the spec, not of peers."""
-    was = printed.sets[0].motor.thermal_resistance_housing
-    for kind, least, most in (("metal_flange", 0.2, 0.8), ("insulated", 1.0, 1.45)):
-        (figure,) = (
-            each for each in explained(printed, {"kind": kind}).estimated if each.figure == "thermal_resistance_housing"
-        )
-        assert (figure.low, figure.high) == pytest.approx((least * was, most * was))
 
 
 BARE = """
@@ -236,14 +192,6 @@ def test_a_band_is_shown_and_leaves_checks_open(printed):
     assert "mounting" in figure.law
 
 
-def test_assumptions_say_it():
-    (line,) = mounting_words(load_spec(SPEC | {"mounting": {"kind": "metal_flange"}}))
-    assert "times 0.5 (0.2 to 0.8)" in line and "maxon" in line and "Faulhaber" in line
-    assert mounting_words(load_spec(SPEC)) == ()
-    (share,) = mounting_words(load_spec(SPEC | {"mounting": {"gear_loss_share": 0.4}}))
-    assert share.startswith("40 % of the gearhead's loss")
-
-
 # --- the gearhead at the flange
 
 
@@ -300,11 +248,3 @@ def test_refused_where_heat_is_not_computed():
     for more in ({"method": "paper"}, {"select": SPEC["select"] | {"motor": {"kind": "stepper"}}}):
         with pytest.raises(InputError, match="mounting"):
             load_spec(SPEC | more | {"mounting": {"kind": "metal_flange"}})
-
-
-def test_a_mounted_catalogue_is_made_of_the_printed_one():
-    spec = load_spec(SPEC | {"mounting": {"kind": "metal_flange"}})
-    catalog = load_parts(spec)
-    found = size(spec, catalog=catalog, top=1)
-    assert not catalog.mounted and found.catalog.mounted
-    assert set(mounting_words(spec)) <= set(found.assumptions)

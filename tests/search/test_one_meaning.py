@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,10 +58,6 @@ def test_samples_in_closed_loop_do_not_say_so_either(pair):
     assert written["probability"] is None and written["none_fails"] == found.loop.probability
     cell = probability_table("", pair.sets, "").rows[0].cells["loop"]
     assert cell.text == "unknown" and cell.note.startswith("none fails: ")
-
-
-def test_where_nothing_is_unknown_none_fails_is_that_all_pass(pair):
-    assert replace(pair.sets[0].reliability, unknown=()).passing == pair.sets[0].reliability.probability
 
 
 def test_the_closed_loop_heads_a_set_unknown_where_a_check_is(pair, spec):

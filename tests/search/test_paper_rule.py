@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from itertools import product
 
 import numpy as np
 import pytest
@@ -11,13 +10,12 @@ import pytest
 from drivesizer.catalog import Catalog
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
-from drivesizer.search.columns.paper import hopeless
 from drivesizer.search.shortlist import problem_with_drive_mass
 from drivesizer.sizing import load_parts
 from drivesizer.spec.drive import Select
 from drivesizer.spec.robot import RobotSpec
 
-SPEEDS, MASSES, SLOPES = (0.4, 1.5, 4.0), (12.0, 45.0, 300.0), (-0.1, 0.0, 0.2)
+MACHINES = [(0.4, 45.0, 0.2), (1.5, 12.0, -0.1), (1.5, 45.0, 0.0), (4.0, 300.0, 0.0)]
 
 
 def _problem(spec: RobotSpec, catalog: Catalog, speed: float, mass: float, slope: float, unknown: str = "allow"):
@@ -45,7 +43,7 @@ def _alike(one: Evaluation, rows: np.ndarray, other: Evaluation) -> None:
             np.testing.assert_array_equal(mine[name].value, its[name].value)
 
 
-@pytest.mark.parametrize(("speed", "mass", "slope"), list(product(SPEEDS, MASSES, SLOPES)))
+@pytest.mark.parametrize(("speed", "mass", "slope"), MACHINES)
 def test_without_the_rejected_the_others_are_the_same(spec, catalog, speed, mass, slope):
     """Every figure of those that pass or may pass, whoever is looked at beside them."""
     problem = _problem(spec, catalog, speed, mass, slope)
@@ -61,12 +59,3 @@ def _by_rule(found: Evaluation) -> set[str]:
     """Names of the checks that come before those of controller and encoder."""
     names = [check.name for check in found.checks]
     return set(names[: names.index("largest_reduction") + 1])
-
-
-def test_most_are_hopeless_by_one_part(spec, catalog):
-    problem = _problem(spec, catalog, 1.5, 45.0, 0.0)
-    every = candidates(problem)
-    found = hopeless(problem.spec, problem.catalog, every.motor, every.gearhead, every.belt)
-    assert 2 * np.count_nonzero(found) > len(found)
-    failed = {c.name: c.failed for c in evaluate(problem, every).checks}
-    np.testing.assert_array_equal(found, failed["motor_power"] | failed["gearhead_input_speed"])

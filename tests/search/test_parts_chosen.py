@@ -4,13 +4,12 @@ import pytest
 from specs import estimates_off
 
 from drivesizer.catalog import load
-from drivesizer.catalog.law_check import check_file
-from drivesizer.catalog.query import find, look, open_catalogs
+from drivesizer.catalog.query import find, open_catalogs
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.json.documents import sizing
 from drivesizer.output.parts import machine_parts
-from drivesizer.sizing import explain, explained, load_parts, size
+from drivesizer.sizing import explain, explained, size
 from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -159,15 +158,6 @@ def test_a_controller_that_bears_its_peak_too_briefly_gives_way_to_a_larger_one(
     assert (found.controller.part, status["controller_peak_time"]) == ("large", "pass")
 
 
-def test_both_say_the_same_of_a_set(fan):
-    spec = fan("coarse unknown")
-    best = size(spec).sets[0]
-    (again,) = explain(spec, best.motor.part, "direct", catalog=load_parts(spec))
-    assert repr((again.status, again.checks, again.encoder, again.controller)) == repr((
-        best.status, best.checks, best.encoder, best.controller
-    ))  # fmt: skip
-
-
 def test_a_mass_that_nobody_knows_is_not_nothing(fan):
     """Without a gearhead the motor is all there is: unknown, and ranked behind what is known."""
     unknown = PARTS.replace("25, 700, 300]", "25, 700, null]")
@@ -269,31 +259,10 @@ def test_rows_of_one_part_have_a_voltage_each(tmp_path, old, new, said):
     assert f"{file}:" in str(caught.value)
 
 
-def test_rows_of_one_part_weigh_the_same(tmp_path):
-    """One of 90 g beside two of 80 g; the part without further rows has a mass of its own."""
-    file = tmp_path / "servo.yaml"
-    text = SERVO.replace("mass: 80 g, ", "").replace("resistance (ohm)]", "resistance (ohm), mass (g)]")
-    for mass in (90, 80, 80, 200):
-        text = text.replace("2.65]", f"2.65, {mass}]", 1)
-    file.write_text(text, encoding="utf-8")
-    found = [(f.part, f.identity) for f in check_file(str(file)) if "several voltages" in f.identity]
-    assert found == [("S-7 9 V", "mass at several voltages")]
-
-
 @pytest.mark.parametrize("name", ["STS3215", "st3215", "ST-3215-C001", "sts 3215 c001"])
 def test_one_servo_by_all_its_names(name):
     (hit,) = find(open_catalogs(["feetech", "robotis"]), name)
     assert (hit.part, hit["no_load_current"]) == ("ST-3215-C001", 0.15)
-
-
-def test_a_model_is_found_with_all_its_rows():
-    """XM540-W270 by its buses' names too; one row by its own."""
-    shelf = open_catalogs(["feetech", "robotis"])
-    rows = [f"XM540-W270 {volts} V" for volts in ("11.1", "12", "14.8")]
-    for name in ("XM540-W270", "xm540w270", "XM540-W270-R"):
-        assert [hit.part for hit in find(shelf, name)] == rows
-    assert [hit.part for hit in find(shelf, rows[1])] == rows[1:2]
-    assert [hit.part for hit in look(shelf, "st3215")[1]] == ["ST-3215-C001", "ST-3215-C018"]
 
 
 def test_a_servo_at_12_v_has_its_figures_of_12_v(tmp_path):

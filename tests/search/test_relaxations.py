@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from types import SimpleNamespace
 
 import pytest
-from specs import estimates_off, selecting
+from specs import estimates_off
 
-from drivesizer.catalog.view.search_view import search_view
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.problem import changed, problem
+from drivesizer.machine.problem import problem
 from drivesizer.search import relaxations as module
 from drivesizer.search import relaxations as movable_figures
-from drivesizer.search.machine_filter import any_in_machine, best_in_machine
 from drivesizer.search.relaxations import relaxations, tried
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
@@ -121,14 +118,6 @@ def test_the_ambient_falls_by_kelvins(catalog, monkeypatch):
     assert (move.now, move.needed) == ("60 °C", f"{move.after - 273.15:.3g} °C")
 
 
-def test_a_room_colder_than_a_room_is_no_remedy(catalog, monkeypatch):
-    """30 degC, and a drive that passes at 10 K less, 20 degC: data sheets are of 25 degC."""
-    warm = spec_of()
-    given = problem(warm.model_copy(update={"environment": type(warm.environment)(ambient="30 degC")}), catalog)
-    found, _ = moves(given, monkeypatch, lambda ratios: ratios.get("environment.ambient", 1.0) * 303.15 <= 293.15)
-    assert not found
-
-
 def test_the_nearest_other_reduction_of_the_family_is_named_with_its_distance(catalog):
     """At 60 rpm a DCX 22 S of 750 rad/s permits a ratio of 119: of the family's 20 the next below 231 is 111."""
     spec = spec_of()
@@ -139,41 +128,6 @@ def test_the_nearest_other_reduction_of_the_family_is_named_with_its_distance(ca
     assert move.before == found.gearhead.ratio == pytest.approx(231.2, abs=0.1)
     assert move.after == max(r for r in ratios if r * 2 * math.pi < found.motor.max_speed)
     assert move.share == pytest.approx((move.before - move.after) / move.before)
-
-
-def test_a_cycle_is_made_anew_only_where_a_figure_of_it_moves(catalog):
-    given = problem(spec_of(), catalog)
-
-    def moved(section, **update):
-        return changed(given, lambda s: s.model_copy(update={section: getattr(s, section).model_copy(update=update)}))
-
-    (before,) = given.cases
-    for other in (moved("supply", nominal=30.0), moved("needs", mass=2.0), moved("environment", ambient=280.0)):
-        assert other.cases[0].at_belt is before.at_belt
-        assert other.spec != given.spec
-    heavy, light = moved("load", inertia=3e-3), moved("environment", gravity=1.6)
-    assert heavy.cases[0].cycle.inertia == pytest.approx(before.cycle.inertia * 1.5)
-    assert light.cases[0].at_belt is not before.at_belt
-
-
-@pytest.mark.parametrize("unknown", ["allow", "reject"])
-@pytest.mark.parametrize("estimates", ["on", "off"])
-def test_a_drive_is_found_where_a_search_finds_one(estimates, unknown, catalog):
-    """From a budget of mass and an ambient at which nothing passes to one at which much does."""
-    spec = selecting(spec_of(), estimates=estimates, unknown=unknown)
-    given = problem(spec, search_view(catalog, estimates == "on"))
-    some = set()
-    for mass, volts in itertools.product((0.02, 0.15, 1.0), (12.0, 24.0)):
-        moved = with_(given, needs={"mass": mass}, supply={"nominal": volts})
-        found = best_in_machine(moved)
-        assert any_in_machine(moved) == (found is not None)
-        some.add(found is not None)
-    assert some == {True, False}
-
-
-def with_(given, **sections):
-    update = {name: getattr(given.spec, name).model_copy(update=fields) for name, fields in sections.items()}
-    return changed(given, lambda spec: spec.model_copy(update=update))
 
 
 def test_the_drive_that_is_named_is_the_best_of_the_objective_once_the_figure_has_moved(catalog, monkeypatch):

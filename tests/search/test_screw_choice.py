@@ -2,9 +2,7 @@
 
 import json
 import math
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from drivesizer.catalog import load
@@ -45,20 +43,6 @@ def spec_of(load, **sections):
 @pytest.fixture(scope="module")
 def catalog():
     return load_parts(spec_of(LOAD | {"screw": {}}), load(["maxon", "thk", "hiwin"]))
-
-
-def test_a_screw_of_unknown_price_is_not_the_cheapest(monkeypatch):
-    """Of drives of 300 and 200 EUR, the latter's screw of no known price: what is known goes first."""
-    monkeypatch.setattr(shortlist, "objective_figure", lambda best, name: SimpleNamespace(value=best.value))
-    able = [
-        SimpleNamespace(
-            best=SimpleNamespace(status="pass", value=value),
-            chosen=SimpleNamespace(least_mass=0.7, screw=SimpleNamespace(price=price)),
-        )
-        for value, price in ((200.0, math.nan), (300.0, 45.0), (310.0, 30.0))
-    ]
-    order = np.lexsort(shortlist._order(able, {"price": 1.0})[::-1])
-    assert order.tolist() == [2, 1, 0]
 
 
 def typed(screw, **changes):

@@ -207,9 +207,3 @@ def test_names_that_are_in_no_catalogue(example_text, old, new, words):
 def test_unknown_part_in_explain(spec, catalog):
     with pytest.raises(InputError, match=r"motor .* the nearest are"):
         explain(spec, "118755", "406764", catalog=catalog)
-
-
-def test_same_input_same_result(spec, catalog):
-    a, b = (size(spec, catalog=catalog, top=20) for _ in range(2))
-    assert [s.label for s in a.sets] == [s.label for s in b.sets]
-    assert repr(a.counts) == repr(b.counts)

@@ -12,7 +12,6 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.gear_life import (
     bearing_life,
-    bevel_share,
     dynamic_load,
     permissible_radial,
     pulley_load,
@@ -107,10 +106,6 @@ def test_conversion_keeps_the_moment_and_never_grows_without_the_bearing():
     assert permissible_radial(math.inf, math.nan, 0.005, math.nan) == math.inf
 
 
-def test_forces_of_a_bevel_wheel_are_those_of_a_spur_one_at_a_great_ratio():
-    assert bevel_share(math.radians(20.0), 1e9) == pytest.approx((1.0 / math.cos(math.radians(20.0)), 0.0), abs=1e-8)
-
-
 def test_where_the_load_drives_the_force_is_before_the_losses():
     """Lowered by a rack at 80 %: the tooth bears what the load weighs, and the pinion sees four fifths of it."""
     load = RACK | {"incline": "90 deg", "efficiency": 0.8}
@@ -129,14 +124,6 @@ def test_without_pretension_a_belt_may_fail_but_not_pass():
     assert found.at(0, "physics").status == "fail"
     open_ = checks(spec, 2.0, max_radial_load=1e6, radial_load_distance=0.01)["gearhead_radial_load"].at(0, "physics")
     assert (open_.status, open_.note) == ("unknown", "unknown: the belt's pretension")
-
-
-def test_specs_without_new_figures_have_the_checks_that_they_had():
-    assert loads_of(spec_of()) is None
-    plain = checks(spec_of(needs={"radial_load": "120 N"}), max_radial_load=[100.0, 130.0, math.nan])
-    assert list(plain) == ["gearhead_radial_load"]
-    assert plain["gearhead_radial_load"].passed.tolist() == [False, True, False]
-    assert plain["gearhead_radial_load"].failed.tolist() == [True, False, False]
 
 
 def test_a_wheel_bears_its_part_of_the_weight():

@@ -47,10 +47,6 @@ def test_what_follows_from_stall_has_classes_of_its_own():
     assert (low, high) == pytest.approx((-15.0, 100.0 * ((0.87**-4 - 1) / (1 / 0.8052 - 1) - 1)), abs=1.0)
 
 
-def test_a_gear_that_loses_more_than_plastic_ones_has_the_usual_end():
-    assert classes_of("robotis", "MX-106 12 V")["gearhead.efficiency"] == "-15 %..50 %"
-
-
 @pytest.mark.parametrize(("catalogue", "part"), [("maxon", "118752"), ("faulhaber", "2232S024BX4")])
 def test_printed_figures_keep_the_class_of_printed_figures(catalogue, part):
     found = classes_of(catalogue, part)
@@ -62,15 +58,6 @@ def test_a_motor_of_a_printed_no_load_current_keeps_the_class_of_its_constant():
     found = classes_of("rev", "NEO V1.1")
     assert (found["motor.resistance"], found["motor.torque_constant"]) == ("-15 %..60 %", "+- 10 %")
     assert found["motor.dry_friction"] == "-75 %..65 %"
-
-
-def test_the_spec_comes_before_all():
-    given = {("motor", "resistance"): "+- 5 %", ("gearhead", "efficiency"): "none", ("gearhead", "peak_torque"): "none"}
-    from drivesizer.catalog.tolerances import classes
-
-    named = {(one.part, one.figure): one.text for one in classes(given)}
-    found = classes_of("robotis", "MX-64 12 V", given)
-    assert all(found[f"{part}.{figure}"] == named[part, figure] == text for (part, figure), text in given.items())
 
 
 def test_measured_servos_are_within_the_bands(monkeypatch):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import random
 from dataclasses import replace
@@ -12,17 +11,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stepper_catalog import TEXT, ideal_torque, printed_torque, worst_share, written
+from stepper_catalog import ideal_torque, printed_torque, worst_share, written
 
 from drivesizer import load_spec, size
 from drivesizer.catalog import Brake, Catalog, load
-from drivesizer.catalog.view.mounted import stepper_view
 from drivesizer.control.drive_train import NoLoopError, drive_train
 from drivesizer.errors import InputError
 from drivesizer.machine.operating_field import field, with_pull_out
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import drive_power, energy_flow
-from drivesizer.output.json.documents import as_text, sizing
 from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, SizingResult
@@ -125,28 +122,6 @@ def _cycle(spec: Any) -> Any:
     return load_cycle(spec)
 
 
-def test_belts_in_one_go_are_as_each_alone(path: Path, catalog: Catalog) -> None:
-    """Torque, speed, steps and energy behind two belts, in two load cases, against those of a spec with one."""
-
-    def of(belt: dict[str, Any]) -> list[DriveSet]:
-        stage = {"kind": "belt", "efficiency": 0.95, "inertia": "0.2 kg*cm^2", **belt}
-        spec = load_spec(spec_of(
-            path, transmission=[{"kind": "direct"}, stage],
-            needs={"start_speed": "10 rpm", "resolution_at_load": "1 deg"},
-            cases=[{"name": "heavy", "load": {"inertia": "6e-4 kg*m^2"}}],
-        ))  # fmt: skip
-        return explained(spec, "A2", "direct", catalog=load_parts(spec, catalog)).sets
-
-    together = {one.belt_ratio: one for one in of({"ratios": [1.2, 2.3]})}
-    for ratio in (1.2, 2.3):
-        (alone,) = of({"ratio": ratio})
-        one = together[ratio]
-        for x, y in [*zip(alone.checks, one.checks, strict=True), *zip(alone.figures, one.figures, strict=True)]:
-            for name in ("demand", "limit", "value"):
-                figure = getattr(x, name, 0.0)
-                assert getattr(y, name, 0.0) == pytest.approx(figure, rel=1e-12, nan_ok=True), x.name
-
-
 # --- one drive -------------------------------------------------------------------------------------------------------
 
 
@@ -177,14 +152,6 @@ def test_drivers_by_current_and_supply(path: Path) -> None:
     high = {one.motor.part: one for one in sized(path, supply={"nominal": "48 V"}).sets}
     assert {one.controller.part for one in high.values() if one.controller} == {"D4"}  # D2 ends at 30 V
     assert not {"B1", "B2"} & set(high)  # which take 30 V
-
-
-def test_a_servo_controller_drives_no_stepper(tmp_path: Path) -> None:
-    other = tmp_path / "servo.yaml"
-    other.write_text(TEXT.split("controllers:")[0] + "controllers:\n" + TEXT[TEXT.index("- family: S\n") :])
-    drive = sized(other).sets[0]
-    assert drive.controller is None
-    assert check(drive, "controller_available").status == "unknown"  # no catalogue lists drivers
 
 
 @pytest.mark.parametrize(("factor", "passes"), [("2", True), ("4.5", True), ("5.2", False)])
@@ -262,16 +229,6 @@ def test_gearheads_on_the_shaft(path: Path) -> None:
     assert {one.motor.part for one in found.sets if one.gearhead.part == "direct"} >= {"A1", "A2"}
 
 
-def test_steppers_are_in_the_search_only_when_selected(catalog: Catalog) -> None:
-    """The view of another search has none of them: its results are what they were."""
-    spec = load_spec(spec_of(Path("beckhoff"), select={"motor": {}}))
-    assert "stepper" not in load_parts(spec).motors["kind"]
-    view = stepper_view(catalog)
-    assert set(view.motors["kind"].tolist()) == {"stepper"}
-    assert stepper_view(view) is view
-    assert view.motors["pole_pairs"].tolist() == [50.0] * 4 + [100.0] * 2
-
-
 # --- outputs ---------------------------------------------------------------------------------------------------------
 
 
@@ -331,17 +288,6 @@ def test_idle_current_holds_less_at_rest(path: Path) -> None:
     assert check(lost.misses[0], "idle_torque").status == "fail"
 
 
-def test_idle_current_wherever_energy_is_counted(path: Path) -> None:
-    control = {"phase_current": "1.5 A", "idle_current": "50 %"}
-    battery = {"nominal_voltage": "24 V", "capacity": "5 A*h"}
-    found = sized(path, select={"motor": {"kind": "stepper", "part": "A2"}}, control=control, battery=battery)
-    drive, mean = found.sets[0], 7.2 * (0.8 + 0.25 * 0.3) / 1.1
-    flow = energy_flow(set_cycle(found.problem.spec, drive))
-    assert (flow.drawn, flow.copper) == (pytest.approx(1.1 * mean, rel=1e-6), pytest.approx(1.1 * mean))
-    assert drive.energy is not None
-    assert drive.energy.mean_power == pytest.approx(mean, rel=1e-6)
-
-
 def test_a_brake_that_is_kept_released_draws_of_a_steppers_supply(path: Path) -> None:
     """8 W at any moment of the cycle, beside what the windings take."""
     found = sized(path, select={"motor": {"kind": "stepper", "part": "A2"}})
@@ -396,14 +342,6 @@ def test_no_closed_loop_of_a_stepper(path: Path) -> None:
     found = sized(path)
     with pytest.raises(NoLoopError, match="motor A1 is a stepper, which runs open-loop: it has no closed loop"):
         drive_train(found.problem.spec, next(one for one in found.sets if one.motor.part == "A1"), 1e-3)
-
-
-def test_json_names_the_stepper_and_its_checks(path: Path) -> None:
-    document = json.loads(as_text(sizing(sized(path))))
-    first = document["sets"][0]
-    assert first["motor"]["kind"] == "stepper"
-    assert first["motor"]["holding_torque"] == pytest.approx(first["motor"]["holding_torque"])
-    assert {"pull_out_torque", "supply_current"} <= {one["name"] for one in first["checks"]}
 
 
 # --- what is refused -------------------------------------------------------------------------------------------------

@@ -5,18 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivesizer.catalog.tolerances import Distribution
-from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.closed_loop.run import prepared, run
 from drivesizer.control.engine import simulate
-from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform import motion_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions
+from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -53,28 +50,6 @@ def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]
             assert ours.figures[name][0] == pytest.approx(alone.figures[name][0], rel=1e-9)
 
 
-def test_at_nominal_figures_the_checks_are_those_of_validation(arm: tuple[RobotSpec, DriveSet]) -> None:
-    spec, one = arm
-    given = assumptions(spec)
-    nominal = run(spec, one, motion_of(spec))
-    machine = sampled_closed_loop.deviating(spec, one, given, np.array([a.nominal for a in given]))
-    (found,) = sampled_closed_loop._checked(nominal, [machine])
-    want = [check for check in checks(nominal) if check.name != "winding_temperature"]
-    for mine, theirs in zip(found, want, strict=True):
-        assert (mine.name, mine.status) == (theirs.name, theirs.status)
-        assert mine.demand == pytest.approx(theirs.demand, rel=1e-9, nan_ok=True)
-
-
-def test_a_sample_keeps_the_gains_of_the_nominal_machine_and_designs_none(arm: tuple[RobotSpec, DriveSet]) -> None:
-    spec, one = arm
-    made = prepared(spec, one, motion_of(spec))
-    assert prepared(spec, one, motion_of(spec), made.controller)[:5] == made[:5]
-    too_fast = spec.model_copy(update={"control": spec.control.model_copy(update={"bandwidth": 1e4})})
-    with pytest.raises(InputError, match="10000 Hz is faster than the delay"):
-        prepared(too_fast, one, motion_of(spec))
-    assert prepared(too_fast, one, motion_of(spec), made.controller).controller == made.controller
-
-
 @pytest.mark.slow
 def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> None:
     """A supply that is far too low in half of all machines: the voltage fails there, and nowhere else."""
@@ -108,10 +83,3 @@ def test_factors_reach_the_parts(arm: tuple[RobotSpec, DriveSet]) -> None:
     )
     e = one.gearhead.efficiency
     assert 1 / other.gearhead.efficiency - 1 == pytest.approx(1.5 * (1 / e - 1))
-
-
-def test_an_assumption_is_shown_in_its_own_unit() -> None:
-    spec = read_spec(YamlSource(ARM, "arm.yaml"))
-    mass, resistance = assumptions(spec)[:2]
-    assert mass.shown(1.6) == "1.6 kg" and resistance.shown(1.05) == "+5 %"
-    assert isinstance(mass, Assumption) and isinstance(mass.distribution, Distribution)

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
-import yaml
 from scipy import stats
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.catalog_file import parse
-from drivesizer.catalog.schema import catalog_schema
-from drivesizer.catalog.tables import joined, recall, store
+from drivesizer.catalog.tables import joined
 from drivesizer.catalog.tolerances import maker_tolerances_of
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.errors import CatalogError
@@ -26,11 +22,9 @@ from drivesizer.machine.problem import problem
 from drivesizer.output.document.candidates import probability_table
 from drivesizer.output.json import documents as json_documents
 from drivesizer.search.search import search
-from drivesizer.search.uncertainty import sampled_closed_loop
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.run import SampledDrives, reliabilities, sample_drives, subject, uncertainty
-from drivesizer.search.uncertainty.sampling import sample
-from drivesizer.search.uncertainty.uncertain_figures import assumptions, holding, used
+from drivesizer.search.uncertainty.run import SampledDrives, sample_drives, subject, uncertainty
+from drivesizer.search.uncertainty.uncertain_figures import holding
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -170,30 +164,10 @@ def test_the_specs_class_counts_before_any_makers(makers: Catalog) -> None:
     ]
 
 
-def test_only_classes_that_a_sampled_set_uses_are_sampled(makers: Catalog) -> None:
-    spec = _spec()
-    acme = replace(makers, motor_gearhead=type(makers.motor_gearhead)(*(side[:1] for side in makers.motor_gearhead)))
-    result, row = _sampled(spec, acme)
-    assert list(row) == ["Acme-1"]
-    assert [one.name for one in result.ready.given] == ["motor.torque_constant (Acme)"]
-
-
 def test_a_maker_that_takes_its_figures_as_printed_has_no_class() -> None:
     exact = _maker("Acme", ACME.replace("+- 5 %", "none"))
     result, row = _sampled(_spec(), exact)
     assert result.ready.given == () and _chance(result, row["Acme-1"]) == 1.0
-
-
-def test_only_figures_that_count_for_a_drive_are_reported(makers: Catalog) -> None:
-    result, row = _sampled(_spec(), makers)
-    sets = {"Acme-1": "motor.torque_constant (Acme)", "Coil-1": "motor.torque_constant"}
-    best = size(_spec(), top=3, catalog=makers, sampling=Sampling(4096, 1, None)).sets
-    for part, name in sets.items():
-        one = next(each for each in best if each.motor.part == part)
-        for found in (one.reliability, reliabilities(result, [row[part]], {})[row[part]]):
-            assert found and [driver.name for driver in found.drivers] == [name]
-    drivers = {one.motor.part: one.reliability.drivers[0] for one in best if one.reliability}
-    assert drivers["Acme-1"].low == "-4.5 %" and drivers["Coil-1"].low == "-9 %"
 
 
 def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
@@ -205,62 +179,6 @@ def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
     document = json_documents.drive_set(one)["reliability"]
     assert (document["closed_loop"], document["closed_loop_refused"]) == (None, why)
     assert f"not simulated in closed loop: {why}" in str(probability_table("", [one], "").rows[0].cells["weakest"])
-
-
-@pytest.mark.slow
-def test_the_same_machine_whatever_else_is_compared(makers: Catalog) -> None:
-    """Another maker beside it changes no figure of a set; nor do processes."""
-    spec = _spec()
-    together, row = _sampled(spec, makers)
-    for name, tolerances in (("Acme", ACME), ("Bolt", BOLT), ("Coil", "")):
-        alone, own = _sampled(spec, _maker(name, tolerances))
-        part = f"{name}-1"
-        mine, theirs = (found.examined(found.good)[n] for found, n in ((together, row[part]), (alone, own[part])))
-        np.testing.assert_array_equal(mine.smallest, theirs.smallest)
-        assert repr(mine.reliability) == repr(theirs.reliability)  # repr: NaN equals NaN
-    shared, _ = _sampled(spec, makers, processes=2)
-    assert [repr(one.reliability) for one in shared.examined(shared.good).values()] == [
-        repr(one.reliability) for one in together.examined(together.good).values()
-    ]
-
-
-def test_makers_are_off_by_the_same_share_of_what_each_allows(makers: Catalog) -> None:
-    spec = _spec()
-    held = used(makers, spec.tolerances.given, [(0, -1), (1, -1), (2, -1)])
-    given = [one for one in assumptions(spec, held) if one.catalogue]
-    drawn = sample(given, 512, 1, assumptions(spec))
-    default, acme, bolt = drawn.values.T
-    np.testing.assert_allclose((acme - 1.0) / 0.05, (default - 1.0) / 0.1, atol=1e-12)
-    assert stats.spearmanr(default, bolt).statistic == pytest.approx(1.0)
-    plainly = sample([given[0]], 512, 1, assumptions(spec))
-    np.testing.assert_array_equal(plainly.values[:, 0], default)
-
-
-def test_the_closed_loop_takes_the_same_factor(makers: Catalog, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: dict[str, Any] = {}
-    real = sampled_closed_loop.loop_share
-
-    def watched(spec: RobotSpec, one: Any, given: Any, values: Any, samples: int) -> Any:
-        seen[one.motor.part] = (one, given, values)
-        return real(spec, one, given, values, samples)
-
-    monkeypatch.setattr("drivesizer.search.uncertainty.sampled_closed_loop.loop_share", watched)
-    sizing = size(_spec(), top=3, catalog=makers, sampling=Sampling(512, 1, 0.3, loop=8))
-    assert {part: [g.name for g in given] for part, (_, given, _) in seen.items()} == {
-        "Acme-1": ["motor.torque_constant (Acme)"],
-        "Bolt-1": ["motor.torque_constant (Bolt)"],
-        "Coil-1": ["motor.torque_constant"],
-    }
-    assert all(one.reliability and one.reliability.loop for one in sizing.sets)
-    for one, given, values in seen.values():
-        _, other = sampled_closed_loop.deviating(sizing.spec, one, given, values[5])
-        assert other.motor.torque_constant / one.motor.torque_constant == pytest.approx(values[5, 0])
-        assert other.motor.resistance == one.motor.resistance
-    assert {one.reliability.no_loop for one in sizing.sets if one.reliability} == {""}
-    one, given, values = seen["Acme-1"]
-    both = [*given, *seen["Bolt-1"][1]]
-    with pytest.raises(AssertionError, match=r"motor.torque_constant \(Bolt\): of another maker's part"):
-        sampled_closed_loop.deviating(sizing.spec, one, both, np.array([1.0, 1.0]))
 
 
 # --- gearheads, actuators, families ----------------------------------------------------------------------------------
@@ -304,14 +222,6 @@ def test_a_statement_of_families_counts_before_one_of_all() -> None:
     given = {("gearhead", "efficiency"): "+- 1 %"}
     texts = [one.text for one in holding(catalog, given, "gearhead", catalog.gearheads.rows["H10"])]
     assert texts == ["+- 1 %", "+- 8 %"]
-
-
-def test_a_makers_statement_holds_for_its_parts_alone(makers: Catalog) -> None:
-    assert [one.tolerance for one in maker_tolerances_of(makers.tolerances, "motor", "Acme", "Acme 40").values()] == [
-        "+- 5 %"
-    ]
-    assert maker_tolerances_of(makers.tolerances, "gearhead", "Acme", "Acme 40") == {}
-    assert maker_tolerances_of(makers.tolerances, "motor", "Coil", "Coil 40") == {}
 
 
 # --- the file --------------------------------------------------------------------------------------------------------
@@ -365,30 +275,6 @@ def test_a_wrong_section_is_one_line_with_its_place(text: str, place: str, said:
     assert "\n" not in message and len(message) < 300
     assert message.startswith(f"acme.yaml:{place}: "), message
     assert said in message
-
-
-def test_the_json_schema_knows_the_section() -> None:
-    schema = catalog_schema()
-    good = yaml.safe_load(WHOLE)
-    jsonschema.validate(good, schema)
-    for entry in (
-        {"source": "sheet"},
-        {"motor": {"resistance": "+- 5 %"}},
-        {"source": "sheet", "motor": {"ratio": "+- 5 %"}},
-        {"source": "sheet", "motor": {}},
-    ):
-        with pytest.raises(jsonschema.ValidationError):
-            jsonschema.validate(good | {"tolerances": [entry]}, schema)
-
-
-def test_it_comes_back_from_the_cache(makers: Catalog, tmp_path: Path) -> None:
-    path = tmp_path / f"makers-{'0' * 32}.catalog"
-    store(path, makers)
-    again = recall(path)
-    assert again and again.tolerances == makers.tolerances and len(again.tolerances) == 2
-    assert again.tolerances[1]._fields == makers.tolerances[1]._fields and isinstance(
-        again.tolerances[1].families, tuple
-    )
 
 
 # --- several catalogues ----------------------------------------------------------------------------------------------

@@ -16,7 +16,6 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
-from drivesizer.search.uncertainty import prepare
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
 from drivesizer.search.uncertainty.run import subject
 from drivesizer.search.uncertainty.sampled_checks import checks_of
@@ -108,20 +107,6 @@ def test_a_slope_tells_wheels_apart_that_are_alike_on_the_level() -> None:
     squares = [(case.cycle.torque**2).sum(axis=(0, 1)) for case in ready.cases]
     level, steep = ({f"{square[k]:.6g}" for square in squares} for k in (0, 1))
     assert len(squares) == 4 and len(level) == 1 and len(steep) == 4
-
-
-def test_long_ways_are_sampled_less_often(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Then each sample still has the load cycle that its values make."""
-    monkeypatch.setattr(prepare, "_LONGEST_EACH", 0)
-    spec = _read({"mass: 60 kg ": "mass: 60 kg +- 5 kg "})
-    given = assumptions(spec)
-    drawn = sample(given, 512, 1)
-    ready = prepared(problem(spec, load_parts(spec)), given, drawn.values)
-    assert len(ready.values) == prepare._FEWEST == 32
-    assert all(case.cycle.samples == 32 for case in ready.cases)
-    np.testing.assert_array_equal(ready.values.reshape(8, 4, -1), drawn.values.reshape(8, 64, -1)[:, :4])
-    mass, peak = ready.values[:, 0], np.abs(ready.cases[0].cycle.torque).max(axis=(0, 1))
-    assert np.corrcoef(mass, peak)[0, 1] > 0.999  # on the level torque is linear in the mass
 
 
 def test_size_tells_how_sure_a_platform_is() -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from drivesizer.search.uncertainty import sampling
 from drivesizer.search.uncertainty.sampling import sobol
 
 SEEDS = [(7, 0), (7, 1)]
@@ -46,28 +43,3 @@ def test_a_damaged_file_is_drawn_anew(cache: Path, damage: bytes | None) -> None
     kept.write_bytes(bytes(raw) if damage is None else damage)
     np.testing.assert_array_equal(sobol(5, 6, SEEDS), drawn())
     assert kept.read_bytes() != raw
-
-
-def test_a_folder_that_cannot_be_written_changes_nothing(cache: Path) -> None:
-    cache.write_text("a file where the folder should be")
-    np.testing.assert_array_equal(sobol(5, 6, SEEDS), drawn())
-
-
-def test_files_do_not_grow_beyond_a_number(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sampling, "_PLACES", 3)
-    for seed in range(12):
-        sobol(2, 3, [(seed,)])
-    assert 1 <= len(list(cache.iterdir())) <= 3
-    monkeypatch.setattr(sampling, "_LARGEST", 100)
-    before = {path.name for path in cache.iterdir()}
-    sobol(2, 3, [(99,)])
-    assert {path.name for path in cache.iterdir()} == before
-
-
-def test_kept_points_need_no_statistics(cache: Path) -> None:
-    """What loads slowly is loaded where points are drawn, and not again."""
-    draw = "import sys; from drivesizer.search.uncertainty.sampling import sobol; sobol(3, 5, [(1,)]); "
-    code = draw + "print('scipy.stats' in sys.modules)"
-    for loads in ("True", "False"):
-        run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        assert run.stdout.strip() == loads

@@ -85,18 +85,3 @@ def _as_evaluated(spec: RobotSpec) -> None:
                 held_alike(plainly, got, int(row), block.size)
                 seen += 1
     assert seen >= 5
-
-
-@pytest.mark.slow
-def test_losses_and_resistances_may_be_off() -> None:
-    """Resistances of supply and stage and standby power, each with a tolerance, beside the class of the losses."""
-    text = (FOLDER / "hoist.yaml").read_text(encoding="utf-8")
-    own = "power_stage: {resistance: 60 mohm +- 30 %, standby: 2 W +- 20 %}\n"
-    line = "\nsupply:\n"
-    assert text.count(line) == 1
-    text = text.replace(line, f"{line}  resistance: 40 mohm +- 25 %\n  power: 400 W\n") + own + PRINTED
-    spec = _read(text, FOLDER / "hoist.yaml")
-    assert {".".join(map(str, one.path)) for one in spec.toleranced} == {
-        "supply.resistance", "power_stage.resistance", "power_stage.standby",
-    }  # fmt: skip
-    _as_evaluated(spec)

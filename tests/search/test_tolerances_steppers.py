@@ -23,7 +23,6 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.probabilities import figure_columns
 from drivesizer.search.uncertainty.sampled_checks import checks_of
 from drivesizer.search.uncertainty.sampled_parts import SetRows
 from drivesizer.search.uncertainty.sampling import sample
@@ -117,24 +116,6 @@ def test_samples_are_what_the_plain_evaluation_says(path: Path, parts: Catalog, 
             if not abs(check.margin[0] - check.needed) < 1e-4:
                 for name in ("passed", "failed"):
                     assert np.broadcast_to(getattr(mine, name), block.size)[row] == getattr(check, name)[0], check.name
-
-
-@pytest.mark.parametrize("part", ["A1", "A2", "A3", "B1"])
-def test_a_nominal_sample_is_the_verdict_without_tolerances(path: Path, parts: Catalog, part: str) -> None:
-    """With the estimated share at the middle of its band."""
-    spec, one = read(path, TABLE + SLOW + SUPPLY + NEEDS, part), rows_of(parts, part)
-    given = given_of(spec, parts, one)
-    ready = prepared(problem(spec, parts), given, np.array([[a.nominal for a in given]]), every=True)
-    (block,) = blocks(ready, parts, [1.0])
-    got = checks_of(parts, one, block)
-    ones = np.array([a.nominal for a in given])
-    for check in plainly(spec, parts, one, given, ones).checks:
-        if check.name in got:
-            mine = got[check.name]
-            assert (bool(mine.passed[0]), bool(mine.failed[0])) == (check.passed[0], check.failed[0]), check.name
-            for name in ("demand", "limit"):
-                figure = getattr(check, name)[0]
-                assert getattr(mine, name)[0] == pytest.approx(figure, rel=1e-13, nan_ok=True), check.name
 
 
 # --- Monte Carlo -----------------------------------------------------------------------------------------------------
@@ -253,20 +234,6 @@ def test_size_with_a_required_confidence(path: Path, parts: Catalog) -> None:
     assert '"pull_out_at_rest"' in as_text(sizing(found))
 
 
-@pytest.mark.parametrize("control", ["", "control: {idle_current: 40 %}\n"])
-def test_figures_over_samples_are_those_of_the_drive(path: Path, parts: Catalog, control: str) -> None:
-    """At nominal figures: those that ``size`` shows."""
-    spec, one = read(path, TABLE + SLOW + SUPPLY + control), rows_of(parts, "A2", "D2")
-    given = given_of(spec, parts, one)
-    ready = prepared(problem(spec, parts), given, np.array([[a.nominal for a in given]]), every=True)
-    (block,) = blocks(ready, parts, [1.0])
-    found = figure_columns(parts, one, block)
-    shown = {figure.name: figure.value for figure in explained(spec, "A2", "direct", catalog=parts).sets[0].figures}
-    for name in ("power", "joule_heat", "peak_current", "pull_out_at_rest", "pull_out_at_speed"):
-        assert found[name][0] == pytest.approx(shown[name], rel=1e-9), name
-    assert found["motor_torque"][0] == pytest.approx(0.05 + (4e-4 + 82e-7) * 300 * RPM / 0.15, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("kind", "given", "said"),
     [
@@ -280,26 +247,3 @@ def test_tolerances_of_other_motors_are_refused(kind: str, given: str, said: str
     with pytest.raises(InputError) as caught:
         read_spec(YamlSource(text, "robot.yaml"))
     assert said in str(caught.value) and "\n" not in str(caught.value)
-
-
-BATTERY = """battery: {series: 2, nominal_voltage: 12 V, capacity: 7 A*h +- 5 %, rated_time: 20 h,
-  peukert_exponent: 1.22, cutoff_voltage: 10.5 V, resistance: 25 mohm, open_circuit: {full: 12.9 V, empty: 11.7 V},
-  peak_current: 100 A, start: 0.95, usable: 0.8, autonomy: 2 h}
-"""
-
-
-@pytest.mark.parametrize("control", ["", "control: {idle_current: 40 %}\n"])
-def test_the_battery_of_a_nominal_sample_is_that_of_the_drive(path: Path, parts: Catalog, control: str) -> None:
-    """Autonomy, peak and voltages, which no candidate's columns have."""
-    spec, one = read(path, TABLE + SLOW + SUPPLY + BATTERY + control), rows_of(parts, "A2", "D2")
-    given = given_of(spec, parts, one)
-    ready = prepared(problem(spec, parts), given, np.array([[a.nominal for a in given]]), every=True)
-    (block,) = blocks(ready, parts, [1.0])
-    got = checks_of(parts, one, block)
-    shown = explained(spec, "A2", "direct", catalog=parts).sets[0].energy
-    assert shown
-    same = [check for check in shown.checks if check.name in got]
-    assert {"battery_autonomy", "battery_peak_current", "battery_voltage"} <= {check.name for check in same}
-    for check in same:
-        assert np.ravel(got[check.name].demand)[0] == pytest.approx(check.demand, rel=1e-9), check.name
-        assert np.ravel(got[check.name].limit)[0] == pytest.approx(check.limit, rel=1e-9), check.name

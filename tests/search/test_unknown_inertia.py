@@ -1,7 +1,6 @@
 """A rotor inertia that no catalogue tells: what it has no part in is judged, what it adds to is a least demand."""
 
 from dataclasses import replace
-from math import isnan
 from xml.etree.ElementTree import fromstring
 
 import jsonschema
@@ -14,7 +13,6 @@ from drivesizer.machine.supply_power import energy_flow
 from drivesizer.output.export import export_of, files, one_axis
 from drivesizer.output.export.json_document import document, export_schema
 from drivesizer.physics.winding import stress
-from drivesizer.simulate import validate
 from drivesizer.sizing import explain, explained
 from drivesizer.spec.robot import load_spec
 
@@ -101,7 +99,7 @@ def test_what_accelerates_is_asked_for_at_least_what_is_known(shop):
     assert checks_of(short)["motor_nominal_current"].status == "fail"
 
 
-@pytest.mark.parametrize("inertia", [0.0, 1e-6, 1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("inertia", [0.0, 1e-5, 1e-3])
 @pytest.mark.parametrize("kind", ["hoist", "fan"])
 def test_least_peaks_are_least_for_any_inertia(shop, inertia, kind):
     """Where a load is lowered a heavier rotor may ask for less current at a moment: no such moment is a bound."""
@@ -156,12 +154,3 @@ def test_what_can_be_exported_is_and_names_what_is_left_out(shop):
         with pytest.raises(InputError, match="rotor's inertia is not in the catalogue") as refused:
             files(one_axis(record), form, shop / f"drive.{suffix}")
         assert "\n" not in str(refused.value)
-
-
-def test_no_closed_loop_without_an_inertia_in_one_line(shop):
-    spec = load_spec(shop / "shaped.yaml")
-    (one,) = explain(spec, "M-unknown", "direct")
-    assert isnan(one.motor.rotor_inertia)
-    with pytest.raises(InputError, match="rotor inertia not in the catalogue") as told:
-        validate(spec, one)
-    assert "\n" not in str(told.value)

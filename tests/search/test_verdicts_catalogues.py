@@ -169,14 +169,6 @@ select: {catalogs: [robotis]}
     assert "would leave no check of it failing, figures missing" in out and "would let it pass" not in out
 
 
-def test_an_unknown_price_that_leaves_every_drive_out_is_named():
-    select = TABLE["select"] | {"unknown": "reject"}
-    spec = TABLE | {"supply": {"nominal": "24 V", "accepts": "all"}, "needs": {}, "select": select}
-    said = not_enough(size(load_spec(spec | {"budget": {"price": "990 EUR"}}), top=1))
-    assert "in the machine: Price of all drives (at least: no price is known of" in said
-    assert "None of these figures" not in said
-
-
 def test_a_battery_that_is_not_wholly_known_is_named_before_any_figure():
     """No figure helps where an unknown check of the battery leaves every drive out."""
     battery = {"nominal_voltage": "17 V", "capacity": "4 A*h", "cutoff_voltage": "14 V", "resistance": "25 mohm"}
@@ -202,10 +194,8 @@ def test_unknown_prices_are_ordered_by_mass():
     ("supply", "own", "fed", "limit"),
     [
         ("nominal: 24 V", False, 24.0, 26.4),  # a coil takes 10 % more or less
-        ("nominal: 24 V, min: 22 V, max: 29 V", True, 24.0, 26.4),
         ("nominal: 48 V", True, 24.0, 26.4),
         ("nominal: 48 V, brakes: 25 V", True, 25.0, 26.4),
-        ("nominal: 24 V, min: 21.6 V, brakes: 24 V", False, 24.0, 26.4),
     ],
 )
 def test_a_brake_of_another_voltage_has_a_supply_of_its_own(supply, own, fed, limit):
@@ -229,7 +219,7 @@ def test_a_coil_that_is_fed_with_another_voltage_fails(supply, demand, limit):
     """24 V +- 10 % are 21.6 to 26.4 V: too much burns it, with too little it may not release."""
     text = VEHICLE.format(catalogs="maxon").replace("300 kg", "60 kg").replace("unknown: reject", "unknown: allow")
     text = re.sub("supply: .*", f"supply: {{{supply}, regeneration: 50 %, kind: battery}}", text)
-    result = size(read(text + "brake: {torque: 2 N*m, voltage: 24 V}\n"), top=1)
+    result = size(read(text + "brake: {torque: 2 N*m, voltage: 24 V}\n"), top=1, brief=True)
     coil = check(result.misses[0], "brake_voltage")
     assert not result.sets
     assert (coil.status, coil.demand, coil.limit) == ("fail", pytest.approx(demand), pytest.approx(limit))

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands.ends import ended, parsed
+from drivesizer.commands.ends import ended
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import load_parts, size
@@ -84,11 +84,6 @@ def test_five_at_most_and_the_number_of_the_others():
     assert len(found) == 5 and found[-1].endswith(" (and 2 more)")
 
 
-def test_a_misspelt_key_is_not_also_missing():
-    (found,) = lines(("  speed:", "  speeed:"))
-    assert found.endswith('unknown key; did you mean "speed"?')
-
-
 def test_other_words_stand_for_keys_that_exist():
     """A field that is renamed must be renamed among the words that propose it."""
     known = {name for one in _sections(RobotSpec) for name in one.model_fields}
@@ -110,13 +105,6 @@ def test_each_fault_is_a_line_of_stderr(tmp_path, capsys):
     assert ended(lambda: app(["size", str(file)], standalone_mode=False)) == 2
     out, err = capsys.readouterr()
     assert out == "" and [line.startswith("drivesizer: ") for line in err.splitlines()] == [True, True]
-
-
-@pytest.mark.parametrize("command", [[], ["catalog"]])
-def test_a_bare_command_shows_its_commands(command, capsys):
-    assert ended(lambda: parsed(lambda: app(command, standalone_mode=False), lambda: app, command)) == 0
-    out, err = capsys.readouterr()
-    assert err == "" and len(out.splitlines()) > 10 and re.search(r"^  \w+ +[A-Z].*\.$", out, re.MULTILINE)
 
 
 def test_the_format_of_a_simulator_is_named_by_the_simulator(tmp_path):
@@ -170,10 +158,6 @@ def test_what_unknown_reject_leaves_out_is_counted():
 )  # fmt: skip
 def test_what_buyers_write(old, new, said):
     assert said in lines((old, new))[0]
-
-
-def test_a_word_that_is_not_known_is_no_list_either():
-    assert len(lines(("catalogs: [maxon]", "catalogs: [maxon], objective: preis"))) == 1
 
 
 def test_a_field_that_others_contradict_is_named_with_its_line():

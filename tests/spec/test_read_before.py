@@ -62,26 +62,6 @@ def test_what_is_wrong_is_said_the_same(changes):
     assert said[0] == said[1] and "\n" not in said[0]
 
 
-def test_what_stands_as_before_is_not_read_again():
-    before = read_spec(SOURCE)
-    found = read_spec(variant((("load", "mass"), "31 kg"), (("transmission", 1, "ratio"), 1.3)), before)
-    assert found.supply is before.supply and found.load.cylinders is before.load.cylinders
-    assert [a is b for a, b in zip(found.equipment, before.equipment, strict=True)] == [True] * 10
-    assert found.load is not before.load and found.belt_ratios == [1.3]
-
-
-def test_what_both_leave_out_is_kept_and_does_not_count_as_given():
-    before = read_spec(SOURCE)
-    found = read_spec(variant((("load", "mass"), "31 kg")), before)
-    assert found.tolerances is before.tolerances and found.margins is before.margins and found.report is before.report
-    assert found.model_fields_set == before.model_fields_set == set(SOURCE.data)
-    given = read_spec(variant((("margins",), {"torque": "10 %"})), before)
-    assert given.margins.torque == 0.1 and given.model_fields_set == {*SOURCE.data, "margins"}
-    back = copy(SOURCE)
-    back.data = {name: value for name, value in SOURCE.data.items() if name != "control"}
-    assert read_spec(back, before).control == type(before.control)() != before.control
-
-
 def test_tolerances_are_found_beside_others():
     """Where the spec has one already, one more is found, and none is lost."""
     with_one = YamlSource(EXAMPLE.replace("mass: 45 kg", "mass: 45 kg +- 1 kg"), "robot.yaml")

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yourdfpy
-from scipy.spatial.transform import Rotation
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
@@ -16,9 +15,9 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.multi_axis.axis_sizings import with_joints
 from drivesizer.output.export import export_of, one_axis, write
 from drivesizer.sizing import size
-from drivesizer.spec.description import read_urdf, rotation
-from drivesizer.spec.from_description import carried, has_wheels, joints_to_drive, machine_of, spec_of
-from drivesizer.spec.machine import load_machine, read_machine
+from drivesizer.spec.description import read_urdf
+from drivesizer.spec.from_description import carried, machine_of, spec_of
+from drivesizer.spec.machine import load_machine
 from drivesizer.spec.robot import read_spec
 
 
@@ -108,15 +107,6 @@ def test_an_arm_by_its_joint(at):
     assert spec.motion.speed * (spec.motion.acceleration_time + spec.motion.cruise_time) == pytest.approx(3.0)
 
 
-def test_what_is_balanced_is_a_table(at):
-    balanced = ROBOT % (
-        link("body", 9.0) + link("disc", 4.0, "0.02 0 0 0.02 0 0.04")
-        + joint("turn", "disc", limit='effort="2" velocity="3"', axis="0 0 1")
-    )  # fmt: skip
-    spec = spec_from(at(balanced))
-    assert (spec.load.kind, spec.load.inertia, spec.motion.speed) == ("rotary_table", 0.04, 3.0)
-
-
 def test_there_and_back(spec, tmp_path):
     """What export writes, read again: the inertia at the shaft and the speed at no load."""
     export = export_of(spec, size(spec, top=1).sets[0])
@@ -185,11 +175,6 @@ def test_places_and_turns_against_yourdfpy(seed, at):
 
 def _triple(rng):
     return " ".join(f"{x:.9f}" for x in rng.normal(size=3))
-
-
-def test_rotation_against_scipy():
-    for rpy in np.random.default_rng(1).uniform(-3.0, 3.0, (20, 3)):
-        assert rotation(rpy) == pytest.approx(Rotation.from_euler("xyz", rpy).as_matrix())
 
 
 def test_a_sphere_is_a_wheel_and_a_disc_across_is_none(at):
@@ -300,13 +285,6 @@ def test_init_from_a_urdf(at, tmp_path, run):
 # --- several joints: a machine ----------------------------------------------------------------------------------------
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "six_joint_arm.urdf"
-SLIDES = (
-    link("body", 9.0)
-    + link("carriage", 2.0)
-    + link("hand", 1.0)
-    + joint("slide", "carriage", "prismatic", 'effort="30" velocity="0.5" lower="0" upper="0.4"')
-    + joint("turn", "hand", "revolute", 'effort="3" lower="-1" upper="2"', parent="carriage")
-)
 
 
 def test_every_joint_of_a_description_is_an_axis(tmp_path):
@@ -316,19 +294,3 @@ def test_every_joint_of_a_description_is_an_axis(tmp_path):
     assert [axis.name for axis in found.axes] == ["waist", "shoulder", "elbow", "roll", "pitch", "turn"]
     positions = load_machine(tmp_path / "robot.yaml").robot.waypoints[0].positions
     assert positions["shoulder"].value == pytest.approx(-0.7 - 0.75, rel=1e-3)  # a quarter of 3 rad from the middle
-
-
-def test_a_joint_that_slides_has_a_screw_and_missing_limits_are_assumed(tmp_path):
-    (tmp_path / "cell.urdf").write_text(ROBOT % SLIDES, encoding="utf-8")
-    text = machine_of(tmp_path / "cell.urdf", tmp_path)
-    assert "slide: {travel_per_turn: 10 mm}" in text and "turn: {speed: 2 rad/s, acceleration: 5 rad/s^2}" in text
-    machine = read_machine(YamlSource(text, str(tmp_path / "robot.yaml")))
-    assert machine.robot.drives["slide"].travel_per_turn == 0.01
-    assert with_joints(machine)[0].order == ("turn", "slide")
-
-
-def test_init_takes_all_joints_of_a_description_that_has_no_wheels(tmp_path):
-    assert has_wheels(EXAMPLE) is False and joints_to_drive(EXAMPLE) == 6
-    (tmp_path / "bad.urdf").write_text(ROBOT % SLIDES.replace('"turn"', '"turn/2"'), encoding="utf-8")
-    with pytest.raises(InputError, match=r"bad.urdf:6: joint .turn/2. names no axis"):
-        machine_of(tmp_path / "bad.urdf", tmp_path)

@@ -80,16 +80,6 @@ def test_a_dict_is_the_same_spec_as_its_file(tmp_path):
         load_spec({**given, "load": {1, 2}} | {"name": tmp_path})
 
 
-def test_sets_show_as_tables_in_a_notebook(found):
-    best = found["brushed"][0]
-    assert best.price == pytest.approx(best.motor.price + best.gearhead.price)
-    assert best.price_of == ("motor", "gearhead")
-    page = best._repr_html_()
-    assert f"<td>{best.motor.part}</td>" in page and page.count("<tr>") == 2 + len(best.parts) + len(best.own_checks)
-    result = size(cart(), top=2)
-    assert result._repr_html_().count("<tr>") == 3 and "at least" in result._repr_html_()
-
-
 def test_a_title_block_is_text_of_one_line():
     text = (
         CART % ("0 deg", "objective: mass") + 'report: {customer: A & B, project: cart 7, author: me, revision: "2.1"}'
@@ -97,10 +87,3 @@ def test_a_title_block_is_text_of_one_line():
     block = read_spec(YamlSource(text, "robot.yaml")).report
     assert (block.customer, block.project, block.author, block.revision) == ("A & B", "cart 7", "me", "2.1")
     assert cart().report.customer is None
-
-
-def test_explain_is_at_the_top_of_the_package():
-    import drivesizer
-    from drivesizer.sizing import explain
-
-    assert drivesizer.explain is explain and "explain" in dir(drivesizer)

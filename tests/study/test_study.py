@@ -1,7 +1,6 @@
 """Studies: what a study.yaml means, what it is refused for, and what a variant's row says."""
 
 import math
-import pickle
 import re
 from dataclasses import replace
 from itertools import product
@@ -10,19 +9,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from studies import CHEAP, EXAMPLE, FEW, MANY, ROOT, laid
+from studies import CHEAP, EXAMPLE, FEW, ROOT, laid
 
-from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.sizing import worst
-from drivesizer.search.ranking import sifted
 from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import read_spec
 from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study
 from drivesizer.study.rows import best, columns_of, document_of, rows_of, spec_of
-from drivesizer.study.store import made_of, refuse_if_all_invalid
+from drivesizer.study.store import refuse_if_all_invalid
 from drivesizer.units import to_si
 
 
@@ -60,15 +57,6 @@ def test_a_grid_is_every_combination_the_last_fastest(tmp_path):
     assert plan.head(plan.variant(14)) == [14, 30.0, 2.5, 2, "maxon"]  # 9 km/h in the unit of the first
 
 
-@pytest.mark.parametrize(("total", "steps"), [(1, 1), (127, 127), (128, 128), (129, 129), (25_000, 25_000)])
-def test_chunks_hold_every_variant_once(tmp_path, total, steps):
-    speeds = ", ".join(f"{n + 1} mm/s" for n in range(steps))
-    plan = planned(tmp_path, f"spec: robot.yaml\nvary: {{motion.speed: [{speeds}]}}\n")
-    assert plan.total == total
-    assert [v.number for c in range(plan.chunks) for v in plan.variants(c)] == list(range(1, total + 1))
-    assert max(plan.size(c) for c in range(plan.chunks)) <= 100
-
-
 @given(count=st.integers(1, 300), seed=st.integers(0, 2**40))
 def test_a_latin_hypercube_has_one_sample_in_every_part(tmp_path_factory, count, seed):
     """McKay, Beckman and Conover's definition: of n samples, one in each n-th of every field's range."""
@@ -94,13 +82,6 @@ def test_chance_is_the_seed_s_alone(tmp_path):
         return [plan.variant(n).values[0] for n in range(1, 10)]
 
     assert masses(one, 1) == masses(two, 1) != masses(two, 2)
-
-
-def test_a_latin_hypercube_takes_each_of_a_list_alike(tmp_path):
-    plan = planned(
-        tmp_path, "spec: robot.yaml\nvary: {load.driven_wheels: [2, 4, 6]}\nsampling: {latin_hypercube: 12}\n"
-    )
-    assert sorted(plan.variant(n).values[0] for n in range(1, 13)) == [2] * 4 + [4] * 4 + [6] * 4
 
 
 def test_a_variant_is_the_spec_as_a_person_would_change_it(tmp_path):
@@ -130,13 +111,6 @@ def test_a_variant_that_is_wrong_is_the_line_of_its_own_file(tmp_path, field, va
     with pytest.raises(InputError) as in_a_study:
         spec_of(plan.job, plan.variant(1))
     assert str(in_a_study.value) == str(by_itself.value)
-
-
-def test_sections_that_do_not_vary_are_read_once(tmp_path):
-    plan = planned(tmp_path, "spec: robot.yaml\nvary: {load.mass: [30 kg, 40 kg]}\n")
-    light, heavy = (spec_of(plan.job, plan.variant(n)) for n in (1, 2))
-    assert light.supply is heavy.supply and light.battery is heavy.battery
-    assert (light.load.mass, heavy.load.mass) == (30.0, 40.0)
 
 
 def test_a_value_in_a_load_case_and_one_of_a_section_that_is_not_there(tmp_path):
@@ -380,14 +354,6 @@ def test_a_variant_that_is_no_machine_is_a_row_and_the_others_go_on(tmp_path):
     assert rows[2]["sets_examined"] is None and rows[2]["load.mass (kg)"] == -5.0
 
 
-def test_a_fault_of_the_program_is_reported_as_one_and_does_not_end_the_study(tmp_path, monkeypatch):
-    monkeypatch.setattr("drivesizer.study.rows.best", lambda *_, **__: 1 / 0)
-    (row,) = table(planned(tmp_path, "spec: robot.yaml\n"))
-    assert (row["status"], row["error"]) == (
-        "error", "a fault of drivesizer, please report it: ZeroDivisionError: division by zero",
-    )  # fmt: skip
-
-
 def test_a_study_of_which_every_variant_is_wrong_does_not_begin(tmp_path):
     with pytest.raises(InputError, match=r"all of its variants are invalid \(2\); the first: .*must be above 0 kg"):
         refuse_if_all_invalid(planned(tmp_path, VARY + "load.mass: [-5 kg, -6 kg]\n"))
@@ -401,40 +367,6 @@ def test_a_study_of_which_every_variant_is_wrong_does_not_begin(tmp_path):
 # --- what the results follow from -------------------------------------------------------------------------------------
 
 
-def test_what_results_are_made_of(tmp_path):
-    plan = planned(tmp_path, FEW)
-    before = made_of(plan)
-    assert set(before) == {"drivesizer", "study.yaml", "robot.yaml", "catalogue maxon"}
-    assert before["catalogue maxon"] == load(["maxon"]).digests["maxon"]
-    assert made_of(planned(tmp_path, "# a comment\n" + FEW, CHEAP + "# another\n")) == before
-    for study, spec, name in ((FEW.replace("30 kg", "31 kg"), CHEAP, "study.yaml"),
-                              (FEW, CHEAP.replace("22 V", "21 V"), "robot.yaml")):  # fmt: skip
-        now = made_of(planned(tmp_path, study, spec))
-        assert {key for key in now if now[key] != before[key]} == {name}
-    sampled = FEW.replace(", steps: 2", "") + "sampling: {latin_hypercube: 4, seed: 1}\n"
-    other = sampled.replace("seed: 1", "seed: 2")
-    assert made_of(planned(tmp_path, sampled))["study.yaml"] != made_of(planned(tmp_path, other))["study.yaml"]
-
-
-def test_a_recording_counts_as_well(tmp_path):
-    spec = CHEAP.replace("method: paper", "method: physics")
-    spec = (
-        spec[: spec.index("motion:")]
-        + "motion: {profile: csv, file: cycle.csv}\n"
-        + spec[spec.index("transmission:") :]
-    )
-    (tmp_path / "cycle.csv").write_text("time,speed\ns,m/s\n0,0\n1,1\n2,0\n")
-    first = made_of(planned(tmp_path, "spec: robot.yaml\n", spec))
-    (tmp_path / "cycle.csv").write_text("time,speed\ns,m/s\n0,0\n1,1.1\n2,0\n")
-    second = made_of(planned(tmp_path, "spec: robot.yaml\n", spec))
-    assert {key for key in first if first[key] != second[key]} == {"cycle.csv"}
-
-
-def test_many_plans_every_variant_of_the_grid(tmp_path):
-    plan = planned(tmp_path, MANY)
-    assert (plan.total, plan.chunk, plan.chunks) == (500, 3, 167)
-
-
 def test_the_columns_on_the_page_are_those_of_the_table(tmp_path):
     """Each column of the table is named on the page, alone or as one of those that follow ``set``."""
     page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
@@ -444,21 +376,6 @@ def test_the_columns_on_the_page_are_those_of_the_table(tmp_path):
     parts = heads[heads.index("set") + 1 : heads.index("mass_kg")]
     assert all(re.match("motor|gearhead|belt|screw|brake|encoder|controller|total_ratio", head) for head in parts)
     assert set(heads) - set(parts) <= listed
-
-
-def test_the_amounts_on_the_page_are_the_program_s():
-    from drivesizer.study.maps import MOST_POINTS
-    from drivesizer.study.plan import _LARGEST
-
-    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
-    assert f"drawn up to {MOST_POINTS // 1000} 000 variants" in page and MOST_POINTS % 1000 == 0
-    assert f"at most {_LARGEST} of them" in page and f"at most {_LARGEST} variants for each process" in page
-    assert MOST == 10_000_000 and "more than the 10 000 000 variants of one study" in page
-    rows = re.findall(r"^\|[^|]+\| ([\d ]+) \| ([\d.]+) (ms|s) \| ([\d ]+) \|$", page, re.MULTILINE)
-    for sets, time, unit, rate in rows:  # the table of costs agrees with itself, to the digits that it gives
-        per_second = float(sets.replace(" ", "")) / (float(time) * {"ms": 1e-3, "s": 1.0}[unit])
-        assert math.isclose(per_second, float(rate.replace(" ", "")), rel_tol=0.1)
-    assert len(rows) == 3
 
 
 def test_a_row_hangs_on_no_variant_before_it(tmp_path):
@@ -475,38 +392,3 @@ def test_a_row_hangs_on_no_variant_before_it(tmp_path):
     assert len(forward) == 16 and {row[6] for row in forward.values()} >= {"pass", "error"}
     assert rows(every[::-1]) == forward
     assert {n: row for one in every for n, row in rows([one]).items()} == forward
-
-
-def test_a_task_grows_with_its_variants_alone(tmp_path):
-    """Processes get the values of their variants, not those of all; the rows are those of the whole job."""
-    sizes = []
-    for n, steps in enumerate((30_000, 300)):
-        study = f"spec: robot.yaml\nvary:\n  load.mass: {{from: 30 kg, to: 60 kg, steps: {steps}}}\n"
-        plan = read_study(laid(tmp_path, study, name=f"study{n}"))
-        few = [plan.variant(number) for number in (1, 2)]
-        heads = [plan.head(one) for one in few]
-        sizes.append(len(pickle.dumps((plan.job.sent, few, heads))))
-        assert rows_of(plan.job.sent, few, heads) == rows_of(plan.job, few, heads)
-    assert sizes[0] == pytest.approx(sizes[1], rel=0.05) and sizes[0] < 10_000
-
-
-@pytest.mark.parametrize("counts", [False, True])
-def test_objectives_of_a_point_share_what_does_not_hang_on_them(counts, tmp_path, monkeypatch):
-    """Rows as of each variant alone; each sifts by itself, for it chooses its controllers."""
-    own = "budget: {structure: 20 kg, drive_counts: true}\n" if counts else ""
-    spec = CHEAP.replace("method: paper\n", "") + own
-    plan = planned(
-        tmp_path, "spec: robot.yaml\nvary: {load.mass: [24 kg, 31 kg]}\nobjectives: [mass, energy, price]\n", spec
-    )
-    alone = [row for n in range(1, plan.total + 1) for row in table(plan, [n])]
-    calls = []
-
-    def counted(*given, **how):
-        calls.append(given)
-        return sifted(*given, **how)
-
-    monkeypatch.setattr("drivesizer.search.search.sifted", counted)
-    together = table(plan)
-    assert repr(together) == repr(alone) and len({row["objective"] for row in together}) == 3
-    assert {row["status"] for row in together} <= {"pass", "open", "unknown"}
-    assert len(calls) == 6 or counts  # a drive that counts is another one by each

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
 from functools import partial
@@ -12,18 +10,15 @@ from random import Random
 from typing import Any
 
 import pytest
-from small_arms import catalogue, two_joints
-from studies import ROOT, in_this_process, results
+from small_arms import catalogue
+from studies import ROOT
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.joints import mass_columns
 from drivesizer.study.fields import kind_of, path_of
-from drivesizer.study.maps import drawings, map_axes, points
 from drivesizer.study.plan import Plan, read_study
 from drivesizer.study.rows import columns_of, document_of, rows_of
-from drivesizer.study.run import carry_out
-from drivesizer.study.store import made_of, opened
+from drivesizer.study.store import made_of
 
 CELL = """\
 name: cell
@@ -117,23 +112,6 @@ def tightest(checks: list[dict[str, Any]]) -> tuple[float, str]:
     return min((float(f"{one['margin']:.12g}"), one["name"]) for one in known)
 
 
-def test_kept_chunks_and_their_order_change_no_byte(folder, monkeypatch):
-    monkeypatch.setattr("drivesizer.study.run.computed", in_this_process)
-    plan = planned(folder, STUDY)
-    outcome = carry_out(plan, folder / "study", maps=None)
-    assert outcome.variants["fail"] == 2 and not outcome.notes
-    before = results(folder / "study")
-    (folder / "study" / "chunks" / "000" / "000002.jsonl").unlink()
-    (folder / "study" / "results.csv").unlink()
-    carry_out(plan, folder / "study", maps=None)
-    assert results(folder / "study") == before
-    rows = list(csv.DictReader(io.StringIO(before["results.csv"].decode())))
-    assert [row["variant"] for row in rows] == ["1", "2", "3", "4"]
-    over = map_axes(plan, ())
-    drawn, notes = drawings(over, points(plan, over, opened(folder / "study", plan, made_of(plan)).every_row()))
-    assert set(drawn) == {"mass", "price", "peak_power", "smallest_margin"} and not notes
-
-
 def test_a_machine_that_is_wrong_is_a_row_and_catalogues_go_to_every_axis(folder):
     study = "spec: cell.yaml\nvary: {axes.shoulder.load.mass: [2 kg, -2 kg]}\ncatalogs: [[parts.yaml], [maxon]]\n"
     (folder / "cell.yaml").write_text(CELL.replace("0.2 m}", "0.2 m}\n    select: {catalogs: [maxon]}"), "utf-8")
@@ -208,26 +186,6 @@ def test_fields_of_a_machine_have_their_kinds():
     ):
         path = path_of(name, source.data["axes"])
         assert path is not None and kind_of(source, path, value) == kind, name
-
-
-def test_joints_of_a_robot_are_axes_and_their_trajectory_is_computed_once(folder, monkeypatch):
-    machine = {**two_joints(folder), "select": {"catalogs": ["parts.yaml"], "estimates": "off"}}
-    machine["robot"]["payload"] = {"mass": "0.5 kg", "link": "fore"}
-    (folder / "arm.yaml").write_text(json.dumps(machine), encoding="utf-8")
-    calls, real = [], mass_columns.joint_torques
-    monkeypatch.setattr(mass_columns, "joint_torques", lambda *given: calls.append(given) or real(*given))
-    vary = "vary: {robot.payload.mass: {from: 0.5 kg, to: 1 kg, steps: 2}, supply.current: [20 A, 30 A]}\n"
-    plan = planned(folder, f"spec: arm.yaml\n{vary}")
-    rows = table(plan)
-    assert (
-        plan.job.members == ("shoulder", "elbow")
-        and len(calls) == 2
-        and {row["status"] for row in rows} <= {"pass", "unknown"}
-    )
-    assert rows[2]["peak_W"] > rows[0]["peak_W"] and rows[1]["peak_W"] == rows[0]["peak_W"]
-    assert "arm.urdf" in " ".join(made_of(plan))
-    with pytest.raises(InputError, match=r'study.yaml:3: axis: there is no axis "elbw"; the nearest is elbow'):
-        planned(folder, f"spec: arm.yaml\n{vary}axis: elbw\n")
 
 
 def test_the_columns_on_the_page_are_those_of_a_machine(folder):

@@ -11,18 +11,12 @@ from drivesizer.errors import InputError
 from drivesizer.sizing import size
 from drivesizer.study.maps import (
     MAPS,
-    OTHERS,
-    Dimension,
-    Panel,
     Scene,
-    _edges,
     _face,
     _text,
-    draw,
     drawings,
     look_of,
     map_axes,
-    numbered,
     points,
 )
 from drivesizer.study.plan import read_study
@@ -64,34 +58,6 @@ def test_a_map_of_drives_numbers_and_names_them(tmp_path):
     assert any("hatched: no drive passes" in text and "×: an invalid variant" in text for text in seen)
 
 
-def many(sets):
-    """A grid of ten by ten with so many drives in turn, and one price."""
-    across, up = (Dimension(name, f"{name} (kg)", tuple(float(n) for n in range(10)), True) for name in "ab")
-    rows = [
-        {"a (kg)": float(n // 10), "b (kg)": float(n % 10), "status": "pass", "set": f"set {n % sets}",
-         "machine_price_EUR": 123.4, "price_lacks": ""}
-        for n in range(100)
-    ]  # fmt: skip
-    return across, up, rows
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("sets", [9, 30, 80])
-def test_no_two_sets_look_alike_however_many_there_are(sets):
-    """Colour and pattern of cells, colour and shape of points; those without a number have a look of their own."""
-    across, up, rows = many(sets)
-    numbers = numbered(rows)
-    scene = Scene(MAPS[0], across, up, True, None, numbers)
-    looks = {row["set"]: _face(scene, row) for row in rows}
-    with_number = [looks[name] for name in numbers]
-    assert len(set(with_number)) == len(numbers) == min(sets, 56)
-    assert {looks[name] for name in set(looks) - set(numbers)} <= {(OTHERS.face, OTHERS.hatch)} - set(with_number)
-    assert len({(look_of(n).face, look_of(n).marker) for n in numbers.values()}) == len(numbers)
-    seen = texts(draw(MAPS[0], [Panel("", rows)], across, up, True)("typeset"))
-    assert all(f"{number}  {name}" in seen for name, number in numbers.items())
-    assert (f"…  {sets - 56} other drives" in seen) == (sets > 56)
-
-
 def test_the_colour_blind_distinguish_the_colours_of_drives():
     """As seen without red or green cones (Viénot, Brettel, Mollon 1999): CIE 1976 differences above 10 throughout."""
     short = {
@@ -110,60 +76,12 @@ def test_the_colour_blind_distinguish_the_colours_of_drives():
         assert apart.min() > 10.0
 
 
-def test_one_value_has_no_scale_of_colours():
-    across, up, rows = many(3)
-    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True)("typeset"))
-    assert "123.4 wherever it is known: one value, so no colour scale" in seen
-    assert not {"100", "120", "140"} & set(seen)  # marks of a scale
-    rows[7]["machine_price_EUR"] = 150.0
-    seen = texts(draw(MAPS[2], [Panel("", rows)], across, up, True)("typeset"))
-    assert "130" in seen and not any("one value" in text for text in seen)
-
-
-def test_figures_stand_in_the_cells_as_in_the_table(tmp_path):
-    over, found, _ = mapped(tmp_path, GRID)
-    seen = texts(drawings(over, found)[0]["price"]("typeset"))
-    shown = [f"≥{row['machine_price_EUR']:.3g}" for row in found[()] if row["machine_price_EUR"] is not None]
-    assert shown and all(row["price_lacks"] for row in found[()] if row["machine_price_EUR"] is not None)
-    assert sorted(text for text in seen if text.startswith("≥") and ":" not in text) == sorted(shown)
-    assert any("≥: not known of all parts, at least" in text for text in seen)
-
-
 def test_the_same_drawing_has_the_same_bytes(tmp_path):
     made, _ = drawings(*mapped(tmp_path, GRID)[:2])
     again, _ = drawings(*mapped(tmp_path, GRID)[:2])
     for form in ("svg", "png"):
         assert made["mass"](form) == again["mass"](form)
     assert b"<text" not in made["mass"]("svg") and made["mass"]("png").startswith(b"\x89PNG")
-
-
-def test_cells_reach_halfway_to_the_next(tmp_path):
-    over, _, _ = mapped(tmp_path, GRID)
-    assert _edges(over.across).tolist() == [-22.5, 12.5, 45.0, 75.0, 105.0]
-    assert _edges(over.up).tolist() == pytest.approx([0.85, 1.55, 2.25])
-
-
-@pytest.mark.slow
-def test_what_varies_beside_has_a_panel_each(tmp_path):
-    study = GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + "  supply.max: [29 V, 30 V]\nobjectives: [mass, price]\n"
-    over, found, _ = mapped(tmp_path, study)
-    assert list(found) == [(29.0, "mass"), (29.0, "price"), (30.0, "mass"), (30.0, "price")]
-    assert all(len(rows) == 4 for rows in found.values())
-    seen = texts(drawings(over, found)[0]["mass"]("typeset"))
-    assert {"max 29 V, by mass", "max 29 V, by price", "max 30 V, by mass", "max 30 V, by price"} <= set(seen)
-    over, found, _ = mapped(tmp_path, study, ["supply.max", "objective"])
-    assert (over.across.name, over.up.name, len(found)) == ("supply.max", "objective", 4)
-
-
-@pytest.mark.slow
-def test_more_panels_than_a_page_holds_are_a_note(tmp_path):
-    wheels = ", ".join(str(n) for n in range(2, 15))
-    over, found, _ = mapped(
-        tmp_path, GRID.replace("60 kg, 90 kg, -5 kg", "60 kg") + f"  load.driven_wheels: [{wheels}]\n"
-    )
-    made, said = drawings(over, found)
-    assert said == ["maps show 12 of 13 combinations of the other axes; --map A,B names the two axes of the maps"]
-    assert made
 
 
 def test_samples_are_points_and_fields_beside_them_lie_as_they_fall(tmp_path):
@@ -188,19 +106,6 @@ def test_one_thing_that_varies_is_a_line(tmp_path, study):
     assert over.up is None
     made, _ = drawings(over, found)
     assert made["mass"]("png").startswith(b"\x89PNG") and made["best_set"]("svg")
-
-
-def test_nothing_that_varies_is_no_map(tmp_path):
-    plan = read_study(laid(tmp_path, "spec: robot.yaml\n"))
-    assert map_axes(plan, ()) is None
-    with pytest.raises(InputError, match="does not vary in this study"):
-        map_axes(plan, ["load.mass"])
-
-
-def test_one_name_alone_is_refused(tmp_path):
-    plan = read_study(laid(tmp_path, GRID))
-    with pytest.raises(InputError, match=r"expected two fields that vary, e\.g\. --map load\.mass,motion\.speed"):
-        map_axes(plan, ["load.mass"])
 
 
 @pytest.mark.slow

@@ -10,7 +10,6 @@ from studies import CHEAP, in_this_process, laid, results
 from drivesizer.errors import InputError
 from drivesizer.sizing import size
 from drivesizer.study import run
-from drivesizer.study.maps import Dimension, _edges, _within
 from drivesizer.study.plan import read_study
 from drivesizer.study.rows import columns_of, spec_of
 from drivesizer.study.run import carry_out, refined
@@ -125,16 +124,6 @@ def test_only_ranges_are_halved_and_every_objective_counts(tmp_path):
     assert refined(twice, [list(rows_with(twice, range(1, 13), other=7))]) is None
     assert [v.number for c in range(twice.chunks) for v in twice.variants(c)] == list(range(1, 13))
     assert [twice.round_of(n) for n in (1, 8, 9, 10, 11, 12)] == [0, 0, 1, 1, 2, 2]
-
-
-def test_finer_cells_of_a_map_lie_around_their_points():
-    one = Dimension("a", "a (kg)", (20.0, 40.0, 60.0), True, True)
-    edges = _edges(one)
-    assert _within(edges, 40.0, one, 0) == (30.0, 20.0)
-    assert _within(edges, 30.0, one, 1) == (25.0, 10.0)
-    assert _within(edges, 35.0, one, 2) == (32.5, 5.0)
-    assert _within(edges, 20.0, one, 1) == (10.0, 15.0)  # from the map's edge
-    assert _within(edges, 60.0, one, 1) == (55.0, 15.0)
 
 
 @pytest.mark.parametrize(

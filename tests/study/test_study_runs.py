@@ -2,9 +2,7 @@
 
 import csv
 import io
-import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -13,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from studies import CHEAP, FEW, MANY, command, halted, in_this_process, laid, ran, results, surroundings
+from studies import CHEAP, FEW, MANY, halted, in_this_process, laid, ran, results, surroundings
 
 from drivesizer import cli
 from drivesizer.study import workers
@@ -158,28 +156,6 @@ def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
     assert err == "drivesizer: study: stopped; results so far are kept, and the same command resumes\n"
     until(lambda: not _group(study.pid), every=0.2)
     assert len(chunks(tmp_path)) == 2
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="open files of a process are listed by Linux alone")
-def test_processes_that_compute_hold_no_lock(tmp_path):
-    """They are copies of the process that holds it, made before it did: it ends with that one alone."""
-    laid(tmp_path, MANY)
-    first = subprocess.Popen(command("--processes", 2), cwd=tmp_path, env=surroundings(), start_new_session=True)
-    until(lambda: len(chunks(tmp_path)) >= 2)
-    lock = str(tmp_path / "study" / "lock")
-    alive = [path.parent for path in _group(first.pid)]
-    holders = [path.name for path in alive if lock in map(_opened, (path / "fd").iterdir())]
-    first.terminate()
-    first.wait()
-    assert holders == [str(first.pid)] and len(alive) >= 3
-
-
-def _opened(link):
-    try:
-        return str(link.readlink())
-    except OSError:  # closed meanwhile
-        return ""
 
 
 def _group(leader):
@@ -328,19 +304,6 @@ def test_a_fresh_beginning_takes_away_no_input(name, run, tmp_path):
     assert {path: path.read_bytes() for path in before} == before
 
 
-@pytest.mark.usefixtures("here")
-def test_another_version_or_a_damaged_manifest_is_another_study(run, tmp_path):
-    laid(tmp_path, FEW)
-    assert run("--no-maps")[0] == 0
-    path = tmp_path / "study" / "study.json"
-    manifest = json.loads(path.read_text())
-    manifest["made_of"]["drivesizer"] = "0.0.1"
-    path.write_text(json.dumps(manifest))
-    assert "another study (drivesizer changed since)" in run()[2]
-    path.write_text("{")
-    assert "another study (its study.json is none of this version)" in run()[2]
-
-
 @pytest.mark.parametrize(
     ("target", "said"),
     [
@@ -402,35 +365,3 @@ def test_a_study_without_a_passing_drive_is_status_1(run, tmp_path):
     status, out, err = run()
     assert (status, err) == (1, "")
     assert out.splitlines()[0] == "2 variants: 1 fail, 1 error; 18 drives examined"
-
-
-@pytest.mark.usefixtures("here")
-def test_without_pyarrow_there_is_the_csv_and_a_note(run, tmp_path, monkeypatch):
-    laid(tmp_path, FEW)
-    monkeypatch.setattr("drivesizer.study.run.has_parquet", lambda: False)
-    status, out, err = run("--no-maps")
-    assert status == 0 and out.splitlines()[1:] == ["study/results.csv"]
-    assert err == "note: no results.parquet, which needs pyarrow: install drivesizer[study]\n"
-
-
-def test_without_dask_the_option_says_what_to_install(run, tmp_path, monkeypatch):
-    laid(tmp_path, FEW)
-    monkeypatch.setattr("drivesizer.study.workers.find_spec", lambda name: None)
-    assert run("--scheduler", "tcp://127.0.0.1:8786")[2] == (
-        "drivesizer: --scheduler needs Dask; install drivesizer[cluster]\n"
-    )
-
-
-@pytest.mark.slow
-def test_the_progress_is_for_people(tmp_path):
-    """At a terminal a bar with what is done, in all, and the time left; the results on stdout stay as they are."""
-    if shutil.which("script") is None:
-        pytest.skip("no terminal to be had")
-    laid(tmp_path, MANY.replace("steps: 25", "steps: 4"))
-    line = " ".join(command("--processes", 1, "--no-maps")) + " > out.txt"
-    seen = subprocess.run(
-        ["script", "-qec", line, "/dev/null"], cwd=tmp_path, env=surroundings() | {"TERM": "xterm", "COLUMNS": "100"},
-        capture_output=True, encoding="utf-8", timeout=170, check=True,
-    ).stdout  # fmt: skip
-    assert "/80" in seen and "0:0" in seen
-    assert (tmp_path / "out.txt").read_text().startswith("80 variants: ")
