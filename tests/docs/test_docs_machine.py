@@ -7,7 +7,7 @@ import math
 import re
 
 import pytest
-from docs_pages import ROOT, blocks, held_against_the_page, page, rows
+from docs_pages import blocks, held_against_the_page, page, rows
 
 from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.files.yaml_source import YamlSource
@@ -40,43 +40,6 @@ def test_what_a_radius_comes_to_straight_ahead():
     lever = 0.27406 * (math.cos(math.radians(29.5)) + math.sin(math.radians(29.5)))
     assert f"{math.degrees(0.001 / (4 * lever) * 90):.1f}°" == "3.5°"
     assert "90 m straight ahead would make it 3.5°" in page("platform")
-
-
-FURTHER = {  # of other pages
-    ("platform", "0.3 %, and half of that at half the step"): (
-        "platform_mujoco",
-        "assert fine < 0.006  # N*m, of 2.08: 0.3 %",
-    ),
-    ("platform", "the paper's robot, to 1e-12"): ("platform_kinematics", "pytest.approx(by_hand, rel=1e-12) == k.E"),
-    ("platform", "on a slope: to 1e-12"): (
-        "platform_dynamics",
-        "np.broadcast_to(cycle.torque, torques.shape), rel=1e-12",
-    ),
-    ("platform", "a platform that coasts: 1e-9"): ("platform_dynamics", "pytest.approx(kept[0], rel=1e-9)"),
-    ("platform", "while it slips: 1e-5"): ("platform_slip", "found.imbalance < 1e-5"),
-    ("platform", "arc by unequal radii: 0.3 % and better"): (
-        "platform_following",
-        "-0.03 / 1.03 * 2.0, rel=3e-3)",
-    ),
-    ("platform", "times of planned paths: 1e-8"): (
-        "platform_planner",
-        "by_hand_s_curve(way, 1.2, 0.8, jerk), rel=1e-8)",
-    ),
-    ("battery", "-15 to +4 %, half of them within 3 %"): ("battery_pack", "assert mean.min() > -0.15"),
-    ("battery", "of one battery 24 %"): ("battery_pack", '("SW12140E", -0.24, -0.16)'),
-    ("battery", "0.1 µV"): ("battery", "right, abs=1e-7"),
-    ("battery", "74 W for 3 h 15 min"): (
-        "battery_budget",
-        "printed = 24 * 3.55 * (3 / 3.25) ** (1 / slope) * 7.0 / 7.58",
-    ),
-}
-
-
-@pytest.mark.parametrize("said", FURTHER, ids=lambda said: f"{said[0]}: {said[1]}")
-def test_amounts_of_other_pages_are_those_of_the_tests(said):
-    name, line = FURTHER[said]
-    assert said[1] in page(said[0])
-    assert line in next((ROOT / "tests").rglob(f"test_{name}.py")).read_text(encoding="utf-8")
 
 
 DRIVEN = {

@@ -215,32 +215,6 @@ def test_what_is_read_out_of_the_runs_is_in_the_tables():
         assert re.search(rf", measured +{re.escape(errors)}", text)
 
 
-AMOUNTS = {  # what the page says, and the line of the test that says it
-    "8 mrad/s of 470 rad/s": ("mujoco", "< 8e-3  # rad/s of up to 470"),
-    "10 µA of 4.3 A": ("mujoco", "< 1e-5  # A of up to 4.3"),
-    "12 mrad/s and 1 mA RMS over a second": ("mujoco", "strayed[0] < 0.012 and strayed[1] < 1e-3"),
-    "0.08 rad/s at the reversal": ("mujoco", "abs=0.08)"),
-    "0.45 rad/s of 380": ("mujoco", "off(fine, s)[0] < 0.45"),
-    "0.4 mrad/s; no motion below": ("mujoco", "abs=4e-4)"),
-    "0.6 mrad/s of 290 rad/s": ("solvers", "[(0.0, {}, 6e-4),"),
-    "energy to 1e-5": ("solvers", "pytest.approx(electrical, rel=1e-5)"),
-    "0.06 rad/s": ("solvers", '{"gap": 0.01}, 0.06)]'),
-    "0.6 mrad/s; 5 µA": ("controllers", "[(0.0, {}, 6e-4, 5e-6)"),
-    "before the reversal 3e-6": ("controllers", "before.max() < 3e-6"),
-    "1e-8 rad/s of 8": ("linear", "abs=1e-8)  # rad/s of 8"),
-    "1e-10 rad": ("linear", "abs=1e-10)  # rad"),
-    "to 4 % of that": ("linear", "pytest.approx([2.0] * 3, abs=0.08)"),
-    "1e-6 of what is turned over": ("itself", "abs=1e-6 * turned_over"),
-}
-
-
-@pytest.mark.parametrize("said", AMOUNTS)
-def test_amounts_of_the_page_are_those_of_the_tests(said):
-    name, line = AMOUNTS[said]
-    assert said in page("validation")
-    assert line in (ROOT / "tests" / "against" / f"test_against_{name}.py").read_text(encoding="utf-8")
-
-
 # --- the spec, the loads, JSON
 
 
