@@ -23,6 +23,8 @@ from drivesizer.catalog.estimates.laws import (
     widening,
 )
 from drivesizer.catalog.tables import as_printed
+from drivesizer.sizing import explain
+from drivesizer.spec.robot import load_spec
 
 
 @pytest.fixture(scope="module")
@@ -211,3 +213,18 @@ def test_another_maker_gets_the_wider_band():
     assert by.peers is not None
     wide = widening(by.peers, np.log([[{"mass": 0.1, "diameter": 0.025}[name] for name in by.law.terms]])).item()
     assert log(found.high[0] / found.low[0]) == pytest.approx(wide * (ends[1] - ends[0]), rel=1e-9)
+
+
+def test_a_servo_whose_winding_is_not_printed_needs_the_voltage_of_its_constant():
+    """SGM7J-C2A, 0.262 N*m/A: 558 rad/s make 146 V in it whatever its resistance, more than a battery of 12 V."""
+    spec = {
+        "name": "wheels of a robot",
+        "load": {"kind": "flywheel", "inertia": "1 kg*cm^2"},
+        "motion": {"profile": "trapezoid", "speed": "5329 rpm", "acceleration_time": "0.6 s", "cruise_time": "1 s"},
+        "transmission": [{"kind": "direct"}],
+        "supply": {"nominal": "12 V", "accepts": "all"},
+        "select": {"catalogs": ["yaskawa"], "motor": {"part": "SGM7J-C2A"}},
+    }
+    (drive,) = explain(load_spec(spec), "SGM7J-C2A", "direct")
+    (volts,) = (check for check in drive.own_checks if check.name == "supply_voltage")
+    assert volts.status == "fail" and volts.demand > 0.262 * 558.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from math import exp, inf, log
@@ -347,7 +348,14 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
                 ends = np.sort([low[1][keep], high[1][keep]], axis=0)
                 found[name] = Estimates(one.rows[keep], middle[keep], ends[0], ends[1], one.fit[keep])
             parts.complete(figure, one)
-    return peak_torque_estimates(table, estimates_by_rated_current(table, found))
+    return peak_torque_estimates(table, estimates_by_rated_current(_with_resistance(table, found), found))
+
+
+def _with_resistance(table: Table[Any], found: dict[str, Estimates]) -> Table[Any]:
+    """A table with the middle of estimated resistances: what a rated current brings about is judged with it."""
+    if "resistance" not in found:
+        return table
+    return replace(table, columns={**table.columns, "resistance": _filled(table, found, "resistance")[0]})
 
 
 def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estimates:

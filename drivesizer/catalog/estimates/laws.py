@@ -48,6 +48,8 @@ inductance | resistance torque_constant mass; resistance mass; resistance
 diameter | mass
 length | mass diameter; diameter
 mass | diameter length; diameter; nominal_torque
+motor_constant | mass; nominal_torque; mass nominal_torque; mass diameter; mass diameter nominal_torque
+pole_pairs | diameter; mass
 """
 _GEARHEAD = """
 inertia | diameter ratio stages; mass ratio stages; continuous_torque ratio stages
@@ -77,13 +79,16 @@ _CLASSES: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
+_NONE = {("motors", "brushed", "pole_pairs")}  # a commutator has them, no controller asks for them
+
+
 def _declared() -> Iterator[Law]:
     for section, (listed, classes) in _CLASSES.items():
         for line in listed.strip().splitlines():
             figure, choices = (cell.strip() for cell in line.split("|"))
             for terms in choices.split(";"):
                 names = tuple(term for term in terms.split() if term != "-")
-                yield from (Law(section, of, figure, names) for of in classes)
+                yield from (Law(section, of, figure, names) for of in classes if (section, of, figure) not in _NONE)
 
 
 LAWS: tuple[Law, ...] = tuple(_declared())
@@ -116,6 +121,8 @@ _MOST = 0.9  # of the power that a stage loses
 # the column that such a figure gives, and how; those that no drive is sized by are left out
 _GIVES: dict[str, tuple[str, Callable[[Table[Any], NDArray[np.float64]], NDArray[np.float64]]]] = {
     "inertia_at_rotor": ("rotor_inertia", lambda table, inertia: np.where(np.isnan(table["ratio"]), np.nan, inertia)),
+    "motor_constant": ("resistance", lambda table, constant: _torque_constant(table) ** 2 / constant),
+    "pole_pairs": ("pole_pairs", lambda table, pairs: np.maximum(pairs, 1.0)),
     "friction": ("no_load_current", lambda table, torque: torque / _torque_constant(table)),
     "loss": ("efficiency", lambda table, loss: 1.0 - np.minimum(loss, _MOST)),
     "loss_per_stage": ("efficiency", lambda table, loss: (1.0 - np.minimum(loss, _MOST)) ** _stages(table)),
