@@ -182,10 +182,10 @@ def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[st
     if better.status not in ("open", "unknown"):
         return []
     figures = [objective_figure(one, objective) for one in (better, sets[0])]
-    asked = {check.title: check.note for check in better.own_checks if check.note.startswith("unknown: ")}
+    notes = {check.title: check.note for check in better.own_checks if check.note.startswith("unknown: ")}
     hanging = [f"{check.title} {check.note}" for check in better.deciding if check.status == "open"]
-    hanging += [f"{title} is {note}" for title, note in asked.items()]
-    unknown = [lacks for title, lacks in unknown_figures(better) if title not in asked]
+    hanging += [f"{title} is {note}" for title, note in notes.items()]
+    unknown = [lacks for title, lacks in unknown_figures(better) if title not in notes]
     lacking = dict.fromkeys(name for lacks in unknown for name in lacks.split(", "))
     if len(lacking) > _FEW:
         return []

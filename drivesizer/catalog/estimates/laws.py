@@ -79,7 +79,7 @@ _CLASSES: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
-_NONE = {("motors", "brushed", "pole_pairs")}  # a commutator has them, no controller asks for them
+_NONE = {("motors", "brushed", "pole_pairs")}  # of a commutator no controller needs them
 
 
 def _declared() -> Iterator[Law]:
