@@ -16,6 +16,7 @@ elevator).
 from typing import ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
 from drivesizer.errors import FieldError
 from drivesizer.files import fields
@@ -37,13 +38,15 @@ class Hoist(SharedLoad):
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["hoist"]
-    mass: fields.Mass = fields.required("of what is lifted, its carrier included")
-    counterweight: fields.Counterweight = fields.default("0 kg", "hung against the mass, with as many falls")
+    mass: fields.Mass = Field(description="of what is lifted, its carrier included")
+    counterweight: fields.Counterweight = fields.default(
+        "0 kg", description="hung against the mass, with as many falls"
+    )
     drum_diameter: fields.Length
-    falls: Count = fields.default(1, "rope parts that carry the mass; the rope runs so many times faster")
-    rope_efficiency: fields.Share = fields.default(1, "of rope and sheaves, in either direction of power")
-    friction_force: fields.Force = fields.default("0 N", "of the guides, against the motion")
-    inertia: fields.Inertia = fields.default("0 kg*m^2", "of drum and sheaves, seen at the drum")
+    falls: Count = Field(default=1, description="rope parts that carry the mass; the rope runs so many times faster")
+    rope_efficiency: fields.Share = Field(default=1, description="of rope and sheaves, in either direction of power")
+    friction_force: fields.Force = fields.default("0 N", description="of the guides, against the motion")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of drum and sheaves, seen at the drum")
 
 
 def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:

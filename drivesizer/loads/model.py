@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from drivesizer.files.fields import Axis, Section, default
+from drivesizer.files.fields import Axis, Section
 from drivesizer.loads.lever import Lever
 
 __all__ = ["Count", "LoadModel", "SharedLoad"]
@@ -32,7 +32,7 @@ class SharedLoad(LoadModel):
     """A load that one drive moves, or several that share it equally."""
 
     kind: str
-    motors: Count = default(1, "drives that share the load equally; all figures are of the whole")
+    motors: Count = Field(default=1, description="drives that share the load equally; all figures are of the whole")
 
     @property
     def alike(self) -> int:

@@ -14,7 +14,7 @@ rotational motion).
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
@@ -30,13 +30,15 @@ class RotaryTable(SharedLoad):
 
     axis: ClassVar[fields.Axis] = "rotary"
     kind: Literal["rotary_table"]
-    inertia: fields.Inertia = fields.required("of table and load about the axis")
-    friction_torque: fields.Torque = fields.default("0 N*m", "of the bearing, against the motion")
-    torque: fields.SignedTorque = fields.default("0 N*m", "further torque against the forward motion")
-    mass: fields.Counterweight = fields.default("0 kg", "of what turns, where its centre is off the axis")
-    eccentricity: fields.Thickness = fields.default("0 mm", "of that centre")
-    tilt: fields.Incline = fields.default("0 deg", "of the axis from the vertical; 90 deg lies level")
-    start_angle: fields.Bearing = fields.default("0 deg", "of the centre from the level line, when the cycle starts")
+    inertia: fields.Inertia = Field(description="of table and load about the axis")
+    friction_torque: fields.Torque = fields.default("0 N*m", description="of the bearing, against the motion")
+    torque: fields.SignedTorque = fields.default("0 N*m", description="further torque against the forward motion")
+    mass: fields.Counterweight = fields.default("0 kg", description="of what turns, where its centre is off the axis")
+    eccentricity: fields.Thickness = fields.default("0 mm", description="of that centre")
+    tilt: fields.Incline = fields.default("0 deg", description="of the axis from the vertical; 90 deg lies level")
+    start_angle: fields.Bearing = fields.default(
+        "0 deg", description="of the centre from the level line, when the cycle starts"
+    )
 
     @model_validator(mode="after")
     def _heavy_enough(self) -> Self:

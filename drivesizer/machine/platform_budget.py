@@ -19,6 +19,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import MassBudget, mass_budget
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import lost_in_gearhead
+from drivesizer.physics.figures import no_less
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
@@ -197,7 +198,7 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
         nominal_current_limit(np.abs(current), motor, ambient, motor_needed(spec)),
         at_most("winding_temperature", winding, motor["max_winding_temperature"], zero=ambient,
                 needed=rise_needed(spec)),
-        at_most("supply_voltage", volts, feed.usable_for(volts), needed=margins.speed),
+        at_most("supply_voltage", volts, feed.usable_range, needed=margins.speed),
         at_most("controller_continuous_current", np.abs(current), controller_current(controller, ambient),
                 needed=controller_needed(spec)),
     ]  # fmt: skip
@@ -295,8 +296,8 @@ def _mass_check(found: MassBudget, column: CheckColumn) -> Check:
 def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
     """The known mass against the limits, as columns."""
     limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
-    columns = [at_most(name, known, most) for name, most in limits.items() if most == most]
-    return [replace(column, passed=column.passed & ~np.asarray(lacking, bool)) for column in columns]
+    mass = no_less(known, ~np.asarray(lacking, bool))
+    return [at_most(name, mass, most) for name, most in limits.items() if most == most]
 
 
 # --- room -------------------------------------------------------------------------------------------------------------

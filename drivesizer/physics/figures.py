@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Figures", "once_per_part", "product"]
+__all__ = ["Figures", "Range", "no_less", "once_per_part", "product"]
 
 Array = NDArray[np.float64]
 Result = TypeVar("Result")
@@ -29,6 +29,36 @@ class Figures(Protocol):
 
     def __getitem__(self, name: str, /) -> Any:
         """A figure."""
+
+
+class Range(NamedTuple):
+    """What is known of a figure: it lies between two ends, floats or columns; NaN where nobody knows an end."""
+
+    low: Any
+    high: Any
+
+
+def no_less(figure: Any, known: Any = False) -> Range:
+    """A figure that may be more, but where it is known.
+
+    Parameters
+    ----------
+    figure
+        The least that it is.
+    known
+        Whether it is that: a mask, or of all.
+
+    Returns
+    -------
+    Range
+        Without a high end where it is not known.
+
+    Examples
+    --------
+    >>> no_less(np.array([2.0, 3.0]), np.array([True, False])).high.tolist()
+    [2.0, nan]
+    """
+    return Range(figure, np.where(known, figure, np.nan))
 
 
 def product(rows: Array, columns: Array) -> Array:

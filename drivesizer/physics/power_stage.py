@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Figures, Range
 from drivesizer.physics.gear_life import SIX
 
 __all__ = [
@@ -90,19 +90,18 @@ class Feed(NamedTuple):
         most = self._usable_with(ASSUMED_BAND[0])
         return np.where(np.isnan(most), self.voltage, most)
 
-    def usable_for(self, required: Any) -> Any:
-        """The usable voltage as it judges a required one; NaN where a figure that decides is unknown [V].
+    @property
+    def usable_range(self) -> Range:
+        """The usable voltage, or its ends where it is not printed [V].
 
-        A printed one is what it is. An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest
-        is met, and what is not met with the smallest is not. Without a largest duty the supply's voltage is the bound,
-        and ``_LEAST_DUTY`` is reached.
+        An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest is met, and what is not met
+        with the smallest is not. Without a largest duty the supply's voltage is the bound, and ``_LEAST_DUTY`` is
+        reached.
         """
         printed = self.usable
         if not np.isnan(printed).any():
-            return printed
-        least, bound = self._usable_with(ASSUMED_BAND[1], _LEAST_DUTY), self.usable_at_most
-        decides = np.where(required <= least, least, np.where(required > bound, bound, np.nan))
-        return np.where(np.isnan(printed), decides, printed)
+            return Range(printed, printed)
+        return Range(self._usable_with(ASSUMED_BAND[1], _LEAST_DUTY), self.usable_at_most)
 
     def _usable_with(self, drop: float, duty: float = np.nan) -> Any:
         """The usable voltage with a drop, and a largest duty, where none is printed."""

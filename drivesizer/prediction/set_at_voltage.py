@@ -18,14 +18,14 @@ from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances import Class, lognormal
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, motor_and_gears
+from drivesizer.physics.drive_train import ELECTRONICS, motor_and_gears
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_25, resistance_at, two_bodies
 from drivesizer.physics.two_bodies import State, after
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import EstimatedFigure
 from drivesizer.results.prediction import Conditions
-from drivesizer.search.uncertainty.sampled_parts import motor_factors, with_dry_share, with_losses
+from drivesizer.search.uncertainty.sampled_parts import gearhead_times, motor_times
 from drivesizer.search.uncertainty.sampling import sobol
 from drivesizer.search.uncertainty.uncertain_figures import holding
 
@@ -104,9 +104,15 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         if "losses" in factors["controller"]:
             stage |= with_stage_losses(stage, factors["controller"]["losses"])
     return SampledParts(
-        _motor(bought, factors["motor"], names), _gearhead(gear, factors["gearhead"], names), stage, cube[:, -3:],
+        _varied(bought, motor_times(bought, factors["motor"]), names),
+        _varied(gear, gearhead_times(gear, factors["gearhead"]), names), stage, cube[:, -3:],
         tuple(shown), tuple(drawn),
     )  # fmt: skip
+
+
+def _varied(bought: Figures, changed: Mapping[str, Any], estimated: set[str]) -> Figures:
+    """Figures of a part, those that are not estimated as they deviate."""
+    return dict(bought) | {name: values for name, values in changed.items() if name not in estimated}
 
 
 def _shown(role: str, section: str, figure: str, band: tuple[float, float, float], law: str) -> EstimatedFigure:
@@ -155,22 +161,6 @@ def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[
     if controller is None or np.isnan([controller[name] for name in ("voltage_drop", "max_efficiency")]).all():
         return own  # the drop is assumed, with a band of its own
     return own + holding(controller.catalog, {}, "controller", controller.row)
-
-
-def _motor(bought: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:
-    """A motor's figures, each times its factor."""
-    times = motor_factors(factors)
-    k_e = back_emf_constant(bought) * times["back_emf_constant"]
-    changed = {name: bought[name] * factor for name, factor in times.items() if name not in estimated}
-    return dict(bought) | changed | {"back_emf_constant": k_e} | with_dry_share(bought, factors)
-
-
-def _gearhead(gear: Figures, factors: Mapping[str, Array], estimated: set[str]) -> Figures:
-    """A gearhead's figures, each times its factor."""
-    losses, inertia = factors.get("efficiency", 1.0), factors.get("inertia", 1.0)
-    changed = {"no_load_torque": gear["no_load_torque"] * losses, "inertia": gear["inertia"] * inertia}
-    changed["efficiency"] = with_losses(gear["efficiency"], losses)
-    return dict(gear) | {name: values for name, values in changed.items() if name not in estimated}
 
 
 # -- One set at a supply: figures of its motor and gear over samples, and its steady points.

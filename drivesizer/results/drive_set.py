@@ -76,10 +76,10 @@ def loss_assumptions(spec: RobotSpec, controller: Controller | None) -> Iterator
         yield "standby power of the controllers not counted: it is not printed"
 
 
-def voltage_assumption(spec: RobotSpec, controller: Controller | None, limit: float) -> str:
+def voltage_assumption(spec: RobotSpec, controller: Controller | None) -> str:
     """Assumption behind the usable voltage of a controller that does not print what it takes of the supply's."""
     feed = spec.feed_of(controller)
-    if isnan(limit) or not isnan(feed.usable):
+    if not isnan(feed.usable):
         return ""
     if isnan(feed.stage.max_duty):
         return "the controller's largest duty is not printed: the supply's voltage is the bound"

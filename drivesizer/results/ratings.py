@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.drive_train import back_emf_constant
-from drivesizer.physics.figures import Figures, once_per_part
+from drivesizer.physics.figures import Figures, Range, once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
@@ -59,23 +59,19 @@ def continuous_speed_limit(
     """The lasting speed at a gearhead's input against its continuous one, by the rule of its maker."""
     speed = np.where(_limits_mean_speed(gearhead), mean_speed, sustained_speed)
     limit = lasting_limit(gearhead["continuous_input_speed"], gearhead["intermittent_input_speed"])
-    return at_most("gearhead_continuous_speed", speed * ratio, **limit, needed=needed)
+    return at_most("gearhead_continuous_speed", speed * ratio, limit, needed=needed)
 
 
-def lasting_limit(lasting: Any, short: Any) -> dict[str, Any]:
+def lasting_limit(lasting: Any, short: Any) -> Range:
     """Both ends of a continuous limit: where it is unknown at most that for a short time."""
     unknown = np.isnan(lasting)
-    return {"limit": lasting, "most": np.where(unknown, short, lasting) if np.any(unknown) else None}
+    return Range(lasting, np.where(unknown, short, lasting) if np.any(unknown) else lasting)
 
 
-def short_limit(short: Any, lasting: Any) -> dict[str, Any]:
+def short_limit(short: Any, lasting: Any) -> Range:
     """Both ends of a limit for a short time: where it is unknown at least the continuous one."""
-    unknown, said = np.isnan(short), "the limit at least: none for a short time is printed"
-    if not np.any(unknown):
-        return {"limit": short, "undecided": said}
-    return {
-        "limit": np.where(unknown, lasting, short), "most": np.where(unknown, np.inf, short), "undecided": said,
-    }  # fmt: skip
+    unknown = np.isnan(short)
+    return Range(np.where(unknown, lasting, short) if np.any(unknown) else short, short)
 
 
 @once_per_part
@@ -109,7 +105,7 @@ def controller_current(controller: Figures, ambient: Array | float) -> Any:
     return np.where(np.isnan(printed), np.nan, found)
 
 
-def controller_power_limit(power: Array | float, controller: Figures, voltage: float, **more: Any) -> CheckColumn:
+def controller_power_limit(power: Any, controller: Figures, voltage: float, **more: Any) -> CheckColumn:
     r"""The largest power of a drive against what its controller permits at a supply voltage.
 
     .. math:: P = P_{max} - (P_{max} - P_{red}) \frac{V - V_{max}}{V_{red} - V_{max}}, \qquad P_{red} \le P \le P_{max}
@@ -124,7 +120,7 @@ def controller_power_limit(power: Array | float, controller: Figures, voltage: f
     """
     limit = permitted_power(controller, voltage)
     most = np.where(np.isnan(limit), controller["max_power"], limit)
-    return at_most("controller_power", power, limit, most=most, **more)
+    return at_most("controller_power", power, Range(limit, most), **more)
 
 
 def permitted_power(controller: Figures, voltage: float) -> Array:
@@ -175,16 +171,15 @@ def _rated(
     name: str, rms: Array | float, rating: Any, motor: Figures, ambient: Array | float, needed: float
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
-    T_max, rated = motor["max_winding_temperature"], rated_ambient(motor)
+    T_max, rated, gain = motor["max_winding_temperature"], rated_ambient(motor), motor["mounted_gain"]
     shares = (current_derating, derating_at_most)[: 2 if np.isnan(T_max).any() else 1]
-    limit, *most = (np.where(np.isposinf(rating), np.inf, rating * share(ambient, T_max, rated)) for share in shares)
-    gain = motor["mounted_gain"]
+    ends = [np.where(np.isposinf(rating), np.inf, rating * share(ambient, T_max, rated)) for share in shares]
+    limit = Range(ends[0], ends[-1])
     if np.isnan(gain).all():
-        return at_most(name, rms, limit, most=most[0] if most else None, needed=needed, at_best=_COLDER)
-    highest = np.where(np.isnan(gain), 1.0, gain) * (most[0] if most else limit)
-    warmer = (gain == 1.0) & ~np.isposinf(limit)  # the printed rating is the most
-    limit = np.where(warmer, np.nan, limit)
-    return at_most(name, rms, limit, most=highest, needed=needed, at_best=_COOLER, undecided=_COOLED)
+        return at_most(name, rms, limit, needed=needed, basis=_COLDER)
+    warmer = (gain == 1.0) & ~np.isposinf(limit.low)  # the printed rating is the most
+    limit = Range(np.where(warmer, np.nan, limit.low), np.where(np.isnan(gain), 1.0, gain) * limit.high)
+    return at_most(name, rms, limit, needed=needed, basis=_COOLER, undecided=_COOLED)
 
 
 def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> CheckColumn:
@@ -206,9 +201,10 @@ def ambient_range(name: str, ambient: float, least: Any, most: Any, *, waived: b
     )
     passed = ~(cold | hot) & (known | waived)
     limit = np.where(cold, least, np.where(hot | passed, np.where(np.isnan(most), _USUAL[1], most), np.nan))
-    column = at_most(name, ambient, limit, zero=np.nan, at_best=ASSUMED if waived else ASSUMED_AMBIENT)
-    unstated = np.isnan(least) | np.isnan(most)
-    return replace(column, passed=passed, failed=cold | hot, bounded=passed & unstated)
+    return CheckColumn(
+        name=name, demand=np.full(limit.shape, ambient), limit=limit, passed=passed, failed=cold | hot, zero=np.nan,
+        on_basis=passed & (np.isnan(least) | np.isnan(most)), basis=ASSUMED if waived else ASSUMED_AMBIENT,
+    )  # fmt: skip
 
 
 def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
@@ -231,9 +227,9 @@ def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
     )
     limit = np.where(silent, np.fmax(_CLASS * wound_for, _EXTRA_LOW), printed)
     limit = np.where(of_class, np.nan, np.where(motor["kind"] == "stepper", np.inf, limit))  # has its own check
-    column = at_most("motor_supply_voltage", volts, limit, most=np.where(silent, np.inf, printed), undecided=_BY_RULE)
-    passed = column.passed | of_class
-    return [replace(column, passed=passed, bounded=of_class, at_best=_OF_A_CLASS, by_choice=True)]
+    limit = Range(limit, np.where(silent, np.nan, printed))
+    column = at_most("motor_supply_voltage", volts, limit, undecided=_BY_RULE, by_choice=True)
+    return [column.assuming(of_class, _OF_A_CLASS)]
 
 
 def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
@@ -245,8 +241,7 @@ def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
     demand, limit = np.where(weak, least, high), np.where(there, np.where(weak, low, most), np.inf)
     apart = there & ~(demand <= limit) & (given is None)
     demand, limit = np.where(apart, coil, demand), np.where(apart, most, limit)
-    found = at_most("brake_voltage", demand, limit, by_choice=True, at_best=OWN_SUPPLY)
-    return replace(found, passed=found.passed | apart, bounded=apart)
+    return at_most("brake_voltage", demand, limit, by_choice=True).assuming(apart, OWN_SUPPLY)
 
 
 def unstated_ambient(sets: Iterable[DriveSet]) -> tuple[str, ...]:

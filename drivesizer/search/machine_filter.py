@@ -18,6 +18,7 @@ from drivesizer.machine.battery import Load, Pack, accepted, charging, pack_of, 
 from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
 from drivesizer.machine.mass_budget import BELT, BY_PIECES
 from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.physics.figures import no_less
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.winding import Parts, heat
@@ -31,10 +32,11 @@ from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.columns.offers import Offers, bought, chosen, offers
 from drivesizer.search.columns.stages import brakes_of, encoders_of, felt
+from drivesizer.search.columns.steppers import Draw
 from drivesizer.search.in_order import BudgetFilter, Evaluated, Judge, SearchResult
 from drivesizer.search.search import any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
-from drivesizer.search.uncertainty.sampled_battery import Draw, Feeding, columns_of, feeding
+from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.spec.drive import BOUGHT
 from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
@@ -168,8 +170,8 @@ def _prices(whole: Evaluation) -> list[CheckColumn]:
         if spec.load.motors >= least:
             of_several = bought(whole.catalog, sets, parts, name, BOUGHT[:2])
             each[:2] = np.where(np.isnan(of_several), each[:2], of_several)
-    column = at_most("price", spec.load.motors * np.nansum(each, axis=0), spec.budget.price)
-    return [replace(column, passed=column.passed & ~np.isnan(each).any(axis=0))]
+    price = no_less(spec.load.motors * np.nansum(each, axis=0), ~np.isnan(each).any(axis=0))
+    return [at_most("price", price, spec.budget.price)]
 
 
 def _belts(problem: Problem, sets: Candidates) -> Array:

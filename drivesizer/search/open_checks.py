@@ -319,11 +319,12 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
 
 def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
     """A check, that of the voltage with what is assumed of the controller's drop."""
-    if check.name != "supply_voltage" or check.method != "physics" or has_steppers(evaluation.catalog):
+    unknown = check.status == "unknown" or np.isnan(check.limit)
+    if check.name != "supply_voltage" or unknown or check.method != "physics" or has_steppers(evaluation.catalog):
         return check
     row = int(evaluation.controller[index])
     controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
-    note = voltage_assumption(evaluation.spec, controller, check.limit)
+    note = voltage_assumption(evaluation.spec, controller)
     return replace(check, note="; ".join(text for text in (check.note, note) if text)) if note else check
 
 

@@ -326,9 +326,7 @@ def _example(field: FieldInfo | None) -> str:
     kinds, inner = [part.kind for part in field.metadata if hasattr(part, "kind")], models_of(field)
     if inner:
         return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
-    if not kinds:
-        return field.description or "a value"
-    return f"{noun(kinds[0])}, e.g. {(field.examples or [KINDS[kinds[0]].example])[0]}"
+    return f"{noun(kinds[0])}, e.g. {KINDS[kinds[0]].example}" if kinds else field.description or "a value"
 
 
 # -- Sections of a spec that contradict each other: what is refused where each of them by itself is right.

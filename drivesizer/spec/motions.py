@@ -103,10 +103,8 @@ class Cam(fields.Section):
 
     profile: Literal["cam"]
     file: str = fields.required("CSV: columns angle and position, then a row of units", min_length=1)
-    master_speed: fields.Turning = fields.required("at which the angle runs", example="60 rpm")
-    smoothing: fields.Pause = fields.default(
-        "0 s", "width of the window in which the position is smoothed", example="20 ms"
-    )
+    master_speed: fields.Turning = fields.required("at which the angle runs")
+    smoothing: fields.Pause = fields.default("0 s", "width of the window in which the position is smoothed")
 
 
 class Harmonic(fields.Section):
@@ -121,9 +119,7 @@ class Hold(fields.Section):
     """Standing still under load; repeated, so that it lasts."""
 
     profile: Literal["hold"]
-    time: fields.Duration = fields.required(
-        "for which energy and, in closed loop, control are computed", example="10 s"
-    )
+    time: fields.Duration = fields.required("for which energy and, in closed loop, control are computed")
 
 
 class Segment(fields.Section):
@@ -169,17 +165,15 @@ class Track(fields.Section):
     trajectory: str = fields.required(
         "CSV: columns t, x, y, heading; or waypoints without t; then a row of units", min_length=1
     )
-    smoothing: fields.Pause = fields.default(
-        "0 s", "distance of the knots of the spline through a noisy track", example="50 ms"
-    )
+    smoothing: fields.Pause = fields.default("0 s", "distance of the knots of the spline through a noisy track")
 
 
 class Waypoint(fields.Section):
     """A posture at which the platform stops, with or without a pause."""
 
-    x: fields.Place = fields.required(example="2.5 m")
-    y: fields.Place = fields.required(example="1 m")
-    heading: fields.Bearing | None = fields.optional("along the path where not given", example="90 deg")
+    x: fields.Place
+    y: fields.Place
+    heading: fields.Bearing | None = fields.optional("along the path where not given")
     pause: fields.Pause = fields.default("0 s")
 
 

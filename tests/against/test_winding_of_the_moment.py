@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.results.check_columns import at_most, between
+from drivesizer.physics.figures import Range
+from drivesizer.results.check_columns import at_most
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.simulate import validate
@@ -76,10 +77,8 @@ def test_voltage_and_heat_of_an_hour_in_ten(hour):
 def test_bounds_pass_by_the_warmest_and_fail_by_the_coldest():
     """5.047 V cold and 6.13 V warm: of 6.2 V they pass, of 5 V they fail, of 5.06 V nobody knows."""
     for limit, status in ((6.2, "pass"), (5.0, "fail"), (5.06, "unknown")):
-        low, high = (at_most("supply_voltage", np.array([x]), limit) for x in (5.047, 6.13))
-        assert between(low, high).at(0, "physics").status == status
-    low, high = (at_most("supply_voltage", np.array([x]), 5.06) for x in (5.047, nan))
-    assert between(low, high).at(0, "physics").status == "unknown"
+        assert at_most("supply_voltage", Range(5.047, 6.13), limit).at((), "physics").status == status
+    assert at_most("supply_voltage", Range(5.047, nan), 5.06).at((), "physics").status == "unknown"
 
 
 @pytest.mark.parametrize("lacking", ["thermal_resistance_housing", "winding_time_constant", "max_winding_temperature"])

@@ -28,9 +28,9 @@ PACKAGE = Path(drivesizer.__file__).parent
 HELPERS = Path(__file__).resolve().parent.parent / "helpers"
 
 ADDED = {  # file: a line before which another goes, or several such
-    "results/check_kinds.py": (
-        '    "motor_nominal_current": CheckKind(\n        "Motor nominal current (RMS)", *_AMPS, ("CURRENT"',
-        '    "below_no_load": CheckKind("Speed below no load", *_SPEED, (*_RATIO, "motor.no_load_speed")),\n',
+    "results/checks.txt": (
+        "motor_nominal_current | Motor nominal current (RMS) | current A | CURRENT",
+        "below_no_load | Speed below no load | rotary_speed rpm | RATIO motor.no_load_speed\n",
     ),
     "search/columns/limits.py": (
         "        nominal_current_limit(demand.rms_current, motor, ambient, torque),\n",
@@ -220,7 +220,7 @@ def test_one_record_makes_a_section_in_every_medium(copy):
 
 @pytest.mark.parametrize("make", [at_most, at_least, fits])
 def test_a_check_that_nobody_declared_is_refused(make):
-    with pytest.raises(LookupError, match="'motor_sped' is not declared in results/check_kinds"):
+    with pytest.raises(LookupError, match=r"'motor_sped' is not declared in results/checks\.txt"):
         make("motor_sped", 1.0, 2.0)
     with pytest.raises(KeyError, match="battery_power"):  # declared, of another method
         make("battery_power", 1.0, 2.0).at((), "physics")
@@ -229,7 +229,7 @@ def test_a_check_that_nobody_declared_is_refused(make):
 @pytest.mark.parametrize("method", CHECKS)
 def test_every_declaration_has_a_unit_of_its_kind(method):
     for name, declared in CHECKS[method].items():
-        kinds = [(declared.kind, declared.unit), *([declared.rotary] if declared.rotary else [])]
+        kinds = (declared.kind, declared.unit), declared.rotary
         assert all(kind in KINDS and scale(unit, kind) for kind, unit in kinds), name
     titles = [declared.title for declared in CHECKS[method].values()]
     assert len(set(titles)) == len(titles)

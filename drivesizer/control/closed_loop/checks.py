@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -22,9 +22,10 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics import thermal
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.counted_speed import speed_quantum
+from drivesizer.physics.figures import Range
 from drivesizer.physics.load_cycle import lasting_speeds, rms
 from drivesizer.physics.power_stage import of_the_source
-from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
+from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import voltage_assumption
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit, unless_printed
 from drivesizer.results.sizing import Check, Figure
@@ -217,8 +218,8 @@ def _loop(case: ClosedLoop) -> Iterator[Check]:
         yield _check(at_least("bandwidth", case.spec.needs.bandwidth, case.loops.velocity.bandwidth))
 
 
-def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn], power: bool = False) -> CheckColumn:
-    """A check of a figure that grows with the winding's resistance, between bounds for a motor of unknown heat.
+def _resisted(case: ClosedLoop, name: str, power: bool = False) -> Range:
+    """A figure that grows with the winding's resistance, between bounds for a motor of unknown heat.
 
     The simulation has the winding at 25 °C; it may be as cold as the ambient, and as warm as its largest current heats
     it in the steady state, up to its permitted temperature.
@@ -227,7 +228,7 @@ def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn]
     read = case.drawn if power else case.required
     value, current = read(name), read("current")
     if thermal.two_bodies(motor).known or not case.spec.plant.warming:
-        return check(value)
+        return Range(value, value)
     R_25 = thermal.resistance_25(motor)
     hottest = np.fmin(thermal.steady_winding(motor, ambient, current), motor.max_winding_temperature)
 
@@ -239,7 +240,7 @@ def _resisted(case: ClosedLoop, name: str, check: Callable[[float], CheckColumn]
         watts = value * (supply.lowest - ohm * value) + case.spec.load.motors * more * current**2
         return float(current_of_power(watts, supply.lowest, ohm))  # NaN where the supply cannot give that
 
-    return between(check(with_winding(min(ambient, thermal.DATA_TEMPERATURE))), check(with_winding(hottest)))
+    return Range(with_winding(min(ambient, thermal.DATA_TEMPERATURE)), with_winding(hottest))
 
 
 def _electrical(case: ClosedLoop) -> Iterator[Check]:
@@ -252,8 +253,12 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
         return unless_printed(found, figure, case.drive_set) if inside else found
 
     ideal = "required to follow the profile without limits"
-    volts = _resisted(case, "stage_voltage", lambda x: at_most("supply_voltage", x, case.usable_for(x)))
-    assumed = voltage_assumption(case.spec, case.drive_set.controller, float(volts.limit))
+    usable: Any = case.usable_voltage
+    if math.isnan(usable):
+        usable = case.spec.feed_of(case.drive_set.controller).usable_range
+    volts = at_most("supply_voltage", _resisted(case, "stage_voltage"), usable)
+    decided = volts.passed or volts.failed
+    assumed = voltage_assumption(case.spec, case.drive_set.controller) if decided else ""
     yield _check(
         volts,
         case.required("stage_voltage_time"),
@@ -274,7 +279,7 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     yield _check(printed(mean, "nominal_current"))
     if supply.current is not None:
         yield _check(
-            _resisted(case, "bus_current", lambda x: at_most("supply_current", x, supply.current), power=True),
+            at_most("supply_current", _resisted(case, "bus_current", power=True), supply.current),
             case.drawn("bus_current_time"),
             "electrical power over the supply's voltage",
         )

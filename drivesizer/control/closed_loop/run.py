@@ -166,12 +166,6 @@ class ClosedLoop(NamedTuple):
     steady_cycle: tuple[Simulation, ...] = ()  # one cycle in the periodic steady state, with and without limits
     steady_start: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
 
-    def usable_for(self, required: float) -> float:
-        """The usable voltage as it judges a required one [V]; NaN where a figure that decides is unknown."""
-        if not math.isnan(self.usable_voltage):
-            return self.usable_voltage
-        return float(self.spec.feed_of(self.drive_set.controller).usable_for(required))
-
     def figure(self, name: str) -> float:
         """A figure of the simulation, SI."""
         return float(self.out.figures[name][0])

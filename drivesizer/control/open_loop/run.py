@@ -19,9 +19,10 @@ from drivesizer.files.machine_code import machine_code
 from drivesizer.load_cases.platform import at_shaft, remaining_torque
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.loads.course import Profile
+from drivesizer.physics.figures import Range
 from drivesizer.physics.stepper import natural_frequency
 from drivesizer.results.check import Check, Figure, verdict
-from drivesizer.results.check_columns import CheckColumn, at_most, between, fits
+from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.ratings import unless_printed
 from drivesizer.spec.robot import RobotSpec
@@ -407,9 +408,7 @@ def _checks(case: OpenLoop, drive_set: DriveSet) -> Iterator[Check]:
     for name, share in (("pull_out_share", case.share), ("start_share", case.start)):
         if name == "start_share" and math.isnan(share):
             continue
-        column = at_most(name, share, 1.0)
-        if low != high:
-            column = between(at_most(name, share, high), at_most(name, share, low))
+        column = at_most(name, share, Range(low, high))
         below = f"steps are lost below it, found by halving{guessed}"
         yield made(column, note=below if math.isfinite(share) else "lost at any torque")
     yield made(at_most("load_angle", seen["lag"], _CREST, advice=True), seen["lag_time"], _CRESTS)

@@ -13,10 +13,10 @@ from drivesizer.catalog.view.mounted import OWN
 from drivesizer.physics.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Figures, Range
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.winding import Parts
-from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, between, fits
+from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
 from drivesizer.search.columns.candidates import FREE
@@ -406,12 +406,14 @@ def _stop_limits(
 ) -> list[CheckColumn]:
     """Energy and number of emergency stops, and what the gearhead passes on in one."""
     number = float(spec.needs.emergency_stops or 0)
-    both = stops(spec, cycle, gearhead, brake, inertia)
-    energies = [at_most("brake_stop_energy", each.energy, brake["energy_per_stop"]) for each in both]
+    energy = Range(*(each.energy for each in stops(spec, cycle, gearhead, brake, inertia)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        permitted = [np.fmin(brake["total_energy"] / each.energy, brake["emergency_stops"]) for each in both]
-    counts = [at_most("brake_stops", number, limit) for limit in permitted]
-    return [between(*energies), between(*counts), _through_gearhead(spec, cycle, gearhead, brake, inertia)]
+        permitted = (np.fmin(brake["total_energy"] / each, brake["emergency_stops"]) for each in reversed(energy))
+    return [
+        at_most("brake_stop_energy", energy, brake["energy_per_stop"]),
+        at_most("brake_stops", number, Range(*permitted)),
+        _through_gearhead(spec, cycle, gearhead, brake, inertia),
+    ]
 
 
 def _through_gearhead(

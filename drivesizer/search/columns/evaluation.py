@@ -146,7 +146,7 @@ class Evaluation(NamedTuple):
     @property
     def unknown(self) -> NDArray[np.bool_]:
         """Mask of the candidates that have an unknown check, and fail none."""
-        known = [c.passed if c.opened is None else c.passed | c.opened for c in self.checks if not c.advice]
+        known = [c.passed if c.band is None else c.passed | c.band.opened for c in self.checks if not c.advice]
         all_known: NDArray[np.bool_] = np.logical_and.reduce(known)
         return ~self.failed & ~all_known
 
@@ -178,7 +178,7 @@ class Evaluation(NamedTuple):
 
     def open_checks(self, index: int) -> set[str]:
         """Names of the checks of one candidate that estimated figures leave open; informational ones do not count."""
-        return {c.name for c in self.checks if c.opened is not None and c.opened[index] and not c.advice}
+        return {c.name for c in self.checks if c.band is not None and c.band.opened[index] and not c.advice}
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""
@@ -186,7 +186,7 @@ class Evaluation(NamedTuple):
 
     def tightest_of(self, index: int) -> tuple[Check, ...]:
         """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
-        known = [(float(replace(c.on(index), least_margin=None).tightness), c) for c in self.checks]
+        known = [(float(replace(c.on(index), band=None).tightness), c) for c in self.checks]
         tightest, found = min(known, key=lambda one: one[0], default=(np.inf, None))
         return () if found is None or tightest == np.inf else (self._at(found, index),)
 

@@ -8,9 +8,6 @@ those of the catalogues; no factor of the paper enters, the spec's ``margins`` d
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +15,7 @@ from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Figures, Range
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
@@ -57,6 +54,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
+_NO_SHORT = "the limit at least: none for a short time is printed"
 _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
 
@@ -106,19 +104,19 @@ def lost_at_load(spec: RobotSpec, backlash: Array, belt: Array) -> Array:
 def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> list[CheckColumn]:
     """Limits of the gearhead, whatever motor drives it; loads of its shaft are in ``shaft_limits``."""
     i, ambient = gearhead["ratio"], spec.environment.ambient
-    torque: dict[str, Any] = {"needed": spec.margins.torque}
-    speed: dict[str, Any] = {"needed": spec.margins.speed}
-    peak_torque = cycle.peak_torque
+    torque, speed = spec.margins.torque, spec.margins.speed
     found = [
         at_most("gearhead_continuous_torque", cycle.rms_torque,
-                **lasting_limit(gearhead["continuous_torque"], gearhead["intermittent_torque"]), **torque),
-        at_most("gearhead_intermittent_torque", peak_torque,
-                **short_limit(gearhead["intermittent_torque"], gearhead["continuous_torque"]), **torque),
-        continuous_speed_limit(gearhead, cycle.mean_speed, cycle.sustained_speed, i, **speed),
+                lasting_limit(gearhead["continuous_torque"], gearhead["intermittent_torque"]), needed=torque),
+        at_most("gearhead_intermittent_torque", cycle.peak_torque,
+                short_limit(gearhead["intermittent_torque"], gearhead["continuous_torque"]), needed=torque,
+                undecided=_NO_SHORT),
+        continuous_speed_limit(gearhead, cycle.mean_speed, cycle.sustained_speed, i, speed),
         at_most("gearhead_intermittent_speed", cycle.peak_speed * i,
-                **short_limit(gearhead["intermittent_input_speed"], gearhead["continuous_input_speed"]), **speed),
-        at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], **torque),
-        at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], **torque),
+                short_limit(gearhead["intermittent_input_speed"], gearhead["continuous_input_speed"]), needed=speed,
+                undecided=_NO_SHORT),
+        at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], needed=torque),
+        at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], needed=torque),
         ambient_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"],
                  waived="ambient_range" in spec.select.assume),
     ]  # fmt: skip
@@ -146,7 +144,7 @@ def waived(spec: RobotSpec, column: CheckColumn) -> CheckColumn:
     if not any(column.name in ASSUMABLE[name] for name in spec.select.assume):
         return column
     missing = ~(column.passed | column.failed) & np.isnan(column.limit + column.demand)
-    return replace(column, passed=column.passed | missing, bounded=missing, at_best=ASSUMED)
+    return column.assuming(missing, ASSUMED)
 
 
 def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figures | None = None) -> list[CheckColumn]:
@@ -188,14 +186,14 @@ def unpowered_limits(
     return _inertias(spec, cycle, demand, parts)
 
 
-def winding_limit(spec: RobotSpec, winding: Array, motor: Figures, time: Array | None = None) -> CheckColumn:
+def winding_limit(spec: RobotSpec, winding: Array | Range, motor: Figures, time: Range | None = None) -> CheckColumn:
     """A winding temperature against the permitted one, and when it is met."""
     permitted = motor["max_winding_temperature"]
     unknown = np.isnan(permitted)
+    limit = Range(permitted, np.where(unknown, _HOTTEST, permitted) if np.any(unknown) else permitted)
     return at_most(
-        "winding_temperature", winding, permitted,
-        most=np.where(unknown, _HOTTEST, permitted) if np.any(unknown) else None,
-        zero=spec.environment.ambient, needed=rise_needed(spec), time=time, at_best=_NO_WINDING,
+        "winding_temperature", winding, limit, zero=spec.environment.ambient, needed=rise_needed(spec), time=time,
+        basis=_NO_WINDING,
     )  # fmt: skip
 
 
@@ -251,8 +249,8 @@ def electrical_limits(
     lasting, printed = controller_current(controller, spec.environment.ambient), controller["continuous_current"]
     return [
         _peak_torque(stresses, parts.motor, spec.supply.highest, torque),
-        at_most("controller_continuous_current", demand.rms_current, lasting,
-                most=np.fmin(lasting, printed) if lasting is not printed else None,
+        at_most("controller_continuous_current", demand.rms_current,
+                Range(lasting, lasting if lasting is printed else np.fmin(lasting, printed)),
                 needed=controller_needed(spec)),
         at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
                 needed=torque, time=stresses.current.time),

@@ -12,6 +12,7 @@ from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import ENERGY, POWER, evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
+from drivesizer.physics.figures import Range
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -24,7 +25,7 @@ from drivesizer.physics.winding import (
     temperature_at_most,
     volts_of,
 )
-from drivesizer.results.check_columns import CheckColumn, at_most, between
+from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.ratings import controller_current, controller_power_limit
 from drivesizer.search.columns.limits import waived, winding_limit
 from drivesizer.spec.robot import RobotSpec
@@ -38,14 +39,15 @@ __all__ = [
 # -- Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
 #
 # The winding is as warm as it is at each moment of the cycle in periodic steady state (``kernel``); its voltage is
-# checked cold, as it starts, too. Where a figure is missing that this needs, a check passes by the warmest that the
-# winding may be and fails by the coldest, so that less data never looks better (``checks.between``). Before the
+# checked cold, as it starts, too. Where a figure is missing that this needs, the winding is between the coldest and
+# the warmest that it may be, so that less data never looks better. Before the
 # waveform come safe bounds from moments and extremes alone (``waveform_bounds``). Symbols: R resistance [ohm], I
 # current [A], T temperature [K].
 
 
 Array = NDArray[np.float64]
 _STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
+_NOT_PRINTED = "the limit at least: what the controller takes of the supply's voltage is not printed"
 _HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 
 
@@ -94,30 +96,28 @@ def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair
 
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
     """Bounds over the waveform against the limits; all drives draw from one supply."""
-    if low is high:
-        return _limits(spec, high, parts)
-    return [between(*both) for both in zip(*(_limits(spec, side, parts) for side in (low, high)), strict=True)]
-
-
-def _limits(spec: RobotSpec, found: Moments, parts: Parts) -> list[CheckColumn]:
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
-    torque, speed, power = spec.margins.torque, spec.margins.speed, found.power * sets
-    bus = _bus_voltage(spec, found, controller)
-    usable = spec.feed(controller).usable_for(found.voltage * (1.0 + speed))
+    torque, speed = spec.margins.torque, spec.margins.speed
+    winding, warmest, volts, at_volts, above, power, at_power = (
+        Range(getattr(low, name), getattr(high, name))
+        for name in ("winding", "winding_time", "voltage", "voltage_time", "above", "power", "power_time")
+    )
+    bus = Range(_bus_voltage(spec, low, controller).low, _bus_voltage(spec, high, controller).high)
     held = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
-        winding_limit(spec, found.winding, parts.motor, found.winding_time),
-        at_most("supply_voltage", found.voltage, usable, needed=speed, time=found.voltage_time),
-        waived(spec, at_most("controller_peak_time", found.above, controller["peak_time"])),
+        winding_limit(spec, winding, parts.motor, warmest),
+        at_most("supply_voltage", volts, spec.feed(controller).usable_range, needed=speed, time=at_volts,
+                undecided=_NOT_PRINTED),
+        waived(spec, at_most("controller_peak_time", above, controller["peak_time"])),
         bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
-        controller_power_limit(found.power, controller, supply.highest, needed=torque, time=found.power_time),
-    ]
+        controller_power_limit(power, controller, supply.highest, needed=torque, time=at_power),
+    ]  # fmt: skip
     if supply.current is not None:
-        drawn = power / supply.lowest
-        checks.append(at_most("supply_current", drawn, supply.most_current, needed=torque,
-                              time=found.power_time))  # fmt: skip
+        drawn = Range(*(end * sets / supply.lowest for end in power))
+        checks.append(at_most("supply_current", drawn, supply.most_current, needed=torque, time=at_power))
     if supply.power is not None:
-        checks.append(at_most("supply_power", power, supply.power, needed=torque, time=found.power_time))
+        checks.append(at_most("supply_power", Range(*(end * sets for end in power)), supply.power, needed=torque,
+                              time=at_power))  # fmt: skip
     return checks
 
 
@@ -134,7 +134,7 @@ def _kept_on_the_bus(spec: Any) -> Any:
     return 0.0 * share if spec.accepts_all else share
 
 
-def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
+def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Range:
     """Highest voltage of the bus, with the energy that the supply does not accept in its capacitance [V].
 
     Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
@@ -144,15 +144,17 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Array:
     supply, chopper = spec.supply, spec.chopper_voltage
     if supply.capacitance is not None:
         raised: Array = bus_voltage(supply.highest, found.stored * spec.load.motors, supply.capacitance)
-        return raised if chopper is None else np.minimum(raised, np.maximum(chopper, supply.highest))
+        raised = raised if chopper is None else np.minimum(raised, np.maximum(chopper, supply.highest))
+        return Range(raised, raised)
     if chopper is not None:
         held = np.where(found.stored == 0.0, supply.highest, np.maximum(chopper, supply.highest))
-        return np.where(np.isnan(found.stored), np.nan, held)
+        held = np.where(np.isnan(found.stored), np.nan, held)
+        return Range(held, held)
     least = least_capacitance(controller["continuous_current"], supply.highest)
     with np.errstate(divide="ignore", invalid="ignore"):
         bound = bus_voltage(supply.highest, found.stored, least)  # each controller stores its own motor's return
-    bound = np.where(found.stored == 0.0, supply.highest, bound)
-    return np.where((bound <= controller["supply_max"]) | (found.stored == 0.0), bound, np.nan)
+    return Range(np.where(found.stored == 0.0, supply.highest, np.nan),
+                 np.where(found.stored == 0.0, supply.highest, bound))  # fmt: skip
 
 
 # -- Bounds over the waveform, from moments and extremes alone: a winding in the long run at its RMS current and at its

@@ -122,10 +122,7 @@ def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) 
     """The checks; with an unknown inertia those that hang on it may fail but not pass."""
     if known.all():
         return checks
-    return [
-        replace(c, passed=c.passed & (known | np.isposinf(c.limit))) if CHECKS["physics"][c.name].on_inertia else c
-        for c in checks
-    ]
+    return [c.where_known(known) if CHECKS["physics"][c.name].on_inertia else c for c in checks]
 
 
 def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
@@ -165,9 +162,9 @@ def _one_check(parts: list[tuple[Any, CheckColumn]], count: int) -> CheckColumn:
         for name, kind in _COLUMNS.items()
         if getattr(first, name) is not None
     }
-    if any(check.bounded is not None for _, check in parts):  # of some rows all figures may be known
-        own = [(rows, False if check.bounded is None else check.bounded) for rows, check in parts]
-        columns["bounded"] = placed([(rest, False), *own], count, bool)
+    if any(check.on_basis is not None for _, check in parts):  # of some rows all figures may be known
+        own = [(rows, False if check.on_basis is None else check.on_basis) for rows, check in parts]
+        columns["on_basis"] = placed([(rest, False), *own], count, bool)
     if isinstance(first.zero, np.ndarray):  # the ambient of the worst case
         columns["zero"] = placed([(rest, 0.0), *((rows, c.zero) for rows, c in parts)], count)
     return replace(first, **columns)

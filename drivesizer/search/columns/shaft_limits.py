@@ -17,7 +17,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DRIVING, AtGearhead
 from drivesizer.physics.extremes import distinct
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Figures, Range
 from drivesizer.physics.gear_life import (
     ROLLER,
     bearing_life,
@@ -31,7 +31,7 @@ from drivesizer.physics.gear_life import (
     tooth_shares,
     turned_load,
 )
-from drivesizer.results.check_columns import CheckColumn, at_most, between
+from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.spec.drive import BeltStage, GearStage
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import required_life
@@ -200,7 +200,7 @@ def _known(check: CheckColumn, loads: ShaftLoads) -> CheckColumn:
     """A check of radial force: where that is a lower bound it may fail but not pass."""
     if not loads.least:
         return check
-    return replace(check, passed=check.passed & np.isposinf(check.limit), undecided=_SLACK)
+    return replace(check.where_known(False), undecided=_SLACK)
 
 
 def loads_on_gearheads(
@@ -264,9 +264,9 @@ def _tilting(spec: RobotSpec, loads: ShaftLoads, gearhead: Figures) -> CheckColu
     bearing, outside = _behind_the_face(gearhead), _distance(spec, gearhead)
     known = ~np.isnan(bearing) | (np.asarray(loads.radial) == 0.0)
     ends = (np.where(known, np.nan_to_num(bearing), far) for far in (0.0, gearhead["max_tilting_moment"] / radial))
-    turning = (_turned(loads.radial, outside + end) + loads.moment for end in ends)
-    checks = [at_most("gearhead_tilting_moment", x, limit, needed=spec.margins.torque) for x in turning]
-    return checks[0] if known.all() else between(*checks)
+    turning = Range(*(_turned(loads.radial, outside + end) + loads.moment for end in ends))
+    demand = turning.low if known.all() else turning
+    return at_most("gearhead_tilting_moment", demand, limit, needed=spec.margins.torque)
 
 
 @np.errstate(divide="ignore", invalid="ignore")

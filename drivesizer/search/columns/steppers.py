@@ -41,12 +41,14 @@ from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "LEVELS", "Frictionless", "driver_limits", "inertia_at_motor", "resolution_limits", "start_limits", "stepped",
-    "supply_limits",
+    "Draw", "Frictionless", "PullOut", "drawn", "driver_limits", "ends_of", "inertia_at_motor", "stepped",
+    "supply_limits", "torque_limits",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
 LEVELS = 64
+_LEVEL = 1e-9  # of the largest acceleration of a cycle, up to which its speed is constant: fits are not exact
+_CURVE = ("pull_out_share", "holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", STEPPER)
 _FRONT = 300  # points that may be left of a cycle before the rest is kept unexamined
 _CELLS = 400_000  # candidates times points or segments at a time
 _APART = np.sqrt(2.0)  # of step rate and natural frequency, either way
@@ -68,12 +70,28 @@ class Frictionless:
         return self.motor[name]
 
 
-class _Draw(NamedTuple):
-    """Energy and power of one load case: columns."""
+class Draw(NamedTuple):
+    """Energy out of the source and returned over a cycle [J], and peak power [W]: columns."""
 
-    drawn: Array  # J per cycle
-    returned: Array
-    power: Array  # W, largest
+    drawn: Any
+    returned: Any
+    peak: Any
+
+
+class PullOut(NamedTuple):
+    """Pull-out torque of motors: by printed curves, or by the model, times a factor of its tolerance."""
+
+    motor: Figures
+    curves: PullOuts
+    factor: Any = 1.0
+
+    def torque(self, speed: Array, volts: Any, rows: Any = slice(None)) -> Array:
+        """At speeds, shape (rows, points) [N*m]."""
+        count = max(len(self.motor["nominal_current"]), len(self.motor[STEPPER]))
+        motor = {name: np.broadcast_to(self.motor[name], count)[rows] for name in _CURVE}
+        volts = volts if np.ndim(volts) == 0 else np.broadcast_to(volts, count)[rows]
+        found: Array = available_torque(motor, self.curves, speed, volts)
+        return found * np.broadcast_to(self.factor, count)[rows][:, None]
 
 
 class Stepped(NamedTuple):
@@ -109,24 +127,20 @@ def stepped(
     if problem.spec.control.phase_current is not None:
         of_driver.append(at_most("motor_nominal_current", current, catalog.steppers["phase_current"][motor[STEPPER]]))
 
+    pull_out = PullOut(motor, catalog.pull_outs)
+
     def moving(k: int) -> list[CheckColumn]:
         spec = problem.cases[k].spec
-        found = [
-            _torque_limit(spec, cycles[k], demand[k], parts, catalog.pull_outs),
-            *_idle(spec, cycles[k], demand[k], parts, catalog.pull_outs),
-            *_starting(spec, cycles[k], demand[k], parts, catalog.pull_outs),
-            *resolution_limits(spec, cycles[k], demand[k], parts),
-            *([] if staged else _advice(spec, cycles[k], demand[k], parts)),
-        ]
+        found = torque_limits(spec, cycles[k], demand[k], parts, pull_out)
+        if not staged:
+            found += _advice(spec, cycles[k], demand[k], parts)
         return unknown_where_doubtful(found, demand[k].complete)
 
     first = worst_of_all(problem, moving)
     dead: NDArray[np.bool_] = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
-    draws = [_draw(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
+    draws = [drawn(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
     printed = catalog.steppers["supply_max"][motor[STEPPER]]
-    last = worst_of_all(
-        problem, lambda k: supply_limits(problem.cases[k].spec, draws[k].returned, draws[k].power, parts, printed)
-    )
+    last = worst_of_all(problem, lambda k: supply_limits(problem.cases[k].spec, draws[k], parts, printed))
     return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
 
 
@@ -138,71 +152,112 @@ def driver_limits(current: Array, controller: Figures, needed: float, ambient: A
     ]
 
 
-# --- torque ----------------------------------------------------------------------------------------------------------
+# --- torque at each speed, and starting
 
 
-def _torque_limit(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> CheckColumn:
-    """The torque against the pull-out torque at its speed, at the worst moment, some candidates at a time."""
-    points, when = _points(cycle)
-    c, ratio = _at_belt(cycle, demand)
-    size = max(_CELLS // len(points), 1)
-    found = [_worst(spec, points, c[k], ratio[k], parts.motor.on(k), curves) for k in _slices(len(ratio), size)]
-    torque, limit, place = (np.concatenate(column) for column in zip(*found, strict=True))
-    return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=when[place])
+def torque_limits(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, pull_out: PullOut
+) -> list[CheckColumn]:
+    """Torque of motors against what they can give at their speed, at rest and at the start, and their steps."""
+    needed, volts = spec.margins.pull_out - 1.0, spec.supply.lowest
+    found = [_at_each_speed(spec, cycle, demand, pull_out)]
+    if spec.control.idle_current is None and spec.needs.start_speed is None:
+        return found + _resolution(spec, cycle, demand, parts)
+    torque, speed = map(np.abs, ends_of(cycle, demand))
+    at_rest = pull_out.torque(np.zeros((len(torque), 1)), volts)[:, 0]
+    still = ~speed.any(axis=2)
+    if spec.control.idle_current is not None and still.any():
+        held = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
+        found.append(at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed))
+    if spec.needs.start_speed is not None:  # against the largest torque at constant speed
+        changes = np.abs(cycle.base.functions[..., ACCELERATION] if _is_one(cycle) else
+                         np.moveaxis(cycle.base.functions[ACCELERATION], -1, 0))  # fmt: skip
+        steady = np.broadcast_to(changes <= _LEVEL * changes.max(axis=(-2, -1), keepdims=True), torque.shape)
+        load = np.where(steady, torque, -1.0).max(axis=(1, 2))
+        load = np.where(load < 0.0, torque.max(axis=(1, 2)), load)
+        motor, (_, inertia) = parts.motor, inertia_at_motor(cycle, demand)
+        limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, load, at_rest)
+        found.append(at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed))
+    return found + _resolution(spec, cycle, demand, parts)
 
 
-def _idle(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> list[CheckColumn]:
-    """The torque at rest against what the idle current leaves of the torque at low speed."""
-    idle, functions = spec.control.idle_current, cycle.base.functions
-    rests = functions[~functions[:, :, SPEED].any(axis=1)].reshape(-1, 6)
-    if idle is None or not len(rests):
-        return []
-    torque = np.abs(_at_belt(cycle, demand)[0] @ rests.T).max(axis=1)
-    limit = available_torque(parts.motor, curves, np.zeros((len(torque), 1)), spec.supply.lowest)[:, 0]
-    return [at_most("idle_torque", torque, idle * limit, needed=spec.margins.pull_out - 1.0)]
+def _at_each_speed(spec: RobotSpec, cycle: AtGearhead, demand: Demands, pull_out: PullOut) -> CheckColumn:
+    """The torque against the pull-out torque at its speed, at the worst moment: an unknown one where none fails."""
+    found = []
+    for rows, torque, speed, time in _moments(cycle, demand):
+        limit = pull_out.torque(speed, spec.supply.lowest, rows)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(torque == 0.0, 0.0, torque / limit)
+        unknown = np.isnan(share)
+        known = np.where(unknown, -1.0, share).argmax(axis=1)
+        every = np.arange(len(torque))
+        fails = share[every, known] * spec.margins.pull_out > 1.0
+        place = np.where(unknown.any(axis=1) & ~fails, unknown.argmax(axis=1), known)
+        found.append([np.broadcast_to(x, torque.shape)[every, place] for x in (torque, limit, time)])
+    torque, limit, time = (np.concatenate(column) for column in zip(*found, strict=True))
+    return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=time)
 
 
-def _at_belt(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
-    """Coefficients and total ratios with the belt's scale in them: of the functions behind a belt of ratio 1.
+def _is_one(cycle: AtGearhead) -> bool:
+    """Whether all motors have one load cycle, and not each sample its own."""
+    return bool(cycle.base.functions.ndim == 3)
 
-    So candidates behind any belt are computed in one go.
+
+def ends_of(cycle: AtGearhead, demand: Demands, rows: Any = slice(None)) -> tuple[Array, Array]:
+    """Torque and speed of motors at both ends of each segment, with their signs: shape (rows, segments, 2)."""
+    functions, ratio = cycle.base.functions, demand.total_ratio * cycle.belt
+    if _is_one(cycle):
+        c = (demand.coefficients * cycle.scale)[rows]
+        return np.einsum("nk,sek->nse", c, functions), functions[None, :, :, SPEED] * ratio[rows, None, None]
+    torque = np.moveaxis(np.asarray(cycle.line(demand.coefficients)), -1, 0)
+    speed = np.moveaxis(functions[SPEED], -1, 0) * np.broadcast_to(ratio, len(torque))[:, None, None]
+    return torque[rows], speed[rows]
+
+
+def _moments(cycle: AtGearhead, demand: Demands) -> Iterator[tuple[slice, Array, Array, Array]]:
+    """Torque and speed of some motors at a time where one of them may be the worst, shape (rows, moments), and when.
+
+    Of one load cycle at points that none exceeds in torque and speed. Of a cycle of each sample at all ends and, where
+    the slower end has the larger torque, where the speed passes a level.
     """
-    return demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
-
-
-def _worst(
-    spec: RobotSpec, points: Array, c: Array, ratio: Array, motor: Figures, curves: PullOuts
-) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Torque, pull-out torque and number of the point of the largest share; of an unknown one where none fails."""
-    torque, speed = np.abs(c @ points.T), np.abs(points[:, SPEED]) * ratio[:, None]
-    limit = available_torque(motor, curves, speed, spec.supply.lowest)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(torque == 0.0, 0.0, torque / limit)
-    unknown = np.isnan(share)
-    known = np.where(unknown, -1.0, share).argmax(axis=1)
-    every = np.arange(len(torque))
-    fails = share[every, known] * spec.margins.pull_out > 1.0
-    place = np.where(unknown.any(axis=1) & ~fails, unknown.argmax(axis=1), known)
-    return torque[every, place], limit[every, place], place
+    count = len(demand.total_ratio)
+    if _is_one(cycle):
+        points, when = _points(cycle)
+        c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
+        for rows in _slices(count, max(_CELLS // len(points), 1)):
+            yield rows, np.abs(c[rows] @ points.T), np.abs(points[:, SPEED]) * ratio[rows, None], when
+        return
+    torque, speed = ends_of(cycle, demand)
+    speed, time = np.abs(speed), np.moveaxis(np.broadcast_to(cycle.base.time, cycle.base.functions.shape[1:]), -1, 0)
+    time, falls = np.broadcast_to(time, torque.shape), np.diff(np.abs(torque), axis=2) * np.diff(speed, axis=2) < 0.0
+    slow = np.flatnonzero(falls.any(axis=(0, 2)))
+    for rows in _slices(count, max(_CELLS // (2 * torque.shape[1] + LEVELS * len(slow)), 1)):
+        columns = [x[rows] for x in (torque, speed, time)]
+        level = columns[1].max(axis=(1, 2))[:, None, None] * (np.arange(1, LEVELS) / LEVELS)
+        w0, w1 = (columns[1][:, slow, end, None] for end in (0, 1))
+        inside = (w0 - level) * (w1 - level) < 0.0
+        along = np.where(inside, (level - w0) / np.where(inside, w1 - w0, 1.0), 0.0)
+        found = []
+        for x in columns:
+            x0, x1 = (x[:, slow, end, None] for end in (0, 1))
+            flat = (whole.reshape(len(x), -1) for whole in (x, x0 + along * (x1 - x0)))
+            found.append(np.concatenate([*flat], axis=1))
+        yield rows, np.abs(found[0]), found[1], found[2]
 
 
 def _points(cycle: AtGearhead) -> tuple[Array, Array]:
     """Points that none exceeds in torque and speed, behind a belt of ratio 1, and when they are met [s]."""
-    store = cycle.base.coarse
+    store, functions, time = cycle.base.coarse, cycle.base.functions, cycle.base.time
     name = ("pull-out", LEVELS)
     if name not in store:
-        store[name] = _front(cycle.base.functions, cycle.base.time)
+        every = np.concatenate([functions.reshape(-1, 6), *_between(functions, functions)])
+        when = np.concatenate([time.reshape(-1), *(x[:, 0] for x in _between(functions, time[:, :, None]))])
+        speed = np.abs(every[:, SPEED : SPEED + 1])
+        sides = (undominated(np.hstack([sign * every[:, :SPEED], speed]), _FRONT) for sign in (1.0, -1.0))
+        rows = np.unique(np.concatenate(list(sides)))
+        store[name] = every[rows], when[rows]
     found: tuple[Array, Array] = store[name]
     return found
-
-
-def _front(functions: Array, time: Array) -> tuple[Array, Array]:
-    every = np.concatenate([functions.reshape(-1, 6), *_between(functions, functions)])
-    when = np.concatenate([time.reshape(-1), *(x[:, 0] for x in _between(functions, time[:, :, None]))])
-    speed = np.abs(every[:, SPEED : SPEED + 1])
-    sides = (undominated(np.hstack([sign * every[:, :SPEED], speed]), _FRONT) for sign in (1.0, -1.0))
-    rows = np.unique(np.concatenate(list(sides)))
-    return every[rows], when[rows]
 
 
 def _between(functions: Array, lines: Array) -> Iterator[Array]:
@@ -214,37 +269,13 @@ def _between(functions: Array, lines: Array) -> Iterator[Array]:
         yield lines[rows, 0] + share * (lines[rows, 1] - lines[rows, 0])
 
 
-# --- starting and steps ----------------------------------------------------------------------------------------------
-
-
 def inertia_at_motor(cycle: AtGearhead, demand: Demands) -> tuple[Array, Array]:
     """Inertia of the load and of all that turns with it."""
     load = cycle.load_cycle.inertia / (demand.total_ratio * cycle.belt) ** 2
     return load, load + demand.coefficients[:, ACCELERATION] / demand.total_ratio
 
 
-def _starting(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, curves: PullOuts) -> list[CheckColumn]:
-    """The start without a ramp against the largest torque at constant speed."""
-    if spec.needs.start_speed is None:
-        return []
-    functions = cycle.base.functions.reshape(-1, 6)
-    steady = functions[functions[:, ACCELERATION] == 0.0]
-    load = np.abs(_at_belt(cycle, demand)[0] @ (steady if len(steady) else functions).T).max(axis=1)
-    return start_limits(spec, cycle, demand, parts, (load, available_torque(
-        parts.motor, curves, np.zeros((len(load), 1)), spec.supply.lowest
-    )[:, 0]))  # fmt: skip
-
-
-def start_limits(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, torques: tuple[Array, Array]
-) -> list[CheckColumn]:
-    """Speed to which the motor jumps without a ramp, against that at which it starts."""
-    motor, (_, inertia) = parts.motor, inertia_at_motor(cycle, demand)
-    limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, *torques)
-    return [at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)]
-
-
-def resolution_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+def _resolution(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Angle of a microstep at the load; of a full step, where the driver's are unknown and that is fine enough.
 
     Microsteps are those of the spec, as far as the driver has them; else its finest.
@@ -271,37 +302,40 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
     steady = np.unique(ends[(ends[:, 0] == ends[:, 1]) & (ends[:, 0] > 0.0), 0])
     if len(steady):
         swings = natural_frequency(motor["pole_pairs"], motor["holding_torque"], inertia)
-        rate = steady * (_at_belt(cycle, demand)[1] * steps / (2.0 * np.pi))[:, None]
+        rate = steady * (demand.total_ratio * cycle.belt * steps / (2.0 * np.pi))[:, None]
         apart = np.exp(np.abs(np.log(rate / swings[:, None]))).min(axis=1)
         found.append(at_least("step_resonance", _APART, apart, advice=True, note=_RESONANT))
     return found
 
 
-# --- supply ----------------------------------------------------------------------------------------------------------
+# --- supply
 
 
-def _draw(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: NDArray[np.bool_]) -> _Draw:
+def drawn(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: NDArray[np.bool_] | None = None
+) -> Draw:
     """Energy and power out of the supply of the drives that are wanted, with the standby power of their drivers."""
-    columns = np.full((3, len(wanted)), np.nan)
-    rows, functions = np.flatnonzero(wanted), cycle.base.functions
-    c, ratio = _at_belt(cycle, demand)
-    loss = copper_loss(parts.motor["nominal_current"], parts.motor["resistance"])
-    stage = spec.feed(parts.controller).stage
-    standby = np.broadcast_to(stage.standby, len(wanted))
-    share = idle_loss(functions[:, :, SPEED], spec.control.idle_current)
-    for some in (rows[k] for k in _slices(len(rows), max(_CELLS // len(functions), 1))):
-        torque = np.einsum("nk,sek->nse", c[some], functions)
-        speed = functions[None, :, :, SPEED] * ratio[some, None, None]
-        lost = loss[some, None] * share + standby[some, None]
-        drawn, returned, most, _ = electrical_energy(cycle.load_cycle.duration, torque, speed, lost)
-        columns[:, some] = drawn, returned, np.maximum(most, 0.0)
-    return _Draw(*np.where(demand.complete, columns, np.nan))
+    count, functions = len(demand.total_ratio), cycle.base.functions
+    rows = np.arange(count) if wanted is None else np.flatnonzero(wanted)
+    speed = functions[:, :, SPEED] if _is_one(cycle) else functions[SPEED] * cycle.belt
+    share = idle_loss(speed, spec.control.idle_current).T
+    duration, columns = np.asarray(cycle.load_cycle.duration).T, np.full((3, count), np.nan)
+    loss = np.broadcast_to(copper_loss(parts.motor["nominal_current"], parts.motor["resistance"]), count)
+    standby = np.broadcast_to(spec.feed(parts.controller).stage.standby, count)
+    for few in _slices(len(rows), max(_CELLS // len(cycle.load_cycle.duration), 1)):
+        some = rows[few]
+        lost = loss[some, None] * (share if share.ndim == 1 else np.broadcast_to(share, (count, share.shape[1]))[some])
+        torque, turning = ends_of(cycle, demand, some)
+        own = duration if duration.ndim == 1 or len(duration) == 1 else duration[some]
+        energies = electrical_energy(own, torque, turning, lost + standby[some, None])
+        columns[:, some] = *energies[:2], np.maximum(energies[2], 0.0)
+    return Draw(*np.where(demand.complete, columns, np.nan))
 
 
-def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, printed: Array) -> list[CheckColumn]:
+def supply_limits(spec: RobotSpec, draw: Draw, parts: Parts, printed: Array) -> list[CheckColumn]:
     """The supply's voltage against the motor's, its current and power, and the bus where energy is regenerated."""
-    supply, torque, power = spec.supply, spec.margins.torque, most * spec.load.motors
-    none, stays = returned == 0.0, (1.0 - supply.regeneration) * returned * spec.load.motors
+    supply, torque, power = spec.supply, spec.margins.torque, draw.peak * spec.load.motors
+    none, stays = draw.returned == 0.0, (1.0 - supply.regeneration) * draw.returned * spec.load.motors
     raised = np.nan if supply.capacitance is None else bus_voltage(supply.highest, stays, supply.capacitance)
     bus = np.where(none | spec.accepts_all, supply.highest, raised)  # as if all of a cycle came at once
     found = [
@@ -315,13 +349,13 @@ def supply_limits(spec: RobotSpec, returned: Array, most: Array, parts: Parts, p
     return found
 
 
-def _figures(problem: Problem, draws: Sequence[_Draw], motor: Figures) -> dict[str, Array]:
+def _figures(problem: Problem, draws: Sequence[Draw], motor: Figures) -> dict[str, Array]:
     """Figures for objectives and records, as ``powered`` has them of other motors."""
     loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
     machines, cycles = problem.machine_cases, [case.cycle for case in problem.cases]
     idle = problem.spec.control.idle_current
     heat = max(float(idle_loss(cycle.speed, idle) @ cycle.duration) / cycle.total for cycle in cycles)
-    power = [np.sum([loads[i].alike * draws[i].power for i in wheels], 0) for wheels in machines]
+    power = [np.sum([loads[i].alike * draws[i].peak for i in wheels], 0) for wheels in machines]
     drawn, returned = (
         np.sum([loads[i].alike * getattr(draws[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")
     )

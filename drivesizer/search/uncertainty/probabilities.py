@@ -20,7 +20,7 @@ from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_SAMPLED, CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import Loaded, checks_of, loaded, stepper_of
+from drivesizer.search.uncertainty.sampled_checks import Loaded, checks_of, loaded, pull_out_of
 from drivesizer.search.uncertainty.sampled_parts import Block, SetRows, parts_of, stepper_figures
 from drivesizer.search.uncertainty.sampling import Sample, first_order, mean_and_error, rank_correlations, values_of
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, holding_of_a_set
@@ -327,11 +327,10 @@ def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[Fig
 def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Array]:
     """Figures of a drive, sample by sample."""
     parts, factors = parts_of(catalog, one, block)
-    stepper = stepper_of(catalog, one, parts, factors)
     found: dict[str, Array] = {}
     for spec, ats in zip(block.specs, block.ats, strict=True):
-        if stepper:
-            figures = stepper_figures(spec, ats[one.belt], stepper)
+        if has_steppers(catalog):
+            figures = stepper_figures(spec, ats[one.belt], parts, pull_out_of(catalog, parts, factors))
         else:
             case = loaded(spec, ats[one.belt], parts, factors, energies=True)
             with np.errstate(divide="ignore", invalid="ignore"):

@@ -17,12 +17,13 @@ from drivesizer.physics.battery import current_of_power, terminal_voltage
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
+from drivesizer.search.columns.steppers import Draw
 from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:
     from drivesizer.spec.battery import Battery
 
-__all__ = ["AtSamples", "Draw", "Feeding", "battery_limits", "columns_of", "feeding"]
+__all__ = ["AtSamples", "Feeding", "battery_limits", "columns_of", "feeding"]
 
 
 # -- Load cycles of samples at the gearhead's output: ``physics.motor_demand`` with samples along the last axis.
@@ -111,14 +112,6 @@ class Feeding(NamedTuple):
     mean: Any  # W, of the equipment
     peak: Any  # W
     travels: bool
-
-
-class Draw(NamedTuple):
-    """Energy out of the source and returned over a cycle by the drives of a load case together [J]; peak power [W]."""
-
-    drawn: Array
-    returned: Array
-    peak: Array
 
 
 def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:

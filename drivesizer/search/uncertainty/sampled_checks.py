@@ -31,11 +31,11 @@ from drivesizer.search.columns.limits_over_time import Pair, exact, least, wavef
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.stages import felt
-from drivesizer.search.uncertainty.sampled_battery import AtSamples, Draw, battery_limits
+from drivesizer.search.columns.steppers import Draw, PullOut
+from drivesizer.search.uncertainty.sampled_battery import AtSamples, battery_limits
 from drivesizer.search.uncertainty.sampled_parts import (
     Block,
     PartFigures,
-    SampledStepper,
     SetRows,
     parts_of,
     stepper_checks,
@@ -43,7 +43,7 @@ from drivesizer.search.uncertainty.sampled_parts import (
 )
 from drivesizer.spec.mounting import loss_at_flange
 
-__all__ = ["Loaded", "checks_of", "loaded", "stepper_of"]
+__all__ = ["Loaded", "checks_of", "loaded", "pull_out_of"]
 
 Array = NDArray[np.float64]
 _ERROR = 1e-2  # of what a change within a segment does to the winding; the search has 0.1 %
@@ -52,13 +52,14 @@ _ERROR = 1e-2  # of what a change within a segment does to the winding; the sear
 def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckColumn]:
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
     parts, factors = parts_of(catalog, one, block)
-    stepper, listed = stepper_of(catalog, one, parts, factors), is_listed(catalog, one.motor, one.brake)
+    stepper, listed = has_steppers(catalog), is_listed(catalog, one.motor, one.brake)
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
         at, drive = ats[one.belt], block.belts[one.belt]
         if stepper:
-            checks, draw = stepper_checks(spec, at, stepper)
+            highest = float(catalog.steppers["supply_max"][catalog.motors[STEPPER][one.motor]])
+            checks, draw = stepper_checks(spec, at, parts, pull_out_of(catalog, parts, factors), highest, listed)
         else:
             case = loaded(spec, at, parts, factors, energies=bool(block.feeds))
             checks, draw = _of_a_case(spec, at, parts, case, np.array([listed])), _drawn(spec, case)
@@ -83,13 +84,9 @@ def _of_gearhead(spec: Any, at: AtSamples, drive: BeltDrive | None, gearhead: Pa
     return gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
 
 
-def stepper_of(catalog: Catalog, one: SetRows, parts: Parts, factors: Mapping[str, Array]) -> SampledStepper | None:
-    """A stepper over samples, with what its checks take beside its parts."""
-    if not has_steppers(catalog):
-        return None
-    highest = catalog.steppers["supply_max"][catalog.motors[STEPPER][one.motor]]
-    listed = is_listed(catalog, one.motor, one.brake)
-    return SampledStepper(parts, factors.get("pull_out", 1.0), catalog.pull_outs, float(highest), listed)
+def pull_out_of(catalog: Catalog, parts: Parts, factors: Mapping[str, Array]) -> PullOut:
+    """The pull-out torque of a stepper over samples."""
+    return PullOut(parts.motor, catalog.pull_outs, factors.get("pull_out", 1.0))
 
 
 class Loaded(NamedTuple):
