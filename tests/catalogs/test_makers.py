@@ -78,13 +78,14 @@ MAKERS: dict[str, dict[str, int]] = {
     "oriental_motor": counted(motors=10 - 2 - 2, steppers=5 - 1 + 4),  # no PK243B1-SG18; PKP
     "parker": counted(steppers=1),
     "phytron": pin(steppers=8 + 1),  # 8 counted; phyBasic is of another list
-    "trinamic": counted(steppers=1 + 3) | pin(controllers=1),
+    "trinamic": counted(steppers=1 + 3, controllers=1 + 2),
     # those of public tables of motors, less what has no holding torque and what is there twice
     "cloudray": pin(steppers=7), "fysetc": pin(steppers=13), "hanpose": pin(steppers=10),
     "kelimotor": pin(steppers=5), "ldo": pin(steppers=63),
     "moons": pin(steppers=20, brakes=3), "motech": pin(steppers=22),
     "oukeda": pin(steppers=5), "rattm": pin(steppers=5), "shengyang": pin(steppers=6), "siboor": pin(steppers=7),
-    "stepperonline": pin(steppers=38, brakes=1), "usongshine": pin(steppers=4), "wantai": pin(steppers=4),
+    "stepperonline": pin(steppers=38, brakes=1, controllers=3), "usongshine": pin(steppers=4),
+    "wantai": pin(steppers=4),
     # belts and pulleys: the lists of ReCalc, whole
     "last_anvil": counted(belts=24, pulleys=8), "sds": counted(belts=3), "swyft": counted(belts=54),
     "thrifty": counted(belts=103, pulleys=20), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
@@ -115,11 +116,11 @@ MAKERS: dict[str, dict[str, int]] = {
     "banebots": counted(motors=2),
     "beckhoff": counted(motors=7 + 1 + 20, steppers=5, brake_resistors=5 + 4, power_supplies=1)
     | pin(controllers=8),  # AM8122 has two windings; AM8000
-    "ctre": counted(motors=3),  # two kinds of commutation are one motor; the Falcon is VEX's
+    "ctre": counted(motors=3, controllers=3),  # two kinds of commutation are one motor; the Falcon is VEX's
     "kollmorgen": counted(motors=3),
     "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3 + 1),
     "odrive": counted(motors=5 - 2, brake_resistors=1) | pin(controllers=5),  # without M5312s and BotWheel
-    "rev": counted(motors=6 - 1, belts=25, pulleys=12) | pin(controllers=1),  # without Core Hex
+    "rev": counted(motors=6 - 1, belts=25, pulleys=12, controllers=3),  # without Core Hex
     "tamagawa": counted(motors=19),
     "tq": counted(motors=3),
     # gearheads
@@ -137,7 +138,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "lktech": pin(actuators=5),
     "myactuator": pin(actuators=25 - 20 + 10),  # 25 names of V2 and V3 counted; ten V4 of the brochure
     # 37D without the two bare motors, 25D, LP without 5:1 and 10:1, HPCB and 3052, the Romi's: counted but one 25D
-    "pololu": pin(actuators=(20 - 2) + (3 + 1) + (11 - 2) + 2 + 1, controllers=15, brake_resistors=4 - 2),
+    "pololu": pin(actuators=(20 - 2) + (3 + 1) + (11 - 2) + 2 + 1, controllers=15 + 4, brake_resistors=4 - 2),
     # X, MX, AX-12A, XL-320, P and Y counted, one per voltage; PRO
     "robotis": pin(actuators=67 + 3 * 3 + 1 + 1 + 6 + 6 + 11),
     "robstride": pin(actuators=7 + 1 + 1),  # RS00 to RS06 and EduLite counted; RS10P is of the maker's page
@@ -145,7 +146,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "unitree": counted(actuators=3 - 2),  # without A1, B1
     "vex": counted(motors=4, actuators=3), "xiaomi": counted(actuators=1),
     # controllers
-    "amc": counted(controllers=3), "basicmicro": pin(controllers=9), "cytron": pin(controllers=2),
+    "amc": counted(controllers=3), "basicmicro": pin(controllers=9), "cytron": pin(controllers=2 + 2),
     "dimension_engineering": pin(controllers=2), "granite_devices": pin(controllers=3),
     "mjbots": counted(controllers=4 * 2),  # with and without cooling
     "phidgets": pin(controllers=2), "roboteq": pin(controllers=15, brake_resistors=2),
