@@ -199,8 +199,8 @@ def _course(found: SetCycle) -> tuple[Array, Array, Array]:
 #
 # Torque of the motor is :math:`c f(t)`, its coefficients times the six functions of the load cycle (``physics``),
 # rotor and friction included; its current that over :math:`k_t`. Segments of one kind that follow one another are
-# one piece: speed and its change decide the kind. The RMS over the whole is that of all pieces, :math:`\tau_{rms} =
-# \sqrt{\sum \tau_k^2 t_k / \sum t_k}`.
+# one piece: speed and its change decide the kind; where noise makes many of them, that of straight lines through the
+# speed. The RMS over the whole is that of all pieces, :math:`\tau_{rms} = \sqrt{\sum \tau_k^2 t_k / \sum t_k}`.
 #
 # Worked example: a load of 0.474 kg·cm² and 0.035 N·m at a motor of 0.00629 kg·cm² takes 0.186 N·m to reach 3000 rpm
 # in 0.1 s (Yaskawa, E-S series product manual, 2.4.1, verification of the servomotor).
@@ -211,8 +211,10 @@ _LEVEL = 1e-9  # of the largest acceleration: less is what rounding leaves of a 
 _MOTIONS = ("rest", "brake", "run", "accelerate", "brake back", "run back", "accelerate back")
 
 
-def motor_pieces(cycle: AtGearhead, demand: Demands, torque_constant: float, case: str = "") -> tuple[MotorPiece, ...]:
-    """The pieces of a drive's cycle in the order of time, and last the whole of it."""
+def motor_pieces(
+    cycle: AtGearhead, demand: Demands, torque_constant: float, case: str = "", *, noisy: bool = False
+) -> tuple[MotorPiece, ...]:
+    """The pieces of a drive's cycle in the order of time, and last the whole of it; ``noisy``: of a recording."""
     load = cycle.load_cycle
     torque = cycle.line(demand.coefficients[0]) if demand.complete[0] else np.full_like(load.torque, nan)
     speed = np.abs(load.speed).max(axis=1) * cycle.belt * float(demand.total_ratio[0])
@@ -228,6 +230,9 @@ def motor_pieces(cycle: AtGearhead, demand: Demands, torque_constant: float, cas
 
     motions = _motions(load)
     edges = [0, *(np.flatnonzero(np.diff(motions)) + 1).tolist(), len(motions)]
+    if noisy and len(edges) - 1 > _MOST_PIECES:
+        motions = _seen_motions(load)
+        edges = [0, *(np.flatnonzero(np.diff(motions)) + 1).tolist(), len(motions)]
     if len(edges) - 1 <= _MOST_PIECES:
         found = [piece(_MOTIONS[motions[a]], slice(a, b)) for a, b in pairwise(edges)]
     else:
@@ -240,6 +245,45 @@ def _motions(load: Any) -> NDArray[np.int64]:
     way, slope = np.sign(middle(load.speed)), middle(load.acceleration)
     gaining = np.where(np.abs(slope) <= _LEVEL * np.abs(load.acceleration).max(), 0.0, np.sign(slope * way))
     return np.where(way == 0.0, 0.0, 2.0 + gaining + 3.0 * (way < 0.0)).astype(np.int64)
+
+
+def _seen_motions(load: Any) -> NDArray[np.int64]:
+    """The kind of each segment of a noisy course: by straight lines through its speed, as an eye sees them.
+
+    A line ends where the speed leaves it by more than five times the noise, within 5 to 15 % of the largest speed.
+    """
+    time = np.append(0.0, np.cumsum(load.duration))
+    speed = np.append(load.speed[:, 0], load.speed[-1, 1])
+    noise = 1.4826 / math.sqrt(1.5) * float(np.median(np.abs(np.diff(speed, 2) / 2.0)))  # of one sample
+    largest = float(np.abs(speed).max())
+    room = min(max(_OF_NOISE * noise, _SEEN[0] * largest), _SEEN[1] * largest)
+    lines, ends = [(0, len(speed) - 1)], set[int]()
+    while lines:
+        i, k = lines.pop()
+        ends.add(k)
+        straight = speed[i] + (speed[k] - speed[i]) * (time[i : k + 1] - time[i]) / (time[k] - time[i])
+        off = np.abs(speed[i : k + 1] - straight)
+        corner = i + int(np.argmax(off))
+        if off[corner - i] > room:
+            lines += [(i, corner), (corner, k)]
+    motions = np.zeros(len(load.duration), dtype=np.int64)
+    for i, k in pairwise((0, *sorted(ends))):
+        along = (time[i : k + 1] - time[i]) / (time[k] - time[i])
+        slope, start = np.polyfit(along, speed[i : k + 1], 1) if k > i + 1 else (speed[k] - speed[i], speed[i])
+        if start * (start + slope) < 0.0 and min(abs(start), abs(start + slope)) > room:  # it turns round
+            turn = i + int(np.searchsorted(along, -start / slope))
+            sides = [(i, turn, start, 0.0), (turn, k, 0.0, start + slope)]
+        else:
+            sides = [(i, k, start, start + slope)]
+        for first, last, begin, end in sides:
+            if max(abs(begin), abs(end)) > room:
+                gained = abs(end) - abs(begin)
+                motions[first:last] = 2 + int(np.sign(gained)) * (abs(gained) > room) + 3 * (begin + end < 0.0)
+    return motions
+
+
+_SEEN = 0.05, 0.15  # of the largest speed, least and most
+_OF_NOISE = 5.0  # standard deviations
 
 
 def _largest(values: Array) -> float:

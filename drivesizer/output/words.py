@@ -17,7 +17,7 @@ from drivesizer.results.check import Reliability, Spread
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts, SizingResult, Status
-from drivesizer.units import label, show
+from drivesizer.units import digits_of, from_si, show
 
 __all__ = [
     "FIRST_NOTES", "LESS", "LONGEST", "about", "confidence", "confidences", "csv_cell", "figure", "first_columns",
@@ -282,8 +282,10 @@ def figure(value: Any, column: Column, *, unit: bool = True, digits: int = 5) ->
     """A figure as a data sheet prints it; "unknown" where it is."""
     if isinstance(value, str):
         return value or "unknown"
-    if column.kind.startswith("price") and not isnan(value):
-        text = f"{value:.2f} {column.unit}"  # to the cent, as money is
-    else:
-        text = show(value, column.unit, column.kind, digits)
-    return text if unit else text.removesuffix(label(column.unit)).strip()
+    if isnan(value):
+        return "unknown"
+    if column.kind.startswith("price"):  # to the cent, as money is
+        return f"{value:.2f} {column.unit}" if unit else f"{value:.2f}"
+    if not unit:
+        return digits_of(float(from_si(value, column.unit, column.kind)), digits)
+    return show(value, column.unit, column.kind, digits)

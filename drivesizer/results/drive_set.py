@@ -19,7 +19,7 @@ from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check, Figure, Reliability, Status
 from drivesizer.results.problem import ChosenScrew
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import from_si, show
+from drivesizer.units import from_si, show, show_band
 
 __all__ = [
     "BrakingBudget", "Comparison", "Consumption", "DriveParts", "DriveSet", "EnergyBudget", "EstimatedFigure",
@@ -155,8 +155,8 @@ class MassRow:
         """
         if self.band is None or not self.each > 0.0:
             return show(mass, unit, "mass")
-        value, low, high = (show(mass * end / self.each, unit, "mass", 2) for end in (self.each, *self.band))
-        return f"{value} ({low.removesuffix(f' {unit}')} to {high})"
+        low, high = (mass * end / self.each for end in self.band)
+        return f"{show(mass, unit, 'mass', 2)} ({show_band(low, high, unit, 'mass')})"
 
 
 # -- Consumers of a battery and how long it lasts, as records.

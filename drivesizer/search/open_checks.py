@@ -20,6 +20,7 @@ from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.physics.thermal import rated_ambient, steady_winding
 from drivesizer.results.check import Check
+from drivesizer.results.check_kinds import figure_words
 from drivesizer.results.drive_set import EstimatedFigure, voltage_assumption
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import is_listed
@@ -351,4 +352,4 @@ def _turning(turn: Turn | None, actuator: bool) -> str:
     if actuator and turn.figure in _OF_ACTUATORS:
         figure = _OF_ACTUATORS[turn.figure].replace("_", " ")
         return f"passes with a {figure} of {side} {value}; the maker prints none as a limit"
-    return f"passes with a {_PART[section]} {name.replace('_', ' ')} of {side} {value}, which is estimated"
+    return f"passes with a {figure_words(_PART[section], name)} of {side} {value}, which is estimated"

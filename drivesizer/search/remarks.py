@@ -5,10 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from math import isnan
+from typing import Any
+
+import numpy as np
 
 from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
+from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.machine import problem as pulleys
 from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
@@ -150,6 +155,7 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
             "the paper's rule does not look at heat, permissible motor speed or supply sag; the physics beside it does"
         )
     sentences += not_returning(problem)
+    sentences += [text for case in problem.cases if (text := _lone_peak(case.spec.load, case.cycle))]
     if not sets:
         return tuple(sentences)
     best = sets[0]
@@ -170,6 +176,26 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
         sentences.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
     return tuple(sentences)
+
+
+_LONE = 0.8  # of the peak, below which the largest torque beside it says that it is one sample's
+
+
+def _lone_peak(load: Any, cycle: LoadCycle) -> str:
+    """A warning of a recording whose largest torque is a single sample; empty of others."""
+    if not isinstance(load, Recorded) or isinstance(load, ComputedLoad) or len(cycle.duration) < _SAMPLES:
+        return ""
+    torque = np.append(np.abs(cycle.torque[:, 0]), abs(cycle.torque[-1, 1]))
+    at = int(torque.argmax())
+    others = float(np.delete(torque, at).max())
+    if others >= _LONE * torque[at]:
+        return ""
+    peak, without = (show(T * load.motors, "N*m", "torque", 3) for T in (float(torque[at]), others))
+    when = show(float(cycle.duration[:at].sum()), "s", "time")
+    return f"the largest torque of {load.file}, {peak}, is a single sample at {when}; without it {without}"
+
+
+_SAMPLES = 50  # of a recording, rather than of a cycle that was written by hand
 
 
 def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:

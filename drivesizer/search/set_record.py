@@ -225,7 +225,8 @@ def _pieces(evaluation: Evaluation, parts: DriveParts) -> tuple[MotorPiece, ...]
     found: list[MotorPiece] = []
     for case in evaluation.problem.cases[:_CASES]:
         cycle, demand = turned(case.spec, parts, case.at_belt)
-        found += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name)
+        noisy = case.spec.load.kind == "recorded"
+        found += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name, noisy=noisy)
     return tuple(found)
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from drivesizer.units.kinds import KINDS, Kind, resolved
 from drivesizer.units.reader import (
+    digits_of,
     from_si,
     kind_of_unit,
     label,
@@ -23,11 +24,12 @@ from drivesizer.units.reader import (
     registry,
     scale,
     show,
+    show_band,
     tabulate,
     to_si,
 )
 
 __all__ = [
-    "KINDS", "Kind", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "resolved", "scale",
-    "show", "tabulate", "to_si",
+    "KINDS", "Kind", "digits_of", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry",
+    "resolved", "scale", "show", "show_band", "tabulate", "to_si",
 ]  # fmt: skip

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     import pint
 
 __all__ = [
-    "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show", "tabulate", "to_si",
+    "digits_of", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show",
+    "show_band", "tabulate", "to_si",
 ]  # fmt: skip
 
 
@@ -309,7 +310,7 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     value
         Figure [SI]; NaN where unknown.
     unit, kind
-        As for :func:`from_si`.
+        As for :func:`from_si`; from a thousand on the unit with the next prefix is taken, as far as it is usual.
     digits
         Significant digits.
 
@@ -320,14 +321,38 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
 
     Examples
     --------
-    >>> show(0.0263, "mN*m", "torque")
-    '26.3 mN·m'
+    >>> show(0.0263, "mN*m", "torque"), show(5.8, "g", "mass"), show(50790.0, "J", "energy")
+    ('26.3 mN·m', '5.8 kg', '50.79 kJ')
     """
     if math.isnan(value):
         return "unknown"
     if math.isinf(value):
         return "unbounded" if value > 0 else "unbounded below"
-    text = f"{from_si(value, unit, kind):.{digits}g}"
-    if "e" in text and abs(float(text)) < 1e6:
-        text = f"{float(text):f}".rstrip("0").rstrip(".") if abs(float(text)) >= 1e-3 else text
-    return f"{text} {label(unit)}".rstrip()
+    shown = float(from_si(value, unit, kind))
+    while abs(shown) >= _THOUSAND and unit in _LARGER:
+        unit = _LARGER[unit]
+        shown = float(from_si(value, unit, kind))
+    return f"{digits_of(shown, digits)} {label(unit)}".rstrip()
+
+
+def digits_of(number: float, digits: int = 4) -> str:
+    """A number to some significant digits, without an exponent from a thousandth to a million."""
+    text = f"{number:.{digits}g}"
+    if "e" in text and 1e-3 <= abs(float(text)) < 1e6:
+        return f"{float(text):f}".rstrip("0").rstrip(".")
+    return text
+
+
+def show_band(low: float, high: float, unit: str, kind: str) -> str:
+    """Two SI values as text, their unit once where it is the same.
+
+    >>> show_band(0.58, 0.91, "g", "mass"), show_band(0.58, 1.2, "g", "mass")
+    ('580 to 910 g', '580 g to 1.2 kg')
+    """
+    first, last = show(low, unit, kind, 2), show(high, unit, kind, 2)
+    behind = " " + last.rpartition(" ")[2]
+    return f"{first.removesuffix(behind)} to {last}"
+
+
+_LARGER = {"g": "kg", "J": "kJ", "kJ": "MJ", "W": "kW", "mN*m": "N*m", "mA": "A", "mV": "V", "N": "kN"}  # next prefix
+_THOUSAND = 999.95  # what four digits show as 1000

@@ -16,7 +16,7 @@ from drivesizer.output.report import write
 from drivesizer.spec.robot import read_spec
 
 PAGES = sorted((DOCS / "tutorials").glob("*.md"))
-COLUMNS, LINES = 80, 50
+COLUMNS, LINES = 80, 44
 
 
 def spec_of(page):

@@ -17,6 +17,7 @@ from drivesizer.output.json import documents
 from drivesizer.output.terminal.sizing import sizing
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.motor_demand import demands
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
 MOTOR = Motor(rotor_inertia=0.00629e-4, torque_constant=0.05, no_load_current=0.0, no_load_speed=400.0, kind="brushed",
@@ -91,6 +92,28 @@ def test_what_is_not_known_is_unknown():
     found, _, _ = pieces_of(WHEEL, MOVE, replace(MOTOR, rotor_inertia=math.nan))
     assert all(math.isnan(one.motor_torque) and math.isnan(one.rms_current) for one in found)
     assert found[0].load_torque == pytest.approx(0.474e-4 * 100 * math.pi / 0.1 + 0.035)
+
+
+def test_a_noisy_recording_has_the_pieces_that_were_driven(tmp_path):
+    """Ramps of known times, 1 % of noise on the speed, and one sample of the torque that stands alone."""
+    rng, times, speeds = np.random.default_rng(3), [0, 1, 6, 14, 19, 22, 24, 27, 32, 38, 40], [0, 0, 60, 60, 0, 0, 0]
+    time = np.arange(0.0, 40.0, 0.01)
+    speed = np.interp(time, times, [*speeds, -40, -40, 0, 0]) + rng.normal(0.0, 0.6, len(time))
+    torque = 2.0 * np.sign(speed) + rng.normal(0.0, 0.1, len(time))
+    torque[1650] = 14.0
+    speed[0] = speed[-1] = 0.0
+    rows = "\n".join(f"{t:.2f},{w:.4f},{T:.4f}" for t, w, T in zip(time, speed, torque, strict=True))
+    (tmp_path / "log.csv").write_text(f"time,speed,torque\ns,rpm,N*m\n{rows}\n", encoding="utf-8")
+    text = "name: x\nload: {kind: recorded, file: log.csv, smoothing: 20 ms}\nsupply: {nominal: 24 V}\n"
+    (tmp_path / "robot.yaml").write_text(f"{text}select: {{catalogs: [maxon]}}\n", encoding="utf-8")
+    found = size(load_spec(tmp_path / "robot.yaml"))
+    *parts, _ = found.sets[0].pieces
+    assert [one.name for one in parts] == [
+        "rest", "accelerate", "run", "brake", "rest", "accelerate back", "run back", "brake back", "rest"
+    ]  # fmt: skip
+    assert [one.duration for one in parts] == pytest.approx([1, 5, 8, 5, 5, 3, 5, 6, 2], abs=0.4)
+    (said,) = (text for text in found.warnings if "single sample" in text)
+    assert said.startswith("the largest torque of log.csv, 14 N·m, is a single sample at 16.5 s; without it 2.")
 
 
 def test_every_output_prints_them(result, capsys):

@@ -109,7 +109,7 @@ def test_what_the_summary_says_first(page, result):
     best = result.sets[0]
     tiles = {words(t.xpath("dt")[0]): words(t.xpath("dd")[0]) for t in page.xpath("//dl[@class='tiles']/div")}
     assert tiles["Price of all 4 drives, at least"] == "510.92 EUR"  # four gearheads
-    assert tiles["Mass of all 4 drives, at least"] == "0.828 kg"  # of motor and gearhead 207 g, the rest unknown
+    assert tiles["Mass of all 4 drives, at least"] == "828 g"  # of motor and gearhead 207 g, the rest unknown
     assert tiles["Smallest margin"] == "+2.0 %" and tiles["Energy per cycle"].endswith(" J")
     for part in (best.motor, best.gearhead, best.encoder, best.controller):
         assert part is not None and part.part in words(page.xpath("//table[contains(@class, 'parts')]")[0])

@@ -59,7 +59,7 @@ def test_the_summary_has_the_answer_in_its_order(result):
         c.margin for c in result.sets[0].deciding if c.is_comparable
     )
     assert made["words"]["text"] == (
-        "In all: without the mass of belt, encoder, controller; without the price of motor, belt, encoder, controller."
+        "In all: no mass of belt, encoder, controller; no price of motor, belt, encoder, controller."
     )
     assert made["verdict"]["paragraphs"][0][0] == {"kind": "status", "text": result.sets[0].status}
 

@@ -24,7 +24,7 @@ from drivesizer.output.report.workbook import report_xlsx, shown, written
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import registry, show
+from drivesizer.units import digits_of, registry
 
 FORMULAS = ("=1+1", "+1", "-1+1", "@SUM(A1)", '=HYPERLINK("http://x")', "http://example.org/a", "{=1}", "\t=1", "＝1")
 
@@ -137,7 +137,7 @@ def test_margins_are_formulas_of_the_cells_beside_them_or_numbers_in_per_cent(bo
 @pytest.mark.parametrize("value", [26.304, 5.0, 0.0, -0.07375, 208.8654, 6169.2, 0.002843, 1.0, 999.96, -2.855, 0.4175])
 def test_a_figure_is_shown_with_the_digits_that_are_printed_elsewhere(value):
     decimals = len(shown(value).partition(".")[2])
-    assert float(f"{value:.{decimals}f}") == float(show(value, "N", "force").removesuffix(" N"))
+    assert float(f"{value:.{decimals}f}") == float(digits_of(value))
 
 
 def test_what_has_no_end_is_a_word():

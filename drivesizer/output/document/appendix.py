@@ -71,7 +71,7 @@ def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
 
 def _scalar(value: Any) -> str:
     if isinstance(value, bool):
-        return "true" if value else "false"
+        return "yes" if value else "no"
     return "" if value is None else str(value)
 
 

@@ -90,7 +90,8 @@ def _derivation(content: Content) -> Iterator[Block]:
         first = ", in the first four load cases" if many > 4 else ""
         caption = f"Torque and speed of the {content.shaft} over the cycle, of one drive{{}}. {inertia}"
     yield Picture("cycle", caption.format(first) + cut, "torque and speed of the driven shaft over time",
-                  about=_ABOUT_CYCLE[content.result.method], on_page=caption.format("") + further)  # fmt: skip
+                  about=_ABOUT_CYCLE[content.result.method], on_page=caption.format("") + further,
+                  floats=True)  # fmt: skip
 
 
 def _equations(content: Content) -> Iterator[Block]:
@@ -101,6 +102,10 @@ def _equations(content: Content) -> Iterator[Block]:
         Math('eta_"g"', "η_g"),
         " in (17), (18).",
     ))  # fmt: skip
+    spec = content.result.spec
+    slope = str((spec.entered.get("load") or {}).get("slope", "")).strip()
+    if slope.endswith("%"):
+        yield Words(f"The slope of {slope} is put in as its angle, {show(spec.load.slope, 'deg', 'angle')}.")
     yield Heading("The vehicle and its wheels", media="paper")
     yield from map(_equation, content.result.requirements)
     if content.drive and content.drive.requirements:
@@ -132,7 +137,7 @@ _FIGURES = (  # key, head, unit and kind of each figure
 
 
 def _pieces(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
-    columns = (Column("case", "load case", media="wide"), Column("piece", "piece", "name", 1.0),
+    columns = (Column("case", "load case", media="wide"), Column("piece", "piece", "name"),
                *(Column(key, head, "number", media="paper" if key in ("start", "rms_current") else "all")
                  for key, head, *_ in _FIGURES))  # fmt: skip
     for case, pieces in groupby(drive.pieces, key=lambda one: one.case):
@@ -279,7 +284,8 @@ def _energy(content: Content) -> Iterator[Block]:
     of = content.of_drives.of_machine(", each at its wheel", ", as specified")
     yield Picture("energy", f"Energy of one cycle, all drives{of}. Each bar begins where the one above it ends.",
                   "losses and work in the energy of a cycle",
-                  about="splits the energy that the supply gives in a cycle; the parts sum to the whole.")  # fmt: skip
+                  about="splits the energy that the supply gives in a cycle; the parts sum to the whole.",
+                  floats=True)  # fmt: skip
 
 
 ENERGY = Section(name="energy", title="Energy", level=2, blocks=_energy, media="paper")
@@ -355,7 +361,7 @@ def _loop_details(content: Content | OfLoop) -> Iterator[Block]:
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
     yield Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
-                  on_page=f"{shown} All diagrams share the axis of time.")  # fmt: skip
+                  on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
     columns = (
         Column("title", "gain", "name", 1.0),
         Column("value", "value", "number"),
@@ -449,11 +455,11 @@ def _linear(content: Content | OfLoop) -> Iterator[Block]:
         "bode", "Frequency response. Marked are the crossover, the phase margin there (a thick line from the phase to "
         f"−180°) {ends}{line}{none}", "Bode diagram of the loops", about="is the frequency response.",
         on_page="Frequency response. Marked are the crossover, with the phase margin to −180°, "
-        f"{ends}{other + '.' if directed else ''}{none}")  # fmt: skip
+        f"{ends}{other + '.' if directed else ''}{none}", floats=True)  # fmt: skip
     band = "The grey band is 2 % to either side of the end, the dashed line the settling time."
     yield Picture("step", f"Response of each loop to a step of its reference. {band}", "step responses of the loops",
                   about="is the response to a step.",
-                  on_page=f"Response of each stable loop to a step of its reference. {band}")  # fmt: skip
+                  on_page=f"Response of each stable loop to a step of its reference. {band}", floats=True)  # fmt: skip
 
 
 def _loop_row(loop: Loop) -> Row:

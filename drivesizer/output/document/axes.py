@@ -300,7 +300,8 @@ def _power(content: MachineContent) -> Iterator[Block]:
     moved_ = "Pointed at, an axis has what it draws less what it returns."
     yield Picture("power", f"{stacked} The black line is what the source gives.{case}{together}",
                   "power of every axis over time", about="shows the power over the machine's cycle.",
-                  on_page=f"{stacked} The line is what the source gives. {moved_}{case}{together}")  # fmt: skip
+                  on_page=f"{stacked} The line is what the source gives. {moved_}{case}{together}",
+                  floats=True)  # fmt: skip
     yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
     if power.exceeded:
         titles = {check.name: check.title for check in power.checks}
@@ -470,7 +471,7 @@ def _chapter(one: AxisContent) -> list[Section]:
     unknown = Section(
         name="unknown", title="Unknown and unquoted figures", blocks=summary.unknown_blocks, level=2, early="never"
     )
-    first = replace(_AXIS, title=f"Axis {one.name}", blocks=opening, new_page=True)
+    first = replace(_AXIS, title=f"Axis {one.name}", blocks=opening)
     return [first, *(replace(section, level=2) for section in SECTIONS[1:] if section.name not in left), unknown]
 
 

@@ -62,8 +62,11 @@ _SHORT = (
 _SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
 
 
-def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mass") -> Row:
-    """A drive by its names, mass, price, energy per cycle and smallest margin; and what is open or unknown of it."""
+def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mass", *, first: bool = False) -> Row:
+    """A drive by its names, mass, price, energy per cycle and smallest margin; and what is open or unknown of it.
+
+    The ``first`` is without its order numbers, which the parts list has.
+    """
     tight, energy = worst(one.deciding), objective_figure(one, "energy")
     gearhead = f" {one.gearhead.reduction}" if one.actuator else f" + {one.gearhead_name}"
     gearhead = "" if one.gearhead_name == "none" else gearhead
@@ -76,12 +79,14 @@ def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mas
         titles = [check.title for check in one.deciding if check.status == status and check.title not in shared]
         lacks += [f"{status}: {titles[0] if len(titles) == 1 else f'{len(titles)} checks'}"] if titles else []
     name = f"{family}{gearhead}{f' × {one.belt_name}' if one.belt_name else ''}"
+    numbers = "" if first else numbers
     least = "≥ " if unknown_of(one, one.price_of) and one.price_of else ""
     light = "≥ " if not isnan(one.mass) and unknown_parts(one, "mass", one.mass_of) else ""
     mass = Quantity(one.mass, "g", "mass")
     own: Cell = "" if objective in _SHOWN else objective_quantity(one, objective)
     return Row({
-        "drive": (Strong(name) if one.rank == 1 else name, Small("; ".join([numbers, *lacks]))), "objective": own,
+        "drive": (Strong(name) if one.rank == 1 else name, Small("; ".join(filter(None, [numbers, *lacks])))),
+        "objective": own,
         "mass": Quantity(one.mass, "g", "mass", own=light + mass.text if light else ""),
         "price": Quantity(one.price, "EUR", "money", own="" if isnan(one.price) else f"{least}{one.price:.0f} EUR"),
         "energy": Quantity(energy.value, energy.unit, energy.kind, own="–" if isnan(energy.value) else ""),
@@ -112,9 +117,8 @@ def short_table(caption: str, drives: Sequence[DriveSet], objective: str, name: 
     ]
     braked = "brake, " if any(one.brake for one in drives) else ""
     said = caption, f": one drive each, mass with {braked}encoder and controller", Note("energy per cycle of all")
-    yield Table(said, columns, [short_drive(one, shared, objective) for one in drives], name, "drive",
-                "alternatives",
-                dense=True, media="print")  # fmt: skip
+    rows = [short_drive(one, shared, objective, first=one is drives[0]) for one in drives]
+    yield Table(said, columns, rows, name, "drive", "alternatives", dense=True, media="print")
     if shared:
         yield Words(f"Unknown of each: {shared[0] if len(shared) == 1 else f'{len(shared)} checks'}.", "note")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite, isnan, nan
+from math import isnan, nan
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -112,19 +112,7 @@ class Quantity:
                 return f"{self.value:.2f} {self.unit}"
             case "plain":
                 return f"{self.value:.{self.digits}g} {label(self.unit)}".rstrip()
-        return show(self.value, self._prefixed, self.kind, self.digits)
-
-    @property
-    def _prefixed(self) -> str:
-        """Its unit, with the next prefix from a thousand on: 5800 g is 5.8 kg, 50790 J is 50.79 kJ.
-
-        >>> Quantity(5.8, "g", "mass").text, Quantity(50790.0, "J", "energy").text, Quantity(0.52, "g", "mass").text
-        ('5.8 kg', '50.79 kJ', '520 g')
-        """
-        larger, unit = _LARGER.get(self.unit, ""), self.unit
-        while larger and isfinite(self.value) and abs(float(from_si(self.value, unit, self.kind))) >= _THOUSAND:
-            unit, larger = larger, _LARGER.get(larger, "")
-        return unit
+        return show(self.value, self.unit, self.kind, self.digits)
 
     @property
     def number(self) -> float:
@@ -135,10 +123,6 @@ class Quantity:
     def si_unit(self) -> str:
         """The unit of its value."""
         return KINDS[self.kind].si if self.kind in KINDS else "1" if self.unit == "%" else self.unit
-
-
-_LARGER = {"g": "kg", "J": "kJ", "kJ": "MJ", "W": "kW", "mN*m": "N*m", "mA": "A", "mV": "V", "N": "kN"}  # next prefix
-_THOUSAND = 999.95  # what four digits show as 1000
 
 
 @dataclass(frozen=True, slots=True)

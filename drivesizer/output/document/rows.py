@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf, isfinite, isnan, nan
@@ -51,9 +50,8 @@ _TIGHTEST = 3
 
 
 def case_of(c: Check) -> str:
-    """The load case in which a check is worst; a wheel and a passage are named without "case"."""
-    alone = not c.case or c.name.startswith("passage_") or re.match(r"wheels? \d", c.case)
-    return c.case if alone else f"case {c.case}"
+    """The load case in which a check is worst; one whose name begins with a digit as such."""
+    return f"case {c.case}" if c.case[:1].isdigit() else c.case
 
 
 def check_row(c: Check) -> Row:
@@ -217,7 +215,7 @@ def consumers_table(budget: EnergyBudget) -> Table:
     rows = [
         Row({"title": one.name, "number": Quantity(one.number) if one.number > 1 else "",
              "value": Quantity(one.mean, "W", "power"),
-             "limit": Quantity(one.peak, "W", "power") if one.peak or isnan(one.peak) else "",
+             "limit": Quantity(one.peak, "W", "power"),
              "duty": "" if isnan(one.duty) or one.duty == 1.0 else Quantity(one.duty, "%", "dimensionless"),
              "note": "assumed" if one.assumed else ""}, name=one.name)
         for one in budget.consumers if one.mean or isnan(one.mean)

@@ -47,6 +47,7 @@ from drivesizer.results.check import GRAVEST, Check, verdict, worst
 from drivesizer.results.check_kinds import marked_figures, missing_figures, part_of, unknown_figures
 from drivesizer.results.drive_set import BrakingBudget, DriveSet
 from drivesizer.results.sizing import ranked_by
+from drivesizer.units import show_band
 
 __all__ = [
     "ASSUMPTIONS", "CHANGES", "CHECKS", "CONFIDENCE", "DRIVE", "ESTIMATES", "GLANCE", "OUTCOMES", "PHYSICS", "REQUIRED",
@@ -123,7 +124,7 @@ def _sum_of(prices: Sequence[Total]) -> Cell:
 
 def total_of(total: Total) -> Quantity:
     """A total: at least that where something is unknown, and with a digit less where it is estimated."""
-    unit, kind = ("kg", "mass") if total.name == "mass" else (total.unit, "money")
+    unit, kind = ("g", "mass") if total.name == "mass" else (total.unit, "money")
     bare = Quantity(total.value, unit, kind, 3 if total.estimated else 4)
     return replace(bare, own=f"≥ {bare.text}" if total.lacks else "")
 
@@ -133,9 +134,8 @@ def lacking_words(every: Sequence[Total]) -> Iterator[Block]:
     said = []
     for one in every:
         if one.estimated:
-            low, high = (Quantity(end, "kg", "mass", 2).text for end in (one.low, one.high))
-            said.append(f"{one.name} {low.removesuffix(' kg')} to {high}, by estimates")
-        said += [f"without the {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
+            said.append(f"{one.name} {show_band(one.low, one.high, 'g', 'mass')}, by estimates")
+        said += [f"no {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
     if said:
         yield Words(f"In all: {'; '.join(said)}.", "note")
 
@@ -351,7 +351,7 @@ def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, Text]]:
         yield "missing", ", ".join(missing)
     if best.estimated:
         hanging = any(check.status == "open" for check in best.deciding)
-        held = "they decide the open checks" if hanging else "every check ends the same at both ends of their bands"
+        held = "they decide the open checks" if hanging else "no check turns within their bands"
         yield "estimated figures", f"{', '.join(one.title for one in best.estimated)}; {held}"
     counts = {role: Counter(not_quoted(part, role, best, result.catalog).values())
               for role, part in best.parts.items() if part is not None}  # fmt: skip

@@ -71,17 +71,14 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
         behind, loop = f" {spec}" if spec else "", "open loop" if best.steps else "closed loop"
         _next(
             out,
-            f"drivesizer size{behind} --checks, or -v for all",
-            f"drivesizer validate{behind} simulates the drive in {loop}",
+            f"drivesizer size{behind} --checks, or -v for all; drivesizer validate{behind}: {loop}",
             behind,
         )
 
 
-def _next(out: Console, *commands: str) -> None:
+def _next(out: Console, first: str, behind: str) -> None:
     """Print the commands that lead on."""
-    first, second, behind = commands
     out.print(f"\nnext: {first}", soft_wrap=True)
-    out.print(f"      {second}", soft_wrap=True)
     out.print(f"      drivesizer report{behind} -o report.pdf, or .html, .xlsx, .csv, .json", soft_wrap=True)
 
 
@@ -180,8 +177,7 @@ def machine_sizing(
         behind, axis = f" {spec}" if spec else "", f'"{name}"' if " " in name else name
         _next(
             out,
-            f"drivesizer size{behind} --axis {axis}, one axis in full",
-            f"drivesizer validate{behind} simulates every axis in closed loop",
+            f"drivesizer size{behind} --axis {axis}, one axis in full; drivesizer validate{behind}: closed loops",
             behind,
         )
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LINEAR", "MOST_WHEELS", "Row", "Trace", "bench", "closed_loop", "closed_loop_rows", "current_and_voltage",
-    "each_over_time", "energy_bars", "energy_unit", "load_over_time", "platform_motion", "shares", "speed_profile",
+    "each_over_time", "energy_bars", "load_over_time", "platform_motion", "shares", "speed_profile",
     "speed_required", "stretches", "temperatures", "time_unit", "wheels_over_time",
 ]  # fmt: skip
 
@@ -481,16 +481,12 @@ def shares(flow: EnergyFlow) -> list[Share]:
     return [Share("drawn from the supply", flow.drawn, "drawn"), *(x for x in into if abs(x.value) > _SMALLEST * size)]
 
 
-def energy_unit(largest: float) -> str:
-    """The unit in which energies up to some size are shown [J]."""
-    return "J" if largest < 1e4 else "kJ" if largest < 1e7 else "MJ"
-
-
 @figure
 def energy_bars(figure: Figure, flow: EnergyFlow) -> None:
     """The energy of a cycle: each bar begins where the one above it ends, the last one ends at nothing."""
     shown = shares(flow)
-    unit = energy_unit(max(abs(share.value) for share in shown))
+    largest = max(abs(share.value) for share in shown)
+    unit = "J" if largest < 1e3 else "kJ" if largest < 1e6 else "MJ"
     ((axes,),) = placed(figure, _BAR_ROW * len(shown) + 0.52, left=2.0, right=1.25, top=0.06)
     left = [0.0, *accumulate((-share.value for share in shown[1:]), initial=flow.drawn)]
     for place, (share, start) in enumerate(zip(shown, left, strict=False)):

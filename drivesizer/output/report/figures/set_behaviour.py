@@ -17,7 +17,6 @@ from drivesizer.output.report.figures.cycle import (
     MOST_WHEELS,
     current_and_voltage,
     energy_bars,
-    energy_unit,
     temperatures,
 )
 from drivesizer.output.report.figures.field import TOGETHER, efficiency_map
@@ -155,7 +154,7 @@ class Behaviour:
     def cost(self) -> str:
         """Energy that the cycle costs the supply."""
         net = self.energy.net
-        return "unknown" if isnan(net) else show(net, energy_unit(abs(net)), "energy")
+        return "unknown" if isnan(net) else show(net, "J", "energy")
 
     @property
     def heat(self) -> list[Figure]:
