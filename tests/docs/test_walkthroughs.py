@@ -77,7 +77,7 @@ def test_the_first_page_of_the_report_of_the_agv_has_nothing_unknown_in_its_box(
     write(result, None, [tmp_path / "agv.pdf"])
     (page,) = texts_of((tmp_path / "agv.pdf").read_bytes(), 1)
     box = page.split("Smallest margin", 1)[1].split("Table 2", 1)[0]
-    assert "3.66 kg" in box and "2000.36 EUR" in box and "2993 J" in box
+    assert "3.66 kg" in box and "2000.36 EUR" in box and "2.993 kJ" in box
     assert "unknown" not in box
 
 
