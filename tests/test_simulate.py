@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 from math import nan
 
-import control
 import numpy as np
 import pytest
 import yaml
@@ -16,7 +15,6 @@ from specs import HEAT
 from drivesizer.control.drive_train import DriveTrain, Regime, drive_train, modes
 from drivesizer.control.gains import design, effective_delay
 from drivesizer.control.loop_design import analyse
-from drivesizer.control.loop_models import from_error, voltage_open_loop
 from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
@@ -81,41 +79,6 @@ def train_of(**figures):
 # --- the machine against an integrator
 
 
-def saturated(chosen, train, volts, times):
-    """Current and speed at times after a voltage is switched on at rest: friction, then the driving load."""
-    R, L, k = train.resistance, train.inductance, train.torque_constant
-    K, e = train.ratio, train.efficiency
-    J = train.motor_inertia + train.load_inertia / (K * K * e)
-    drag = k * chosen.motor.no_load_current + train.forward_torque / (K * e)
-    away = -L / R * math.log(1.0 - drag / k * R / volts)  # the current reaches the drag
-
-    def rhs(_, state):
-        i, w = state
-        return (volts - R * i - k * w) / L, (k * i - drag) / J
-
-    found = solve_ivp(rhs, (away, times[-1]), (drag / k, 0.0), "Radau", times, rtol=1e-11, atol=1e-12)
-    return found.y
-
-
-def test_saturated_start_against_an_integrator(spec, chosen):
-    free = replace(chosen, controller=replace(chosen.controller, peak_current=1000.0))
-    proof = validate(spec, free, profile=Profile("step", (0.0, 1e-3, 0.05), (0.0, 4.0, 4.0)))
-    train, _ = drive_train(spec, free, PERIOD)
-    volts = 0.9 * (22.0 - 1.0)
-    on = np.flatnonzero(np.isclose(proof.series["voltage"], volts))
-    first, last = on[0], on[-1]
-    assert np.all(np.diff(on) == 1) and last - first > 100
-    rows = slice(first + 1, last + 1)
-    # before, the samples asked for some volts already: the comparison starts where those had not moved it
-    assert proof.series["speed"][first] < 1e-4
-    times = proof.series["time"][rows] - proof.series["time"][first]
-    current, speed = saturated(chosen, train, volts, times)
-    late = times > 0.005  # what came before has died away in the current, not in the speed
-    assert proof.series["speed"][rows][late] * train.motor_per_speed == pytest.approx(speed[late], abs=0.05)  # rad/s
-    assert proof.series["speed"][rows][late] == pytest.approx(speed[late] / train.motor_per_speed, abs=1e-4)  # m/s
-    assert proof.series["current"][rows][late] == pytest.approx(current[late], abs=1e-3)  # A of 8
-
-
 def test_limits_hold(spec, chosen):
     weak = replace(chosen, controller=replace(chosen.controller, peak_current=3.0))
     proof = validate(spec, weak, profile=Profile("steep", (0.0, 0.2, 0.6, 0.8, 1.0), (0.0, 1.5, 1.5, -1.5, -1.5)))
@@ -127,19 +90,6 @@ def test_limits_hold(spec, chosen):
 
 
 # --- the loop against linear theory
-
-
-def test_unsaturated_loop_is_the_sampled_linear_loop(spec, chosen):
-    asked = Profile("small", (0.0, 0.05, 0.15, 0.4), (1.0, 1.0, 1.02, 1.02))
-    proof = validate(spec, chosen, profile=asked)
-    train, _ = drive_train(spec, chosen, PERIOD)
-    loop = from_error(voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], proof.gains))[1, 0]
-    time = np.arange(1001) * PERIOD
-    change = (np.interp(time, asked.time, asked.speed) - 1.0) * train.motor_per_speed
-    linear = control.forced_response(control.feedback(loop, 1), time, change).outputs
-    kept = np.rint(proof.series["time"] / PERIOD).astype(int)  # carried stretches leave samples out
-    assert len(kept) > 250
-    assert proof.series["motor_speed"] - train.motor_per_speed == pytest.approx(linear[kept], abs=1e-8)  # rad/s
 
 
 def paper_plant(kp, ki, h=PERIOD, until=2.1):

@@ -138,36 +138,6 @@ def test_both_methods_say_pass(result):
     assert not [one for one in best.estimated if one.part == "motor"]
 
 
-IMPERIAL = [
-    ("45 kg", f"{45 / 0.45359237!r} lb"),
-    ("wheel_diameter: 152.4 mm", "wheel_diameter: 6 in"),
-    ("outer_diameter: 152.4 mm", "outer_diameter: 0.5 ft"),
-    ("width: 50 mm", f"width: {50 / 25.4!r} inch"),
-    ("1100 kg/m^3", "1.1 g/cm^3"),
-    ("1.5 m/s", f"{1.5 / 0.3048!r} ft/s"),
-    ("acceleration_time: 2 s", f"acceleration_time: {2 / 60!r} min"),
-    ("cruise_time: 240 s", "cruise_time: 4 min"),
-    ("24 V", "24000 mV"),
-    ("slope: 0 deg", "slope: 0 rad"),
-    ("ambient: 25 degC", "ambient: 77 degF"),
-    ("0.95", "95 %"),
-]
-
-
-def test_the_same_robot_in_other_units(example_text, catalog, result):
-    text = example_text
-    for old, new in IMPERIAL:
-        assert old in text
-        text = text.replace(old, new)
-    other = size(read_spec(YamlSource(text, "robot.yaml")), catalog=catalog)
-    assert other.sets[0].label == result.sets[0].label
-    for a, b in zip(result.requirements, other.requirements, strict=True):
-        assert b.value == pytest.approx(a.value, rel=1e-12), a.name
-    for a, b in zip(result.sets[0].checks, other.sets[0].checks, strict=True):
-        assert b.demand == pytest.approx(a.demand, rel=1e-12, nan_ok=True), a.name
-        assert b.limit == pytest.approx(a.limit, rel=1e-12, nan_ok=True), a.name
-
-
 def test_sinkage_gives_the_coefficient_by_equation_4(example_text, catalog, result):
     z = 0.02**2 * 0.1524
     text = example_text.replace("rolling_resistance: 0.02", f"sinkage: {z!r} m")

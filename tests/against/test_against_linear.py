@@ -11,7 +11,7 @@ from dataclasses import replace
 import control
 import numpy as np
 import pytest
-from linear_machines import both_ways, machine, one_mode, servo, shafts, shorter
+from linear_machines import both_ways, machine, one_mode, servo, shafts
 from textbook_machine import PERIOD, on_slope, slower, task_of
 
 from drivesizer.control.drive_train import Regime, modes
@@ -181,26 +181,3 @@ def continuous(train, regime, c):
 
 def pi(kp, ki):
     return control.ss([[0.0]], [[1.0]], [[ki]], [[kp]])
-
-
-@pytest.mark.parametrize("structure", ["voltage PID", "cascade"])
-def test_ever_shorter_periods_lead_to_the_continuous_loop(spec, catalog, structure):
-    hilly, train = on_slope(spec, catalog, 5.0)
-    pid, cascade = design(hilly, train, PERIOD), servo(train, None, position_period=4e-4)
-    controller = pid if structure == "voltage PID" else replace(cascade, velocity_kd=0.0, filter_time=0.0)
-    when = np.arange(3001) * 1e-4
-    change = (np.interp(when, *BUMP) - 1.0) * train.motor_per_speed
-    loop = continuous(train, Regime.FORWARD_DRIVING, controller)
-    exact = control.forced_response(loop, when, change).outputs
-    off = []
-    for n in (1, 2, 4, 8):
-        drive = Drive(train=machine(train, None), controller=shorter(controller, n), supply=FREE)
-        run = simulate(drive, task_of(train, *BUMP), rows=100_000)
-        assert one_mode(run, Regime.FORWARD_DRIVING)
-        s = run.series
-        speed = s["motor_speed"] - s["motor_speed"][0]
-        off.append(np.abs(speed - np.interp(s["time"], when, exact)).max())
-    # a sampled loop answers 1.5 periods later (one for computing, half of one for holding): 0.6 ms of 194 rad/s^2
-    most = 1.5 * PERIOD * np.abs(np.diff(change)).max() / 1e-4
-    assert off[0] < most < 0.13  # rad/s of 12
-    assert np.array(off[:-1]) / off[1:] == pytest.approx([2.0] * 3, abs=0.08)

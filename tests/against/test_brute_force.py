@@ -213,23 +213,6 @@ def test_every_check_of_random_sets(name, worked, catalog):
     assert not wrong, (len(wrong), Counter(w[1] for w in wrong), wrong[:3])
 
 
-@pytest.mark.parametrize("name", LOADS)
-def test_the_peak_of_the_winding_by_simulation_in_small_steps(name, worked, catalog):
-    """The closed form of ``by_hand`` and of the program against nothing but the two differential equations."""
-    spec, sets, mine = worked(name)
-    ambient, seen = spec.environment.ambient, 0
-    for row in range(0, len(mine), 37):
-        motor, (_, _, asked, pieces) = records("motors")[int(sets.motor[row])], mine[row]
-        if not 1.0 < asked.winding[0] - ambient < 400.0 or math.isnan(motor.winding_time_constant):
-            continue
-        rise = by_hand.simulated_peak(pieces, motor, ambient, 8) - ambient  # with the current of each moment
-        assert rise == pytest.approx(asked.winding[0] - ambient, rel=2e-3)
-        seen += 1
-        if seen == (1 if len(pieces) > 60 else 4):
-            break
-    assert seen
-
-
 def ranked(spec, sets, mine, objective, *, whole=True, controlling=None):
     """Rows of the sets that pass or are unknown: those that lack least of what others have first, then what is known of
     all parts, then the better one, then the larger smallest margin.

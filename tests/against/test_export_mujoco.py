@@ -114,18 +114,6 @@ def test_the_whole_cycle_of_the_robot(sps, proof):
     assert run[1][-1] == pytest.approx(0.0, abs=0.4)  # rad/s: it stops
 
 
-def test_the_file_s_own_step(sps, proof):
-    """A quarter of the control period: closer in speed by the step, which is MuJoCo's own error."""
-    spec, found = sps
-    export = export_of(spec, found)
-    worst, rms = compared(proof, driven(export, seconds=3.0), 0.0, 3.0)
-    assert worst[0] < 0.12 and rms[0] < 0.016  # rad/s
-    assert worst[1] < 0.11 and rms[1] < 0.006  # A
-    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
-    model.opt.timestep *= 4
-    assert compared(proof, driven(export, model, seconds=3.0), 0.0, 3.0)[1, 0] > 2.5 * rms[0]
-
-
 def test_what_braking_takes_too_much(sps, proof):
     """Decelerating, inertia drives the wheels: by 1/e where the drive has e."""
     spec, found = sps
@@ -141,19 +129,6 @@ def test_what_braking_takes_too_much(sps, proof):
     assert np.interp(243.0, s["time"], s["current"]) == pytest.approx(simulated, abs=2e-3)
     assert np.interp(243.0, time, current) == pytest.approx(theirs, abs=2e-3)
     assert theirs - simulated == pytest.approx(-0.408, abs=0.01)  # A
-
-
-def test_braking_by_the_rule_of_the_remarks(servo):
-    """The same deceleration with ctrl[3] = e (x(T) - x(W)) - (T - W) at every step: by hand what the drive takes."""
-    spec, found = servo
-    export = export_of(spec, found)
-    train = export.train
-    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
-    model.opt.timestep = export.period
-    current = repeated(export, model, 1)[1][round(7.0 / export.period) - 1]
-    torque = train.load_inertia * 0.75 / 0.0762 - 0.02 * 45.0 / 4 * 9.80665 * 0.0762  # N*m that comes back
-    own = 1.134e-6 * train.ratio * 0.75 / 0.0762 - 0.0234 * 36.9e-3
-    assert current == pytest.approx(-(torque * 0.76 / train.ratio + own) / 0.0234, abs=2e-3)
 
 
 ARM = """name: arm
@@ -287,62 +262,3 @@ def test_a_weight_and_the_load_over_time_pull(sps):
         assert data.actuator("load_torque").force[0] == pytest.approx(-weight - more / 0.76)
     friction = (1 / 0.76 - 0.76) / 2 + 0.168 / 0.76 + export.train.friction * export.train.ratio
     assert model.dof_frictionloss[0] == pytest.approx(friction)
-
-
-def test_the_winding_warms(servo):
-    """On a housing as warm as it is when the cycle repeats for ever: against winding and housing, both moving.
-
-    RE 25: 3.1 and 14 K/W, 12.4 s, 36.9 mA at no load, which rubs at the housing; 910 s are of the housing. The losses
-    are those of the speed and current that MuJoCo has, braking mended. Both bodies as one come to 21 K of 44 here.
-    """
-    spec, found = servo
-    warm = replace(found, motor=replace(found.motor, winding_time_constant=12.4, motor_time_constant=910.0))
-    export = export_of(spec, warm)
-    thermal = [
-        float(x) for x in ET.fromstring(rendered(export, "mjcf")).find("actuator/dcmotor").get("thermal").split()
-    ]
-    assert thermal[:5] == pytest.approx([3.1, 12.4 / 3.1, 0.0, 0.0039, 25.0])
-    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
-    model.opt.timestep = export.period
-    speed, current, rise = repeated(export, model, 8)
-    exact = for_ever(export.period, current**2, 23.4e-3 * 36.9e-3 * np.abs(speed))
-    found = rise + thermal[5] - 25.0
-    assert exact.max() - exact.min() > 2.0 and exact.max() > 25.0  # K
-    assert np.abs(found - exact).max() < 0.5  # K
-
-
-def repeated(export, model, cycles):
-    """Motor speed, current and the winding's rise over the last of some cycles, by the rule that mends braking."""
-    data, train, law, e = mujoco.MjData(model), export.train, torque_law(export), export.train.efficiency
-    K = train.ratio
-    time = np.arange(round(model.numeric("cycle_time").data[-1] / model.opt.timestep)) * model.opt.timestep
-    angle, w, slope = asked(model, time)
-    ahead = K * (law.per_speed * w + law.per_acceleration * slope) + law.per_direction * np.sign(w)
-    kept = np.empty((len(time), 3))
-    for _ in range(cycles):
-        data.qpos[0] = 0.0
-        for n, row in enumerate(zip(K * angle, K * w, ahead, strict=True)):
-            speed = data.qvel[0]
-            torque = train.load_inertia * data.qacc[0] + export.load_friction * np.sign(speed)  # its weight is 0
-            data.ctrl[:] = *row, e * (torque / e if torque * speed >= 0.0 else e * torque) - torque
-            mujoco.mj_step(model, data)
-            kept[n] = K * data.qvel[0], data.act[-1], data.act[0]
-    return kept.T
-
-
-def for_ever(step, square, loss):
-    """Rise of the winding over 25 degC [K] in the cycle that repeats: Euler's rule on winding and housing."""
-    R, R1, R2, C1, C2 = 2.32, 3.1, 14.0, 12.4 / 3.1, 910.0 / 14.0
-
-    def cycle(winding, housing):
-        way = []
-        for i2, rubbing in zip(square, loss, strict=True):
-            across = (winding - housing) / R1
-            winding += step * (R * (1 + 0.0039 * winding) * i2 - across) / C1
-            housing += step * (across + rubbing - housing / R2) / C2
-            way.append(winding)
-        return np.array(way), np.array([winding, housing])
-
-    (_, from_cold), *ends = (cycle(*start) for start in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
-    one_more = np.stack([end - from_cold for _, end in ends], axis=1)
-    return cycle(*np.linalg.solve(np.eye(2) - one_more, from_cold))[0]

@@ -218,32 +218,6 @@ def test_two_catalogues_of_one_name_are_refused(run, small, tmp_path):
     assert "two catalogues are called" in err
 
 
-@pytest.mark.parametrize(
-    "args",
-    [
-        ["list"],
-        ["list", "motors", "--limit", "600"],
-        ["list", "gearheads", "--excluded", "--sort", "-mass", "--where", "max_radial_load>0 N"],
-        ["list", "motors", "--where", "thermal_resistance_housing>0 K/W", "--where", "winding_time_constant>0 s"],
-        ["list", "encoders"],
-        ["list", "controllers"],
-        ["show", "118752"],
-        ["show", "118752", "--source"],
-        ["show", "406764", "--source"],
-        ["compare", "118752", "118743", "236662", "236670", "110212"],
-        ["search", "EPOS4"],
-        ["stats"],
-        pytest.param(["check", "--all"], marks=pytest.mark.slow),
-    ],
-    ids=" ".join,
-)
-def test_all_fits_80_columns(run, args):
-    status, out, _ = run(*args)
-    assert status in (0, 1)
-    assert out.strip()
-    assert max(len(line.rstrip()) for line in out.splitlines()) <= 80
-
-
 # --- one part, several parts, a text ---------------------------------------------------------------------------------
 
 

@@ -12,12 +12,10 @@ from drivesizer.cli import main
 from drivesizer.control.path_following.runs import FollowingRun, follow_case
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
-from drivesizer.load_cases.platform import driving, over_time, with_trajectory
+from drivesizer.load_cases.platform import driving, with_trajectory
 from drivesizer.machine.platform_budget import permitted_speeds
 from drivesizer.machine.supply_power import drive_power, together
-from drivesizer.output.platform import SPEEDS
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -58,19 +56,6 @@ def spec_of(*parts: str) -> RobotSpec:
 # --- the same machine twice -----------------------------------------------------------------------------------------
 
 
-def test_straight_ahead_is_the_vehicle_s_own_load_cycle():
-    vehicle = load_cycle(spec_of(VEHICLE, STRAIGHT))
-    cases = load_cases(spec_of(VEHICLE, PLATFORM, AHEAD))
-    assert [name for _, name, _ in cases] == ["wheels 1, 2, 3 and 4"]
-    cycle = load_cycle(cases[0][2])
-    assert cycle.total == pytest.approx(vehicle.total)
-    at = np.linspace(0.0, vehicle.total, 997)  # no corner among them
-    for name in ("speed", "acceleration", "torque"):
-        one, other = (np.interp(at, c.time.ravel(), getattr(c, name).ravel()) for c in (cycle, vehicle))
-        assert one == pytest.approx(other, abs=1e-9), name
-    assert cycle.inertia == pytest.approx(vehicle.inertia)
-
-
 def test_the_same_drives_pass_for_the_path_and_for_the_trapezoid():
     """Straight ahead and all wheels alike: every check that both have is the same, but for traction."""
     one, other = (size(spec_of(VEHICLE, *parts)) for parts in ((STRAIGHT,), (PLATFORM, AHEAD)))
@@ -90,17 +75,6 @@ def test_the_same_drives_pass_for_the_path_and_for_the_trapezoid():
 TURNING = waypoints(
     "x: 0 m, y: 0 m, heading: 0 deg", "x: 6 m, y: 0 m, heading: 90 deg, pause: 2 s", "x: 6 m, y: -3 m, heading: 0 deg"
 )
-
-
-def test_columns_over_time():
-    found = driving(with_trajectory(spec_of(VEHICLE, PLATFORM, TURNING), None))
-    columns = over_time(found)
-    time, heading = columns["time"][0], columns["heading"][0]
-    assert (np.diff(time) >= 0.0).all() and time[-1] == pytest.approx(found.trajectory.total)
-    assert [columns[n][0][-1] for n in ("x", "y")] == pytest.approx([6.0, -3.0], abs=1e-9)
-    assert heading.max() == pytest.approx(math.pi / 2) and heading[-1] == pytest.approx(0.0, abs=1e-9)
-    for wheel in found.wheels:
-        assert np.abs(columns[f"torque_{wheel.number}"][0]).max() == pytest.approx(np.abs(wheel.cycle.torque).max())
 
 
 @pytest.fixture
@@ -200,15 +174,6 @@ def test_a_drive_that_carries_itself():
     again = size(spec_of(VEHICLE.replace("45 kg", f"{load.mass:.9f} kg"), PLATFORM, AHEAD), top=1)
     assert again.sets[0].label == best.label
     assert any("Settled" in said for said in result.warnings)
-
-
-def test_explain_looks_at_the_machine_that_was_sized():
-    """The same set at the same mass: the same checks, encoder and controller."""
-    spec = spec_of(VEHICLE, PLATFORM, AHEAD, OWN)
-    (best,) = size(spec, top=1).sets
-    (one,) = explain(spec, best.motor.part, best.gearhead.part)
-    assert repr((one.checks, one.budget)) == repr((best.checks, best.budget))
-    assert repr((one.encoder, one.controller)) == repr((best.encoder, best.controller))
 
 
 def test_the_energy_of_a_path_is_summed_over_its_wheels():
@@ -332,25 +297,6 @@ def test_the_papers_drive_on_the_diagonal():
     assert speed < 1.5 < weak.at(0)[0][0] and limit == "Motor voltage, cold and hot"
     assert weak.at(0)[0][0] == pytest.approx(speed * math.sqrt(2.0), rel=1e-6)  # the same torque, wheels turn at v / r
     assert set(weak.unknown) <= {"Motor permissible speed"}
-
-
-def test_without_one_of_the_two_wheels_the_other_takes_its_torque():
-    """At 45 degrees wheels 1 and 3 turn; without a third motor the force aside and the moment are those of 2 and 4."""
-    found = speeds_of(PAPER, *SET).at(45)
-    alone = by_hand(2.0 * ROLLING, 18.9) / RATIO / DIAGONAL
-    assert [found[n][0] for n in (1, 3)] == pytest.approx([alone] * 2, rel=1e-3)
-    assert [found[n][0] for n in (2, 4)] == pytest.approx([found[0][0]] * 2)
-    heavy = speeds_of(PAPER.replace("mass: 45 kg", "mass: 85 kg"), *SET).at(45)  # 0.642 A, and 1.246 of 1.16 A
-    assert heavy[0][0] > 1.0 and heavy[3] == (0.0, "Motor nominal current (RMS)")
-
-
-def test_a_failed_motor_is_not_among_all_motors_and_the_required_speed_comes_first(drive, folder):
-    (folder / "robot.yaml").write_text(PAPER + "requirements: {speed: 1.7 m/s}\n")
-    out = drive("--set", "/".join(SET), "--failed", "1")[1]
-    table = out[out.index(SPEEDS) :]
-    assert table.splitlines()[0] == SPEEDS
-    assert table[len(SPEEDS) :].split()[:3] == ["direction", "without", "1"]
-    assert "1.7 m/s, as in the spec, is not permitted in " in out and "all motors" not in out
 
 
 def test_a_long_path_at_the_permitted_speed_takes_the_whole_voltage():

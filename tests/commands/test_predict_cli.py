@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 import jsonschema
 import pytest
@@ -48,30 +46,6 @@ def test_figure_is_drawn(form, run, tmp_path):
     target = tmp_path / f"bench.{form}"
     status, _, err = run("predict", *SET, "--figure", target)
     assert (status, err) == (0, f"{target} written\n") and target.stat().st_size > 4000
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
-@pytest.mark.parametrize("form", [[], ["--json"]])
-def test_an_answer_that_cannot_be_given_leaves_no_figure(form, tmp_path):
-    words = [sys.executable, "-m", "drivesizer", "predict", *SET, "--figure", "bench.svg", *form]
-    with Path("/dev/full").open("wb") as full:
-        done = subprocess.run(words, stdout=full, stderr=-1, text=True, check=False, cwd=tmp_path)
-    assert done.returncode == 2 and not [*tmp_path.iterdir()]
-    assert done.stderr.splitlines()[-1] == "drivesizer: the output cannot be written (no space left on device)"
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform == "win32", reason="pipes of a shell")
-@pytest.mark.parametrize("form", [[], ["--json"]])
-def test_a_reader_who_has_enough_has_the_figure(form, tmp_path):
-    words = [sys.executable, "-m", "drivesizer", "predict", *SET, "--figure", "bench.svg", *form]
-    reading, writing = os.pipe()
-    os.close(reading)
-    done = subprocess.run(words, stdout=writing, stderr=-1, text=True, check=False, cwd=tmp_path)
-    os.close(writing)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "bench.svg").stat().st_size > 4000
 
 
 @pytest.mark.parametrize(

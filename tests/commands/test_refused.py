@@ -5,13 +5,11 @@ import time
 from pathlib import Path
 
 import pytest
-import yaml
-from small_catalogue import CATALOGUE, MAP, TABLE
+from small_catalogue import CATALOGUE
 from starters import STARTERS
 
 from drivesizer.catalog import load
-from drivesizer.catalog.importing import import_table, plan
-from drivesizer.errors import CatalogError, DrivesizerError, InputError
+from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource, read
 from drivesizer.results.check_columns import at_most
 from drivesizer.sizing import size
@@ -71,24 +69,6 @@ def test_a_pipe_without_a_writer_holds_nobody_up(tmp_path):
     assert time.monotonic() - start < 20.0
 
 
-@pytest.mark.skipif(os.name == "nt", reason="no named pipes in folders")
-def test_what_is_written_into_a_pipe_is_read(tmp_path):
-    from threading import Thread
-
-    os.mkfifo(tmp_path / "robot.yaml")
-    writer = Thread(target=(tmp_path / "robot.yaml").write_text, args=(FLYWHEEL,))
-    writer.start()
-    assert load_spec(tmp_path / "robot.yaml").name == yaml.safe_load(FLYWHEEL)["name"]
-    writer.join()
-
-
-@pytest.mark.parametrize("name", ["a" * 300 + ".yaml", "loop.yaml", "a\0b.yaml", "."])
-def test_a_name_that_leads_nowhere_is_one_line(name, tmp_path):
-    (tmp_path / "loop.yaml").symlink_to("loop.yaml")
-    with pytest.raises(InputError, match="cannot be read"):
-        load_spec(tmp_path / name)
-
-
 # --- figures that no machine has --------------------------------------------------------------------------------------
 
 
@@ -114,13 +94,6 @@ def test_a_catalogue_with_an_impossible_figure_is_refused_with_its_line(was, put
         load([str(tmp_path / "own.yaml")])
     assert f"own.yaml:{line}: " in str(error.value)
     assert said.removeprefix(": ") in str(error.value)
-
-
-def test_a_spec_with_an_impossible_figure_is_refused_with_its_line():
-    with pytest.raises(
-        InputError, match=r'f.yaml:\d+: load.inertia: "1e300 kg\*cm\^2" is no inertia of a machine; exp'
-    ):
-        read_spec(YamlSource(FLYWHEEL.replace("inertia: ", "inertia: 1e300 kg*cm^2 #", 1), "f.yaml"))
 
 
 def test_a_recording_with_an_impossible_figure_is_refused_with_its_line(tmp_path):
@@ -160,46 +133,3 @@ def test_a_fan_too_heavy_for_every_motor_has_no_set(shelf):
 def test_what_grows_without_end_has_no_margin():
     check = at_most("supply_power", 1e-300, 1e300).at((), "physics")
     assert (check.status, check.margin) == ("pass", pytest.approx(float("nan"), nan_ok=True))
-
-
-# --- maps, studies ----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("was", "put", "said"),
-    [
-        ("Order no.: part", "Order no.: [part]", "motors have no column"),
-        ("Order no.: part", "Order no.: {a: 1}", "motors have no column"),
-        ("Order no.: part", "Order no.: 5", "motors have no column"),
-        ("diameter: 16 mm", "diameter: 1e300 mm", "is no length of a machine"),
-        ("common: {", "common: [{", "expected fields"),
-        ("[\"-\", n/a]", "[[1]]", "expected text"),
-    ],
-)  # fmt: skip
-def test_a_map_that_names_what_is_not_there_is_one_line(was, put, said, tmp_path):
-    text = MAP.replace(was, put, 1).replace("16 mm}", "16 mm}]" if "[{" in put else "16 mm}")
-    (tmp_path / "map.yaml").write_text(text)
-    with pytest.raises(DrivesizerError) as error:
-        import_table(TABLE, tmp_path / "parts.csv", plan("motors", tmp_path / "map.yaml", {}), tmp_path / "new.yaml")
-    assert said in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("spec: robto.yaml\nvary:\n  load.mass: [1 kg, 2 kg]\n", 'study.yaml:1: spec: "robto.yaml" cannot be read'),
-        ("specs:\n- robot.yaml\n- robto.yaml\n", 'study.yaml:3: specs[2]: "robto.yaml" cannot be read'),
-        (
-            "spec: robot.yaml\nvary:\n  load.inertia: {from: 30 kg*cm^2 +- 10 %, to: 60 kg*cm^2, steps: 4}\n",
-            'study.yaml:3: vary.load.inertia.from: "30 kg*cm^2 +- 10 %" has a tolerance; expected a plain quantity',
-        ),
-    ],
-)
-def test_an_error_of_a_study_has_its_line(text, said, tmp_path):
-    from drivesizer.study.plan import read_study
-
-    (tmp_path / "robot.yaml").write_text(FLYWHEEL)
-    (tmp_path / "study.yaml").write_text(text)
-    with pytest.raises(InputError) as error:
-        read_study(tmp_path / "study.yaml")
-    assert said in str(error.value)

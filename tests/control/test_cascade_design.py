@@ -254,38 +254,6 @@ def test_the_sampled_current_loop_is_the_magnitude_optimum():
     assert quick.stable and quick.overshoot < 0.06
 
 
-def continuous_velocity_loop(cascade, inertia, train=TRAIN):
-    """The same cascade with dead times, back-EMF and all, put together from transfer functions."""
-    r, l_, k, k_e = train.resistance, train.inductance, train.torque_constant, train.back_emf_constant
-    winding = inertia * S / (l_ * inertia * S**2 + r * inertia * S + k * k_e)
-    # a sampled integral is that of the sample that is just taken: half a period of it ahead
-    voltage = cascade.current_kp + cascade.current_ki * (1 / S + cascade.current_period / 2)
-    # the demand changes on a current period's beginning: only what is fed back is late by half of one more
-    forward = voltage * winding * dead(cascade.current_period)
-    current = forward / (1 + forward * dead(0.5 * cascade.current_period))
-    speed = current * k / (inertia * S) * dead(1.5 * cascade.velocity_period)
-    return (cascade.velocity_kp + cascade.velocity_ki * (1 / S + cascade.velocity_period / 2)) * speed
-
-
-@pytest.mark.parametrize("wanted", [{}, {"phase_margin": math.radians(50.0)}, {"bandwidth": 40.0, "damping": 0.8}])
-def test_margins_are_those_of_an_independent_continuous_model(wanted):
-    cascade = designed(**wanted)
-    for regime, inertia in ((Regime.FORWARD_DRIVING, J), (Regime.FORWARD_BRAKING, J_M + J_L * E / K**2)):
-        loop = loop_of("velocity", from_error(velocity_open_loop(TRAIN, modes(TRAIN)[regime], cascade)))
-        opened = continuous_velocity_loop(cascade, inertia)
-        w = np.geomspace(1.0, 5000.0, 4000)
-        L_ = opened(1j * w)
-        crossing = np.flatnonzero(np.abs(L_) < 1.0)[0]
-        margin = 180.0 + math.degrees(np.angle(L_[crossing]))
-        # what is left goes with the square: a hold droops by x^2/6, a sampled integral by x^2/3
-        square = (w[crossing] * EPOS4.velocity / 2) ** 2
-        assert math.degrees(loop.phase_margin) == pytest.approx(margin, abs=math.degrees(square / 3))
-        assert loop.crossover == pytest.approx(w[crossing] / (2 * math.pi), rel=max(square / 3, 0.003))
-        if not wanted and regime == Regime.FORWARD_DRIVING:
-            assert math.degrees(loop.phase_margin) == pytest.approx(36.87, abs=3.0)  # dead times are not lags
-            assert loop.overshoot == pytest.approx(0.434, abs=0.12)
-
-
 def test_margins_are_control_s():
     """On the same sampled loop python-control finds the same by its own method."""
     loop_ = from_error(velocity_open_loop(TRAIN, modes(TRAIN)[Regime.FORWARD_DRIVING], designed(bandwidth=40.0)))

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive, saturated_by_solver
+from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.drive_train import Regime, columns, discretised, drive_train, generators, modes
+from drivesizer.control.drive_train import columns, discretised, generators
 from drivesizer.control.engine import (
     CurrentLimit,
     Drive,
@@ -20,11 +20,8 @@ from drivesizer.control.engine import (
     Task,
     simulate,
 )
-from drivesizer.control.gains import design
-from drivesizer.control.loop_models import from_error, voltage_open_loop
 from drivesizer.errors import InputError
 from drivesizer.physics.two_bodies import State, steady_state
-from drivesizer.sizing import explain
 
 # --- the modes and the machine
 
@@ -117,68 +114,7 @@ def test_a_day_at_one_speed_is_carried_to_the_steady_temperature():
     assert figure(run, "steps") < 2e6
 
 
-# --- against other programs
-
-
-@pytest.mark.parametrize("more", [{}, {"stiffness": 30.0, "damping": 0.02}])
-def test_saturated_loop_against_an_integrator(more):
-    m, g = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more), gains(kp=0.04, ki=0.6)
-    task = Task(time=(0.0, 0.1, 0.4, 0.5, 0.6), speed=(10.0, 10.0, 60.0, 20.0, 20.0))
-    run = simulate(Drive(train=m, controller=g, supply=Supply(voltage=11.0)), task)
-    exact = saturated_by_solver(m, g, 11.0, task, 1500)
-    n = np.rint(run.series["time"][:-1] / PERIOD).astype(int)
-    assert figure(run, "time_at_voltage_limit") > 0.05
-    assert run.series["motor_speed"][:-1] == pytest.approx(exact[n, 1], abs=2e-3)  # rad/s of 546
-    assert run.series["current"][:-1] == pytest.approx(exact[n, 0], abs=1e-4)  # A of 4
-
-
-@pytest.fixture(scope="module")
-def robot(spec, catalog):
-    chosen = explain(spec, "118752", "406764", catalog=catalog)[0]
-    train, _ = drive_train(spec, chosen, PERIOD)
-    return spec, train, design(spec, train, PERIOD)
-
-
-def robot_drive(train, g, **more):
-    supply = Supply(voltage=22.0, max_duty=0.9, voltage_drop=1.0)
-    return Drive(train=train, controller=g, supply=supply, **more)
-
-
-def test_linear_loop_against_python_control(robot):
-    import control
-
-    _, train, g = robot
-    task = Task(time=(0.0, 0.05, 0.15, 0.4), speed=tuple(v / train.radius for v in (1.0, 1.0, 1.02, 1.02)))
-    run = simulate(robot_drive(train, g), task)
-    opened = from_error(voltage_open_loop(train, modes(train)[Regime.FORWARD_DRIVING], g))[1, 0]
-    time = np.arange(1001) * PERIOD
-    change = (np.interp(time, task.time, task.speed) - task.speed[0]) * train.ratio
-    linear = control.forced_response(control.feedback(opened, 1), time, change).outputs
-    n = np.rint(run.series["time"] / PERIOD).astype(int)
-    assert run.series["motor_speed"] - train.motor_per_speed == pytest.approx(linear[n], abs=1e-8)  # rad/s
-
-
 # --- energy, periods, limits
-
-
-@pytest.mark.parametrize("more", [{}, {"stiffness": 60.0, "damping": 0.05, "gap": 4e-3}])
-def test_energy_balance(more):
-    """Electrical work = copper + friction + gears + load + shaft + (k_e - k_t) w I, from rest to rest, to 0.2 %."""
-    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1, **more)
-    g = gains(kp=0.02, ki=0.3, period=1e-4)
-    task = Task(time=(0.0, 0.4, 0.8, 1.2, 1.6), speed=(0.0, 40.0, 40.0, 0.0, 0.0))
-    run = simulate(Drive(train=m, controller=g, supply=Supply(voltage=24.0)), task)
-    s = run.series
-    T = s["gear_torque"] * s["motor_speed"]
-    at_shaft = s["gear_torque"] * np.where(T > 0, 1.3 * 0.9, 1.3 / 0.9)
-    driving = at_shaft * s["motor_speed"] > 0
-    gears = np.abs(at_shaft * s["motor_speed"] / m.ratio) * np.where(driving, 1 / m.efficiency - 1, 1 - m.efficiency)
-    shaft = at_shaft * (s["motor_speed"] / m.ratio - s["load_speed"])  # what twists it, and what its damping takes
-    taken = np.trapezoid(1e-3 * np.abs(s["motor_speed"]) + gears + 0.1 * np.abs(s["load_speed"]) + shaft, s["time"])
-    electrical = figure(run, "energy_in") - figure(run, "energy_returned")
-    taken += np.trapezoid((m.back_emf_constant - m.torque_constant) * s["motor_speed"] * s["current"], s["time"])
-    assert electrical == pytest.approx(taken + figure(run, "copper_heat"), rel=2e-3)
-    assert s["motor_speed"].max() > 350.0
 
 
 def test_bus_sags_by_its_resistance():

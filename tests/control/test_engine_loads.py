@@ -10,7 +10,6 @@ import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, figure, gains, machine, open_drive, saturated_by_solver
 
 from drivesizer.control.engine import Drive, MotorHeat, Supply, Task, simulate
-from drivesizer.control.validation import Cascade
 from drivesizer.physics.thermal import TwoBodies
 from drivesizer.physics.two_bodies import State, steady_state
 
@@ -127,87 +126,6 @@ def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
     energy = 1200.0 * sum((2.32 * i + 0.026 * w) * i for i in currents)
     assert figure(run, "energy_in") == pytest.approx(energy, rel=1e-5)
     assert figure(run, "steps") < 0.01 * 3600.0 / PERIOD
-
-
-# --- a million corners
-
-
-# --- backlash
-
-CASCADE = Cascade(
-    current_kp=0.5, current_ki=800.0, velocity_kp=0.015, velocity_ki=0.3, position_kp=15.0, current_period=1e-4,
-    velocity_period=4e-4, position_period=8e-4,
-)  # fmt: skip
-
-
-def gap_by_steps(m, c, task, n, parts):
-    """A cascade with two masses and a gap between them, by Runge-Kutta steps; the state at the samples.
-
-    The shaft's contact is a torque that only presses; the weight of the load holds it against one side at the start.
-    """
-    K, k, k_e, h, weight = m.ratio, m.torque_constant, m.back_emf_constant, c.current_period, m.rest_torque
-    drives, brakes, half, dt = 1.0 / (K * m.efficiency), m.efficiency / K, m.gap / 2.0, c.current_period / parts
-    w, T = task.speed[0] * K, weight + m.load_viscous * task.speed[0]
-    i = (m.friction + T * drives) / k
-
-    def rate(i, w, f, v, u):
-        turns = w / K - v
-        T = m.stiffness * (f - math.copysign(half, f)) + m.damping * turns if abs(f) > half else 0.0
-        T = T if T * f > 0.0 else 0.0
-        direction = 1.0 if w > 0.0 else -1.0
-        push = k * i - direction * m.friction - T * (drives if T * direction > 0.0 else brakes)
-        slows = weight + m.load_viscous * v
-        return (
-            (u - m.resistance * i - k_e * w) / m.inductance,
-            push / m.motor_inertia,
-            turns,
-            (T - slows) / m.load_inertia,
-        )
-
-    def runge(x, u):
-        a = rate(*x, u)
-        b = rate(*(p + dt / 2 * q for p, q in zip(x, a, strict=True)), u)
-        c = rate(*(p + dt / 2 * q for p, q in zip(x, b, strict=True)), u)
-        d = rate(*(p + dt * q for p, q in zip(x, c, strict=True)), u)
-        return [p + dt / 6 * (q + 2 * r + 2 * s + t) for p, q, r, s, t in zip(x, a, b, c, d, strict=True)]
-
-    x, angle, gone, more, reference = [i, w, T / m.stiffness + half, w / K], 0.0, 0.0, 0.0, i
-    outer, inner, before, found = i, m.resistance * i + k_e * w, w, []
-    pending, following, later = inner, i, 0.0  # what each loop answers its sample before
-    for step in range(n):
-        speed = K * np.interp(step * h, task.time, task.speed)
-        angle, before = angle + (speed + before) / 2.0 * h * (step > 0), speed  # its corners are at samples
-        found.append(x)
-        if step % 4 == 0:
-            if step % 8 == 0:
-                more, later = later, c.position_kp * (angle - gone)
-            error = speed + more - x[1]
-            outer += c.velocity_ki * c.velocity_period * error
-            reference, following = following, c.velocity_kp * error + outer
-        inner += c.current_ki * h * (reference - x[0])
-        u, pending = pending, c.current_kp * (reference - x[0]) + inner
-        for _ in range(parts):
-            w = x[1]
-            x = runge(x, u)
-            gone += (w + x[1]) / 2.0 * dt
-    return np.array(found)
-
-
-def test_a_cascade_through_a_gap_against_fine_steps():
-    m = machine(
-        stiffness=60.0, damping=0.05, gap=0.02, friction=1e-3, load_viscous=1e-3, forward_torque=0.03,
-        backward_torque=0.03, rest_torque=0.03, motor_inertia=4e-6,
-    )  # fmt: skip
-    task = Task(time=(0.0, 0.01, 0.06, 0.12), speed=(15.0, 15.0, -20.0, 12.0))
-    run = simulate(Drive(train=m, controller=CASCADE, supply=Supply(voltage=60.0)), task)
-    exact = gap_by_steps(m, CASCADE, task, 1201, 100)  # with the state at the end
-    n = np.rint(run.series["time"] / 1e-4).astype(int)
-    free = run.series["gear_torque"] == 0.0
-    assert np.count_nonzero(np.diff(free.astype(int))) == 4  # through the gap and back
-    assert figure(run, "time_at_voltage_limit") == 0.0
-    assert run.series["motor_speed"] == pytest.approx(exact[n, 1], abs=3e-3)  # rad/s of 200
-    assert run.series["load_speed"] == pytest.approx(exact[n, 3], abs=3e-4)  # rad/s of 20
-    assert run.series["current"] == pytest.approx(exact[n, 0], abs=5e-5)  # A of 3
 
 
 # --- what the housing loses

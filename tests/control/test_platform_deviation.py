@@ -11,11 +11,10 @@ from routes import route
 
 from drivesizer import explain, size
 from drivesizer.control.path_following.following import deviation, extremes, follow, sampled
-from drivesizer.control.path_following.runs import drawn, follow_runs, wheel_drive
+from drivesizer.control.path_following.runs import wheel_drive
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import driving, platform_of, with_trajectory
 from drivesizer.output.report.figures.machine import path_and_errors
-from drivesizer.output.report.figures.style import named
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.spec.robot import load_spec
 
@@ -89,25 +88,6 @@ def test_figure_13_of_the_paper_is_in_the_examples(example):
     assert max(w.alpha for w in robot.wheels) == pytest.approx(math.radians(150.5))
     assert example.trajectory.length == pytest.approx(34 + 18 + 21 + 6 * math.pi, rel=0.01)  # straights, arcs of 3 m
     assert example.trajectory.posture[2, -1, 1] == pytest.approx(1.5 - 2.0 + 1.0, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_every_model_and_controller(example):
-    """Feed-forward halves what soft loops lag by at least; an integral finds it itself; misjudged radii are in all."""
-    runs = follow_runs(example, explain(example.spec, "118752", "406764")[0])
-    assert len(runs) == 10 and all(run.imbalance < 1e-5 for run in runs.values())
-    worst = {name: np.abs(deviation(run).position).max() for name, run in runs.items()}
-    assert worst["dynamic, P, open loop, all"] < worst["kinematic, P, open loop, all"] / 2.0
-    assert worst["kinematic, PI, open loop, all"] < worst["kinematic, P, open loop, all"] / 2.0
-    assert worst["dynamic, P, open loop, not all"] > 5.0 * worst["dynamic, P, open loop, all"]
-    assert worst["kinematic, P, open loop, not all"] > 2.0 * worst["dynamic, P, open loop, not all"]
-    assert max(worst[f"{model}, PI, fed back, not all"] for model in ("kinematic", "dynamic")) < 0.01
-    shown = drawn(runs)
-    assert list(shown) == [
-        f"{model}, knows {what}" for what in ("all", "not all") for model in ("kinematic", "dynamic")
-    ]
-    assert shown["dynamic, knows not all"] is runs["dynamic, P, open loop, not all"]
-    assert all(named(name).strip() == name for name in shown)  # a legend has room for it
 
 
 def test_the_papers_drive_at_its_wheel(example):

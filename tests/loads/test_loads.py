@@ -514,27 +514,6 @@ def test_the_torque_to_accelerate_is_inertia_times_acceleration(kind):
     assert before - after == pytest.approx(felt * c.acceleration[corner - 1, 1])
 
 
-@pytest.mark.parametrize(("one", "other"), [
-    (
-        "kind: conveyor, mass: 4.5 kg, belt_mass: 500 g, drum_diameter: 2 in, friction_coefficient: 20 %, "
-        "force: 3 N, incline: 0.1 rad, inertia: 30 kg*cm^2, efficiency: 90 %",
-        "kind: conveyor, mass: 4500 g, belt_mass: 0.5 kg, drum_diameter: 50.8 mm, friction_coefficient: 0.2, "
-        "force: 0.003 kN, incline: 5.729577951308232 deg, inertia: 3 g*m^2, efficiency: 0.9",
-    ),
-    ("kind: hoist, mass: 10 lb, drum_diameter: 3 in, rope_efficiency: 95 %, friction_force: 1 kgf",
-     "kind: hoist, mass: 4.5359237 kg, drum_diameter: 76.2 mm, rope_efficiency: 0.95, friction_force: 9.80665 N"),
-    ("kind: arm, mass: 6 lb, length: 1 ft, start_angle: 0.25 rev, friction_torque: 50 N*cm",
-     "kind: arm, mass: 2.72155422 kg, length: 304.8 mm, start_angle: 90 deg, friction_torque: 500 mN*m"),
-    ("kind: fan, inertia: 5 kg*cm^2, rated_torque: 1 kgf*cm, rated_speed: 30 rpm",
-     "kind: fan, inertia: 0.5 g*m^2, rated_torque: 98.0665 mN*m, rated_speed: 180 deg/s"),
-])  # fmt: skip
-def test_other_units_the_same_machine(one, other):
-    a, b = (cycle_of(load, (0, 0), (1, 0.8), (3, 0.8), (4, 0), (5, -0.5), (6, 0)) for load in (one, other))
-    assert a.torque == pytest.approx(b.torque, rel=1e-9, abs=1e-12)
-    assert a.speed == pytest.approx(b.speed)
-    assert a.inertia == pytest.approx(b.inertia)
-
-
 @pytest.mark.parametrize(
     "load",
     [

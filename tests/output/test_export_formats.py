@@ -6,7 +6,7 @@ import io
 import json
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import jsonschema
 import numpy as np
@@ -151,17 +151,6 @@ def test_urdf_by_another_s_reader(export):
     assert float(reduction) == pytest.approx(K)  # yourdfpy leaves transmissions aside
 
 
-def test_the_motion_that_the_joint_makes_is_that_of_the_motor(export):
-    """The law of motion of the file, effort against inertia and friction: k_t i at the motor, gears driving."""
-    current = 1.7
-    train = export.train
-    effort = K_T * current * K * E
-    at_joint = (effort - export.friction) / export.inertia
-    share = 1 / (K * E)
-    at_motor = (K_T * current - FRICTION - share * ROLLING) / (ROTOR + share * train.load_inertia / K)
-    assert at_joint == pytest.approx(at_motor / K)
-
-
 def test_a_limit_that_is_unknown_has_no_place_in_urdf(spec, found):
     nan = math.nan
     slow = export_of(spec, found)
@@ -255,16 +244,6 @@ def test_every_version_of_ros2_controllers_finds_its_names(export, version):
     assert own["update_rate"] == manager["update_rate"] == round(1 / export.period)
 
 
-def test_the_block_of_ros2_control(export):
-    root = ET.fromstring(rendered(export, "ros2_control"))
-    block = root.find("ros2_control")
-    assert block.get("type") == "system" and block.find("hardware/plugin").text == "mock_components/GenericSystem"
-    names = {e.get("name"): {p.get("name"): float(p.text) for p in e} for e in block.iter("command_interface")}
-    assert names["effort"] == {"min": pytest.approx(-3.344), "max": pytest.approx(3.344)}
-    assert names["velocity"]["max"] == pytest.approx(export.limits.peak_speed.value)
-    assert float(block.find("transmission/joint/mechanical_reduction").text) == pytest.approx(K)
-
-
 def test_a_position_loop_has_no_place_in_a_velocity_controller(export):
     with pytest.raises(InputError, match=r"leave control\.position out"):
         rendered(replace(export, controller=CASCADE), "ros2_control", True)
@@ -309,20 +288,6 @@ def test_the_document_obeys_its_schema(export, spec, found):
     assert made["controller_limits"]["peak_current"]["value"] is None
     made["drive"].pop("ratio")
     assert not jsonschema.Draft202012Validator(export_schema()).is_valid(made)
-
-
-def test_the_document_has_every_gain_and_figure_with_its_unit(export):
-    made = document(export)
-    assert made["drive"]["ratio"] == {
-        "value": pytest.approx(K),
-        "unit": "1",
-        "is": "motor turns per turn of the driven shaft",
-    }
-    assert made["drive"]["winding_capacity"]["value"] is None  # the time constants are unknown
-    assert set(made["controller"]["gains"]) == {f.name for f in fields(export.controller)} - {"rule", "source"}
-    assert made["controller"]["gains"]["kp"]["unit"] == "V.s/rad"
-    assert made["cycle"]["speed"]["values"][1] == pytest.approx(1.5 / 0.0762)
-    assert made["parts"]["motor"] == "maxon RE 25 118752"
 
 
 # --- names, bytes, targets

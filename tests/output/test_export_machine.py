@@ -278,16 +278,21 @@ STAGES = {
 }  # fmt: skip
 
 
-def picked(folder: Path, axes: dict[str, Any], select: dict[str, Any], **robot: Any) -> MachineSizing:
+SHORT = {"first": "20 deg", "second": "-15 deg", "third": "10 mm"}
+
+
+def picked(folder: Path, axes: dict[str, Any], select: Any = None, end: Any = SHORT, **robot: Any) -> MachineSizing:
     """A picker with three joints that move, its sections changed."""
     (folder / "robot.xml").write_text(ROBOT, encoding="utf-8")
-    start, end = {"first": "0 deg", "second": "0 deg", "third": "0 mm"}, {"first": "20 deg", "second": "-15 deg"}
+    (folder / "parts.yaml").write_text(catalogue(Random(3)), encoding="utf-8")
+    select = select or {"catalogs": [str(folder / "parts.yaml")], "estimates": "off"}
+    start = {"first": "0 deg", "second": "0 deg", "third": "0 mm"}
     limits = {"speed": "1 rad/s", "acceleration": "2 rad/s^2"}
     return size_machine(load_machine({
         "name": "picker", "supply": {"nominal": "24 V", "accepts": "all"}, "axes": axes, "select": select,
         "robot": {
             "description": str(folder / "robot.xml"), "held": {"fourth": "0.2 rad"}, "law": "poly5",
-            "waypoints": [{"positions": one} for one in (start, start | end | {"third": "10 mm"}, start)],
+            "waypoints": [{"positions": one} for one in (start, end, start)],
             "limits": {"first": limits, "second": limits, "third": {"speed": "20 mm/s", "acceleration": "0.1 m/s^2"}},
             "drives": {"third": {"travel_per_turn": "20 mm"}}, **robot,
         },
@@ -296,9 +301,8 @@ def picked(folder: Path, axes: dict[str, Any], select: dict[str, Any], **robot: 
 
 def test_a_further_gear_is_one_with_the_drive(tmp_path):
     """The force at each joint by the motor's torque for the load cycle behind the gear, belt before or behind it."""
-    (tmp_path / "parts.yaml").write_text(catalogue(Random(3)), encoding="utf-8")
     axes = {name: {"transmission": [{"kind": "gearhead"}, *stages]} for name, stages in STAGES.items()}
-    sizing = picked(tmp_path, axes, {"catalogs": [str(tmp_path / "parts.yaml")], "estimates": "off"})
+    sizing = picked(tmp_path, axes)
     of = machine_export(sizing)
     for drive in of.robot.drives:
         spec, train = sizing.axis(drive.joint).spec, drive.of.train
@@ -326,10 +330,8 @@ def test_a_further_gear_is_one_with_the_drive(tmp_path):
 
 
 def test_a_gear_that_locks_itself_is_refused(tmp_path):
-    (tmp_path / "parts.yaml").write_text(catalogue(Random(3)), encoding="utf-8")
     worm = {"kind": "worm", "ratio": 2, "efficiency": 0.45}
-    axes = {"first": {"transmission": [{"kind": "gearhead"}, worm]}}
-    sizing = picked(tmp_path, axes, {"catalogs": [str(tmp_path / "parts.yaml")], "estimates": "off"})
+    sizing = picked(tmp_path, {"first": {"transmission": [{"kind": "gearhead"}, worm]}})
     with pytest.raises(InputError, match="first: its worm locks itself, and simulators have no gear that only one"):
         machine_export(sizing)
 
@@ -370,30 +372,17 @@ def test_steppers_at_joints_go_along_the_trajectory(tmp_path):
 
 @pytest.fixture(scope="module")
 def picker(tmp_path_factory) -> MachineExport:
-    folder = tmp_path_factory.mktemp("picker")
-    (folder / "parts.yaml").write_text(catalogue(Random(3)), encoding="utf-8")
-    (folder / "robot.xml").write_text(ROBOT, encoding="utf-8")
-    start = {"first": "0 deg", "second": "0 deg", "third": "0 mm"}
-    end = {"first": "60 deg", "second": "-40 deg", "third": "40 mm"}
-    limits = {"speed": "1 rad/s", "acceleration": "2 rad/s^2"}
-    return machine_export(size_machine(load_machine({
-        "name": "picker", "supply": {"nominal": "24 V", "accepts": "all"}, "axes": {"belt": {
-            "load": {"kind": "belt_axis", "mass": "3 kg", "pulley_diameter": "40 mm"},
-            "motion": {
-                "profile": "trapezoid", "speed": "0.2 m/s", "acceleration_time": "0.3 s", "cruise_time": "1 s"}}},
-        "select": {"catalogs": [str(folder / "parts.yaml")], "estimates": "off"},
-        "robot": {
-            "description": str(folder / "robot.xml"),
-            "payload": {"mass": "0.5 kg", "link": "tip", "at": ["10 mm", "0 mm", "20 mm"]},
-            "held": {"fourth": "0.2 rad"}, "law": "poly5", "mounting": {"roll": "10 deg"},
-            "waypoints": [{"positions": one} for one in (start, end, start)],
-            "limits": {"first": limits, "second": limits, "third": {"speed": "20 mm/s", "acceleration": "0.1 m/s^2"}},
-            "drives": {
-                "second": {"on": "link", "link": "column", "at": ["30 mm", "10 mm", "0 mm"]},
-                "third": {"travel_per_turn": "20 mm"},
-            },
-        },
-    }), top=1))  # fmt: skip
+    belt = {
+        "load": {"kind": "belt_axis", "mass": "3 kg", "pulley_diameter": "40 mm"},
+        "motion": {"profile": "trapezoid", "speed": "0.2 m/s", "acceleration_time": "0.3 s", "cruise_time": "1 s"},
+    }
+    beside = {"on": "link", "link": "column", "at": ["30 mm", "10 mm", "0 mm"]}
+    return machine_export(picked(
+        tmp_path_factory.mktemp("picker"), {"belt": belt},
+        end={"first": "60 deg", "second": "-40 deg", "third": "40 mm"},
+        payload={"mass": "0.5 kg", "link": "tip", "at": ["10 mm", "0 mm", "20 mm"]},
+        mounting={"roll": "10 deg"}, drives={"second": beside, "third": {"travel_per_turn": "20 mm"}},
+    ))  # fmt: skip
 
 
 def states(count: int) -> tuple[Array, Array, Array]:

@@ -1,10 +1,8 @@
 """The choice by weights on the page: its figures are those of the drives, its first order that of the spec."""
 
-import json
 from dataclasses import replace
 from math import isnan, nan
 
-import numpy as np
 import pytest
 from html_reports import HOSTILE, parsed, with_choices
 from lxml import html
@@ -14,7 +12,6 @@ from drivesizer.output.document.content import Content
 from drivesizer.output.report.html.candidate_plots import weights_section
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.html.templates import section_html
-from drivesizer.results.sizing import used_share, weighted_order
 
 
 def section(result):
@@ -64,16 +61,6 @@ def test_the_first_order_is_that_of_the_spec(page, weighed):
     assert len(page.xpath("//tbody//*[contains(@class, 'pill')]")) == 2
 
 
-def test_the_page_has_the_numbers_that_another_order_is_made_of(page, weighed):
-    data = json.loads(page.xpath("//script[@id='weights-data']")[0].text)
-    assert data["first"] == weighed.choices.first and [*data["figures"]] == ["mass", "price", "energy", "margin"]
-    for name, column in data["figures"].items():
-        wanted = np.array([one.figures[name] for one in weighed.choices.drives])
-        wanted = used_share(wanted) if name == "margin" else wanted
-        np.testing.assert_allclose(np.array(column, float), wanted, rtol=5.1e-7)
-    assert None in data["figures"]["price"]
-
-
 def changed(result, **figures):
     """The same with other figures, each a function of the drive's number."""
     choices = result.choices
@@ -100,17 +87,3 @@ def test_it_follows_the_candidates_and_is_missing_without_drives(result, weighed
     assert names[names.index("candidates") + 1] == "weights"
     assert "Choose by weights" in words(page.xpath("//nav")[0])
     assert page.xpath("//h1 | //h2 | //h3")[0].tag == "h1" and not without.xpath("//*[@id='weights']")
-
-
-def test_initial_scores_are_those_of_the_rule(page, weighed):
-    """By two objectives of the spec, a drive without a price behind all others."""
-    both = replace(weighed, choices=replace(weighed.choices, weights={"mass": 2.0, "price": 1.0}))
-    drives = weighed.choices.drives
-    found = weighted_order(
-        {name: np.array([one.figures[name] for one in drives]) for name in ("mass", "price")}, both.choices.weights
-    )
-    tree = section(both)
-    assert [int(tr.get("data-row")) for tr in tree.xpath("//tbody/tr")] == found.order.tolist()
-    last = words(tree.xpath("//tbody/tr[last()]/td[contains(@class, 'score')]")[0])
-    assert last == "unknown" and isnan(drives[found.order[-1]].figures["price"])
-    assert words(tree.xpath("//*[contains(@class, 'command')]/code/span")[0]) == "mass=2,price=1"

@@ -31,12 +31,6 @@ def test_known_dots_of_a_cell():
     assert field(upright, level, x=end) == ["⡏" + "⠉" * 7, "⡇", "⡇"]
 
 
-def test_a_diagonal_is_a_dot_a_step():
-    one = Series("", [0, 15], [0, 15])
-    assert dots(one, (15.0, 15.0), (16, 16)) == [(n, n) for n in range(16)]
-    assert dots(one._replace(gap=5), (15.0, 15.0), (16, 16)) == [(0, 0), (5, 5), (10, 10), (15, 15)]
-
-
 def test_what_lies_outside_is_cut_off_where_the_axes_end():
     size, reach = (16, 16), (15.0, 15.0)
     assert dots(Series("", [-5, 1e9], [3, 3]), reach, size) == [(n, 3) for n in range(16)]
@@ -51,15 +45,6 @@ def test_what_is_not_finite_leaves_a_gap(odd):
     one = Series("", [0, 1, 2, 3, 4], [0, 0, odd, 0, 0])
     assert dots(one, (15.0, 15.0), (16, 16)) == [(0, 0), (1, 0), (3, 0), (4, 0)]
     assert field(Series("", [odd], [1.0], mark="●")) == ["", "", ""]
-
-
-def test_a_mark_stands_in_its_cell_and_dots_go_over_it():
-    end = Axis("", "", 15.0)
-    mark, level = Series("", [15, 4], [11, 0], mark="●"), Series("", [0, 5], [0, 0])
-    assert field(mark, x=end) == ["       ●", "", "  ●"]
-    assert field(level, mark, x=end)[2] == "⣀⣀●"
-    assert field(mark, level, x=end)[2] == "⣀⣀⣀"
-    assert field(mark._replace(x=[16, -1]), x=end) == ["", "", ""]
 
 
 @pytest.mark.parametrize(
@@ -95,9 +80,3 @@ def test_no_line_is_wider_than_asked_for(width, end):
     lines = plain(long, x=Axis("torque", "N·m", end), y=Axis("speed", "rpm", end), width=width, height=12)
     assert max(map(len, lines)) <= width
     assert " ".join(" ".join(lines[16:]).split()) == f"⠒⠒ {long.name}"
-
-
-def test_lines_are_told_apart_without_colour():
-    one = Series("one", [0, 7], [0, 11], style="red")
-    lines = plain(one, one._replace(name="two", gap=2), one._replace(name="three", gap=4), one._replace(mark="●"))
-    assert lines[-4:] == ["⠒⠒ one", "⠂⠂ two", "⠂  three", "●  one"]

@@ -89,13 +89,6 @@ def test_unknown_ends_follow_from_voltage_resistance_and_constant(part):
     assert line(part(stall_torque=None)).torque == pytest.approx(K**2 / R * 9500 * RPM)
 
 
-@pytest.mark.parametrize("unknown", ["resistance", "torque_constant"])
-def test_without_them_there_is_no_line(part, unknown):
-    """Nor what they would follow from: V/R, and k_t from no load and from the nominal point."""
-    others = dict.fromkeys(("stall_torque", "stall_current", "no_load_speed", "nominal_current"))
-    assert all(map(isnan, line(part(**others, **{unknown: None}))[:2]))
-
-
 def test_an_actuators_speed_is_not_made_of_a_constant_with_losses(part):
     out = {"no_load_speed": None, "no_load_current": "0.5 A", "resistance": "1 ohm", "torque_constant": "0.8 N*m/A"}
     assert isnan(line(part("actuators", **out)).speed)
@@ -121,11 +114,6 @@ def test_iron_losses_that_grow_with_the_square_of_speed_are_met_exactly(part):
     points = {f"{at}_torque": f"{left(s)} mN*m" for at, s in (("half_speed", 0.5), ("top_speed", 1.0))}
     torque, speed = continuous_curve(part(standstill_torque="30 mN*m", **points))
     assert torque == pytest.approx([left(w / (12000 * RPM)) * 1e-3 for w in speed])
-
-
-def test_a_region_that_does_not_fall_is_three_points(part):
-    torque, _ = continuous_curve(part(**REGION | {"half_speed_torque": "30 mN*m"}))
-    assert torque == pytest.approx([0.030, 0.030, 0.018])
 
 
 @pytest.mark.parametrize("unknown", [*REGION, "max_speed"])
@@ -192,15 +180,6 @@ def test_a_single_body_follows_the_logarithm(part, times):
     assert overload_times(part(**HEAVY), current)[0] == pytest.approx(expected, rel=1e-5)
 
 
-def test_without_the_coppers_feedback_it_is_the_textbooks_law(part):
-    """A permitted rise of 0.1 K leaves the resistance as it is: t = tau ln(k^2 / (k^2 - 1))."""
-    hot = part(**HEAVY, max_winding_temperature="25.1 degC")
-    alone = sqrt(0.1 / (R_TH1 * R))
-    for times in (1.5, 2.0, 3.0, 5.0):
-        expected = TAU_W * log(times**2 / (times**2 - 1))
-        assert overload_times(hot, times * alone)[0] == pytest.approx(expected, rel=2e-3)
-
-
 def test_a_warm_motor_starts_from_its_housing(part):
     """Heavy housing at the temperature of the nominal point: a single body again, from another start."""
     loss, at_25 = K * I_0 * 8500 * RPM, (R_TH1 + R_TH2) * R * I_N**2
@@ -260,23 +239,9 @@ def test_the_page_fits_and_is_plain_on_a_pipe(part, shown, section, width):
     assert "\x1b" not in out
 
 
-def test_a_wide_page_sets_tables_side_by_side(part, shown):
-    narrow, wide = (shown(part(), width).splitlines() for width in (80, 140))
-    assert not any("continuous current by" in text and "overload at" in text for text in narrow)
-    assert any("continuous current by" in text and "overload at" in text for text in wide)
-    assert any("kind" in text and "resistance" in text for text in wide)  # the figures, in two halves
-
-
 def test_a_part_without_torque_and_speed_has_its_figures(tmp_path, shown):
     hit = find(open_catalogs([str(write(tmp_path / "own.yaml", "encoders", counts_per_turn="500"))]), "P1")[0]
     said = words(shown(hit))
     assert "counts per turn 500" in said
     assert "heat" not in said
     assert "┤" not in said
-
-
-def test_the_command_shows_the_page(part, monkeypatch, tmp_path, run):
-    part()
-    monkeypatch.chdir(tmp_path)
-    status, out, _ = run("catalog", "show", "P1", "--catalog", "own.yaml")
-    assert status == 0 and "nominal point" in out

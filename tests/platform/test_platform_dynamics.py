@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from platform_vehicles import LOPSIDED, VEHICLE
+from platform_vehicles import LOPSIDED
 from platforms import INERTIA, MASS, RADIUS, WHEEL, car, differential, mecanum
 from scipy.integrate import solve_ivp
 from wheel_sets import wheel_sets
 
 from drivesizer.errors import InputError
-from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases import load_cycle
-from drivesizer.loads.course import Profile
 from drivesizer.platform.dynamics import (
     Ground,
     acceleration,
@@ -31,7 +28,6 @@ from drivesizer.platform.dynamics import (
 )
 from drivesizer.platform.kinematics import kinematics, to_world, velocity, wheel_speeds
 from drivesizer.platform.wheels import Caster, Payload, Platform, loaded, without_motor
-from drivesizer.spec.robot import read_spec
 
 G = 9.80665
 NULL = np.array([1.0, 1.0, -1.0, -1.0])
@@ -189,21 +185,6 @@ def test_what_resists_takes_the_energy():
 # --- against a vehicle's load cycle -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("degrees", [0.0, 4.0, -7.0])
-def test_straight_on_each_wheel_has_a_vehicles_load_cycle(degrees):
-    spec = read_spec(YamlSource(VEHICLE % degrees, "x.yaml"))
-    cycle = load_cycle(spec, Profile("x", (0.0, 2.0, 5.0, 7.0, 9.0), (0.0, 1.5, 1.5, -0.6, 0.0)))
-    d = dynamics(mecanum(rolling_resistance=0.02))
-    nothing = np.zeros_like(cycle.speed)
-    eta, rate = (np.array([c * RADIUS, nothing, nothing]) for c in (cycle.speed, cycle.acceleration))
-    towards = np.repeat(eta.mean(axis=2, keepdims=True), 2, axis=2)
-    ground = Ground(slope=math.radians(degrees))
-    torques = wheel_torques(d, eta, rate, ground=ground, towards=towards)
-    assert torques.shape == (4, *cycle.torque.shape)
-    assert torques == pytest.approx(np.broadcast_to(cycle.torque, torques.shape), rel=1e-12, abs=1e-13)
-    assert wheel_speeds(d.kinematics, eta) == pytest.approx(np.broadcast_to(cycle.speed, torques.shape), rel=1e-12)
-
-
 def test_a_wheel_that_stands_does_not_resist():
     """On a diagonal cos 45° and sin 45° differ by rounding; what is left of two wheels' speed is no motion."""
     d = dynamics(mecanum(rolling_resistance=0.02))
@@ -243,12 +224,6 @@ def test_rollers_that_stand_do_not_resist(heading, residue):
     assert wheel_torques(d, [0.0] * 3, [0.0] * 3, towards=[math.cos(angle), math.sin(angle), 0.0]) == pytest.approx(
         found
     )
-
-
-def test_straight_ahead_on_the_papers_robot_each_wheel_takes_0_168():
-    """0.02 of 45 kg at 9.80665 m/s² on four wheels of 152.4 mm, (3) and (5) with bearing factor 1, rollers or none."""
-    d = dynamics(mecanum(rolling_resistance=0.02, roller_resistance=0.01))
-    assert wheel_torques(d, [1.5, 0.0, 0.0], [0.0] * 3) == pytest.approx([0.168135] * 4, rel=1e-5)
 
 
 def test_a_caster_in_the_centre_of_a_turn_does_not_roll():

@@ -6,25 +6,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from platform_vehicles import VEHICLE
-from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, differential, mecanum, omni_three
+from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, mecanum
 
-from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.output.platform import hardest_instant
-from drivesizer.platform.dynamics import Ground, dynamics
-from drivesizer.platform.matrix_equation import PLATFORM
+from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.robot_figures import (
     _OF_ITS,
     Instant,
     figures,
     matrices,
     mobility,
-    numbers_of,
     robot_at_instant,
     wheel_table,
 )
-from drivesizer.platform.wheels import Platform
 from drivesizer.spec.robot import read_spec
 from drivesizer.units import registry
 
@@ -76,42 +72,6 @@ def test_the_inertia_is_the_curvature_of_the_kinetic_energy():
     curved = [[(kinetic(h * (a + b)) - kinetic(h * (a - b))) / (2 * h**2) for b in unit] for a in unit]
     assert by_name(dynamics(p))["M_bar"].values == pytest.approx(np.array(curved), rel=1e-8, abs=1e-8)
     assert figures(dynamics(p), AT)["T"] == pytest.approx(kinetic(AT.eta), rel=1e-12)
-
-
-def refused(d, at=AT):
-    known, found = figures(d, at), []
-    for number, e in PLATFORM.items():
-        try:
-            numbers_of(e, known)
-        except InputError as error:
-            assert str(error).startswith(f"equation ({number}) is written for four driven wheels")
-            found.append(number)
-    return sorted(found)
-
-
-def test_equations_that_are_written_for_the_papers_robot_are_refused_for_another():
-    """The mass matrix that (38), (41), (42), (46) have is diagonal; (33), (36), (40), (55), (56) have four wheels."""
-    assert refused(dynamics(mecanum())) == []
-    assert refused(dynamics(replace(mecanum(), x=0.04))) == [38, 41, 42, 46]
-    three = Platform(wheels=tuple(omni_three(0.05, 0.2)), mass=12.0, inertia=0.4)
-    assert refused(dynamics(three)) == [33, 36, 40, 55, 56]
-    ahead = AT._replace(eta=np.array([0.9, 0.0, 0.8]), eta_dot=np.array([0.5, 0.0, 0.6]))
-    assert refused(dynamics(differential()), ahead) == [33, 36, 40, 55, 56]
-    assert by_name(dynamics(three))["K_plus"].equations == (54,)
-    assert by_name(dynamics(differential()))["mobility"].values[:, 0].tolist() == [2, 2, 0]
-
-
-def test_forces_are_those_of_their_causes():
-    """By hand: m (v̇_x − θ̇ v_y) and m (v̇_y + θ̇ v_x) of the body, the wheels' inertia, the weight on the slope."""
-    ground = Ground(slope=0.1, uphill=0.4, gravity=10.0)
-    _, found = robot_at_instant(dynamics(mecanum()), AT._replace(ground=ground))
-    force, torque = found.values[:, :3], found.values[:, 3:]
-    assert force[-1] == pytest.approx(force[:-1].sum(axis=0), rel=1e-12)
-    wheels = 4 * WHEEL / RADIUS**2
-    assert force[0] == pytest.approx([(MASS + wheels) * 0.5, -(MASS + wheels) * 0.3, 0.6 * 2.6475], rel=1e-4)
-    assert force[1] == pytest.approx([-MASS * 0.8 * 0.35, MASS * 0.8 * 0.9, 0.0], rel=1e-12)
-    assert force[2] == pytest.approx([MASS * 10.0 * math.sin(0.1), 0.0, 0.0], abs=1e-9)  # it faces uphill
-    assert torque @ SIDE * [1, 1, LX + LY] / RADIUS == pytest.approx(force, rel=1e-9, abs=1e-9)  # Eᵀ τ
 
 
 def test_the_instant_is_that_of_the_largest_torque_straight_ahead():

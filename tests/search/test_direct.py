@@ -2,7 +2,6 @@
 
 import json
 import math
-from pathlib import Path
 
 import pytest
 
@@ -181,31 +180,3 @@ def test_no_gearhead_is_chosen_where_there_is_to_be_none():
         size(spec_of(FAN.replace("CATALOGS]", "maxon], gearhead: {part: direct}")))
     with pytest.raises(InputError, match="a gearhead or direct, or one of them and then a belt"):
         spec_of(ALONE.replace("kind: direct", "kind: belt, ratio: 2, efficiency: 0.9"), "maxon")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["validate", "--set", "one-90/direct", "--json"],
-        ["export", "--set", "one-90/direct", "--format", "urdf", "-o", "drive.urdf"],
-        ["report", "-o", "report.html"],
-        ["study", "study.yaml"],
-        ["explain", "--motor", "one-90", "--gearhead", "direct", "--samples", "100"],
-    ],
-    ids=lambda words: words[0],
-)
-def test_every_command_takes_such_a_set(unlisted, words, monkeypatch, run):
-    folder = unlisted.parent
-    text = ALONE.replace("CATALOGS]", "one.yaml, maxon], motor: {part: one-90}").replace(
-        "cruise_time: 20 s", "cruise_time: 1 s"
-    )
-    if words[0] == "explain":
-        text = text.replace("inertia: 20 kg", "inertia: 20 ± 2 kg")
-    (folder / "robot.yaml").write_text(text, encoding="utf-8")
-    (folder / "study.yaml").write_text("spec: robot.yaml\nvary:\n  motion.speed: [1000 rpm, 1200 rpm]\n", "utf-8")
-    monkeypatch.chdir(folder)
-    status, out, err = run(*words)
-    assert status == 0, err
-    written = [path.read_text(encoding="utf-8") for path in Path().rglob("*[lv]")]
-    assert any("one-90" in text for text in (out, *written))

@@ -7,10 +7,8 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Crossed, pairs
 from drivesizer.search.columns.stages import examine
-from drivesizer.search.search import search
 from drivesizer.spec.robot import read_spec
 
 BELTS = [0.8, 1.1, 1.7]
@@ -58,24 +56,3 @@ def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given):
     assert 20 < len(whole(by_waveform, "rows")) < 0.2 * len(crossed.pairs.motor) * len(BELTS)
     for name in ("rows", "unknown", "controller"):
         np.testing.assert_array_equal(whole(by_bounds, name), whole(by_waveform, name), name)
-
-
-def test_a_longer_cycle_s_drives_are_computed_in_order_until_enough_pass(given, monkeypatch):
-    """The same are shown as where all are computed; the rest is counted, as neither passing nor failing."""
-    every = search(given, top=3)
-    monkeypatch.setattr(ranking, "_LONG", 100)
-    monkeypatch.setattr(ranking, "_FIRST", 4)
-    few = search(given, top=3)
-    for found in (every, few):
-        assert found.passing == 3
-    for name in ("motor", "gearhead", "belt"):
-        shown = [getattr(found.evaluation.candidates, name)[:3] for found in (every, few)]
-        np.testing.assert_array_equal(*shown, name)
-    assert every.counts.undecided == 0
-    assert (few.counts.undecided > 0) is (every.counts.passing > 0)  # what all lack is known once all are computed
-    assert few.counts.feasible <= every.counts.feasible <= few.counts.feasible + few.counts.undecided
-    all_of_them = search(given, top=10**4)
-    assert all_of_them.counts.undecided == 0
-    assert (all_of_them.counts.feasible, all_of_them.counts.passing) == (every.counts.feasible, every.counts.passing)
-    margin = search(given.ranked_by("margin"), top=3)  # of which all margins are needed
-    assert margin.counts.undecided == 0

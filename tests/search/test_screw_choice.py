@@ -1,6 +1,5 @@
 """Screws out of the catalogues: the smallest of each lead, the best lead, the same drive as with the screw typed."""
 
-import json
 import math
 
 import pytest
@@ -8,16 +7,13 @@ import pytest
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
-from drivesizer.output.json import documents
-from drivesizer.output.parts import machine_parts
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
-from drivesizer.results.problem import for_drive, with_screw
+from drivesizer.results.problem import with_screw
 from drivesizer.search import shortlist
 from drivesizer.search.columns.limits import load_limits
 from drivesizer.search.shortlist import problem_with_screw
 from drivesizer.search.uncertainty.uncertain_figures import applied
-from drivesizer.simulate import hardest_case
-from drivesizer.sizing import explain, load_parts, size
+from drivesizer.sizing import load_parts, size
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -103,18 +99,6 @@ def found(wide, catalog):
     return size(wide, catalog=catalog)
 
 
-def test_the_lead_is_that_of_the_lightest_drive_with_its_screw(wide, catalog, found):
-    screws = [one.screw for one in shortlist._smallest_by_lead(wide, catalog) if one.screw is not None]
-    assert len(screws) >= 3
-    masses = {}
-    for screw in screws:
-        best = size(spec_of(typed(screw)), catalog=catalog, top=1).sets[0]
-        shaft = math.pi / 4 * 7850 * screw.diameter**2 * 0.52
-        masses[screw.part] = best.mass + shaft + (0.0 if math.isnan(screw.nut_mass) else screw.nut_mass)
-    assert found.sets[0].chosen_screw.screw.part == min(masses, key=masses.get)
-    assert any(screw.part in found.warnings[0] for screw in screws)
-
-
 def test_the_drives_are_those_of_the_same_screw_typed(catalog, found):
     chosen = found.sets[0].chosen_screw
     plain = size(spec_of(typed(chosen.screw)), catalog=catalog)
@@ -123,21 +107,6 @@ def test_the_drives_are_those_of_the_same_screw_typed(catalog, found):
         for ours, theirs in zip(one.checks, other.checks, strict=True):
             assert ours.name == theirs.name
             assert (ours.demand, ours.limit) == pytest.approx((theirs.demand, theirs.limit), rel=1e-9, nan_ok=True)
-
-
-def test_every_output_has_the_screw(wide, catalog, found):
-    best = found.sets[0]
-    part = best.chosen_screw.screw
-    (line,) = [line for line in machine_parts(best, found.problem) if line.role == "screw"]
-    assert (line.part, line.maker, line.quantity) == (part.part, part.manufacturer, 1)
-    assert "520 mm long" in line.said
-    document = json.loads(json.dumps(documents.drive_set(best)))
-    assert document["screw"]["part"]["part"] == part.part
-    assert document["screw"]["length_m"] == 0.52
-    assert hardest_case(wide, best) == ""  # of the spec as it was written
-    assert for_drive(wide, best.chosen_screw).load.lead == part.lead
-    again = explain(wide, best.motor.part, best.gearhead.part, catalog=catalog)
-    assert again[0].chosen_screw.screw.part == part.part
 
 
 def test_the_inertia_of_a_coupling_is_added_and_may_be_off(catalog):

@@ -15,7 +15,6 @@ from stepper_catalog import ideal_torque, printed_torque, worst_share, written
 
 from drivesizer import load_spec, size
 from drivesizer.catalog import Brake, Catalog, load
-from drivesizer.control.drive_train import NoLoopError, drive_train
 from drivesizer.errors import InputError
 from drivesizer.machine.operating_field import field, with_pull_out
 from drivesizer.machine.set_cycle import set_cycle
@@ -152,31 +151,6 @@ def test_drivers_by_current_and_supply(path: Path) -> None:
     high = {one.motor.part: one for one in sized(path, supply={"nominal": "48 V"}).sets}
     assert {one.controller.part for one in high.values() if one.controller} == {"D4"}  # D2 ends at 30 V
     assert not {"B1", "B2"} & set(high)  # which take 30 V
-
-
-@pytest.mark.parametrize(("factor", "passes"), [("2", True), ("4.5", True), ("5.2", False)])
-def test_the_factor_is_of_the_margins(path: Path, factor: str, passes: bool) -> None:
-    """0.42 over 0.0855 N*m is 4.91."""
-    found = sized(path, margins={"pull_out": float(factor)}, select={"motor": {"kind": "stepper", "part": "A2"}})
-    assert bool(found.sets) == passes
-
-
-def test_start_without_a_ramp(path: Path) -> None:
-    """A2: 400 rpm alone, 400/sqrt(1 + 4e-4/82e-7) = 56.7 rpm with the flywheel."""
-    limit = 400.0 / math.sqrt(1.0 + 4e-4 / 82e-7)
-    drive = next(one for one in sized(path, needs={"start_speed": "40 rpm"}).sets if one.motor.part == "A2")
-    assert check(drive, "start_speed").limit == pytest.approx(limit * RPM, rel=1e-6)
-    few = sized(path, needs={"start_speed": "60 rpm"}, select={"motor": {"kind": "stepper", "part": "A2"}})
-    assert "start_speed" in few.counts.failed_by
-
-
-def test_resolution_is_that_of_the_microsteps(path: Path) -> None:
-    """360 degrees / (200 x 16) = 0.1125 degrees with D2, 360 / (200 x 128) with D4; no encoder is asked for it."""
-    found = {one.motor.part: one for one in sized(path, needs={"resolution_at_load": "0.12 deg"}).sets}
-    assert check(found["A2"], "step_resolution").demand == pytest.approx(math.radians(360 / 3200))
-    assert check(found["A3"], "step_resolution").demand == pytest.approx(math.radians(360 / 25600))
-    few = sized(path, needs={"resolution_at_load": "0.1 deg"})
-    assert {one.motor.part for one in few.sets} == {"A3", "A4", "B1", "B2"}
 
 
 def test_resolution_is_that_of_the_microsteps_that_are_set(path: Path) -> None:
@@ -336,12 +310,6 @@ def test_the_field_has_the_pull_out_torque(path: Path) -> None:
     assert at == pytest.approx([0.42, 0.42, 0.37], abs=2e-3)
     assert np.abs(lines.cycle_torque).max() == pytest.approx((4e-4 + 82e-7) * 600 * RPM / 0.15, rel=1e-6)
     assert lines.factor == 2.0
-
-
-def test_no_closed_loop_of_a_stepper(path: Path) -> None:
-    found = sized(path)
-    with pytest.raises(NoLoopError, match="motor A1 is a stepper, which runs open-loop: it has no closed loop"):
-        drive_train(found.problem.spec, next(one for one in found.sets if one.motor.part == "A1"), 1e-3)
 
 
 # --- what is refused -------------------------------------------------------------------------------------------------

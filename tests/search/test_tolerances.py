@@ -403,20 +403,6 @@ def test_confidence_filters_and_the_rest_is_reported(plain: str, parts: Catalog)
     assert sure == sorted(sure, reverse=True)
 
 
-def test_the_papers_sets_are_sampled_by_physics(example_text: str) -> None:
-    spec = _read(example_text, {"mass: 45 kg ": "mass: 45 kg +- 3 kg "})
-    result = size(spec, sampling=Sampling(512, 1, None))
-    found = result.sets[0].reliability
-    assert found and not found.unknown
-    assert result.uncertainty and any("the paper's factors do not enter" in note for note in result.uncertainty.notes)
-
-
-def test_a_tolerance_without_effect_is_reported(plain: str) -> None:
-    spec = _read(plain, {"  max_charge_current: 2.1 A": "  max_charge_current: 2.1 A +- 0.1 A"})
-    result = size(spec, top=1, sampling=Sampling(256, 1, None))
-    assert result.uncertainty and any("battery.max_charge_current" in note for note in result.uncertainty.notes)
-
-
 def test_the_driver_that_matters_most_comes_first(plain: str) -> None:
     spec = _read(plain, {key: MOVED[key] for key in ("mass: 45 kg ", "rolling_resistance: 0.02 ")})
     found = size(spec, top=1, sampling=Sampling(2048, 1, None)).sets[0].reliability

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy import stats
@@ -19,13 +14,11 @@ from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.output.document.candidates import probability_table
 from drivesizer.output.json import documents as json_documents
 from drivesizer.search.search import search
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.run import SampledDrives, sample_drives, subject, uncertainty
 from drivesizer.search.uncertainty.uncertain_figures import holding
-from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -170,17 +163,6 @@ def test_a_maker_that_takes_its_figures_as_printed_has_no_class() -> None:
     assert result.ready.given == () and _chance(result, row["Acme-1"]) == 1.0
 
 
-def test_a_set_that_cannot_be_driven_in_closed_loop_says_why() -> None:
-    without = parse(YamlSource(MAKER.replace("resistance: 0.4 ohm,", "").replace("MASS", "320"), "name.yaml"), "n", "0")
-    sizing = size(_spec(), top=1, catalog=without, sampling=Sampling(256, 1, None, loop=8))
-    (one,) = sizing.sets
-    why = "motor NAME-1: resistance not in the catalogue; no closed loop without"
-    assert one.reliability and (one.reliability.loop, one.reliability.no_loop) == (None, why)
-    document = json_documents.drive_set(one)["reliability"]
-    assert (document["closed_loop"], document["closed_loop_refused"]) == (None, why)
-    assert f"not simulated in closed loop: {why}" in str(probability_table("", [one], "").rows[0].cells["weakest"])
-
-
 # --- gearheads, actuators, families ----------------------------------------------------------------------------------
 
 WHOLE = """\
@@ -284,13 +266,6 @@ def _documents(catalog: Catalog) -> list[tuple[str, str, str]]:
     return [(one.maker, one.tolerance, catalog.sources[one.source].document) for one in catalog.tolerances]
 
 
-@pytest.mark.parametrize("order", [list, reversed])
-def test_joined_catalogues_keep_statements_and_documents(order: Callable[[Any], Any]) -> None:
-    both = joined([*order([_maker("Acme", ACME), _maker("Bolt", BOLT)])])
-    want = [("Acme", "+- 5 %", "Acme data sheet"), ("Bolt", "normal(3 %)", "Bolt test bench")]
-    assert _documents(both) == [*order(want)] and both.replaced == ()
-
-
 def _mine(tolerances: str, *, overrides: bool, rows: bool = True) -> Catalog:
     """Another file of the maker Acme."""
     text = MAKER.replace("NAME", "Acme").replace("MASS", "300").replace("data sheet", "letter") + tolerances
@@ -327,25 +302,6 @@ def test_what_overrides_some_families_leaves_the_others() -> None:
     assert one.tolerance == "+- 2 %" and len(special.tolerances) == 1
 
 
-def test_of_several_families_those_are_left_that_no_later_file_names() -> None:
-    def stating(families: str, tolerance: str, *, overrides: bool) -> Catalog:
-        entry = f"- {{source: sheet, families: [{families}], gearhead: {{inertia: +- {tolerance}}}}}\n"
-        text = WHOLE[: WHOLE.index("- {source: sheet, gearhead")] + entry
-        if overrides:
-            text = text.replace("catalog: 1\n", "catalog: 1\noverrides: true\n")
-        return parse(YamlSource(text, "a.yaml"), tolerance, tolerance)
-
-    both = joined([stating("G, H", "8 %", overrides=False), stating("H", "2 %", overrides=True)])
-    assert [(one.families, one.tolerance) for one in both.tolerances] == [(("G",), "+- 8 %"), (("H",), "+- 2 %")]
-    assert holding(both, {}, "gearhead", both.gearheads.rows["G10"])[1].name == "gearhead.inertia (Whole G)"
-
-
-def test_without_a_statement_an_overriding_row_keeps_its_makers() -> None:
-    both = joined([_maker("Acme", ACME), _mine("", overrides=True)])
-    assert both.motors["mass"].tolist() == [0.3]
-    assert holding(both, {}, "motor", 0)[1].text == "+- 5 %"
-
-
 # --- what ships, and how it is shown ---------------------------------------------------------------------------------
 
 
@@ -365,27 +321,3 @@ def test_what_ships_names_maker_and_document() -> None:
     row = catalog.motors.rows["CyberGear"]
     assert [one.text for one in holding(catalog, {}, "motor", row)][:2] == ["+- 10 %", "+- 2.7 %"]
     assert {one.whose for one in holding(catalog, {}, "motor", catalog.motors.rows["118752"])} == {""}
-
-
-def test_a_parts_page_names_its_makers_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    from drivesizer.cli import main
-
-    (tmp_path / "whole.yaml").write_text(WHOLE, encoding="utf-8")
-
-    def shown(part: str, *more: str) -> str:
-        with pytest.raises(SystemExit) as left, pytest.MonkeyPatch.context() as patch:
-            patch.setenv("COLUMNS", "200")
-            patch.setattr(
-                "sys.argv", ["drivesizer", "catalog", "show", part, "--catalog", str(tmp_path / "whole.yaml"), *more]
-            )
-            main()
-        assert left.value.code in (0, None)
-        return capsys.readouterr().out
-
-    assert "tolerances: losses of the gearhead none; each is measured (Whole data sheet; quoted)" in shown("H10")
-    assert "tolerances: resistance +- 3 %, losses of the gearhead +- 30 %, inertia +- 8 %" in shown("A10")
-    (part,) = json.loads(shown("G10", "--json"))["parts"]
-    assert part["tolerances"][0] == {
-        "part": "gearhead", "figure": "efficiency", "tolerance": "-5 %..20 %", "text": None,
-        "source": {"document": "Whole data sheet", "confidence": "quoted", "date": "", "url": ""},
-    }  # fmt: skip
