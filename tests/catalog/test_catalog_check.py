@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from broken_catalogs import about, alone, broken, held_to, laws_of, rows_of, with_cells
 from rows import hold
 
-from drivesizer.catalog import PARTS, Catalog, Note, columns_of, load, shipped
+from drivesizer.catalog import PARTS, Catalog, Note, columns_of, shipped
 from drivesizer.catalog.law_check import Finding, check, check_file
 from drivesizer.catalog.laws import LAWS, Law
 
@@ -220,16 +219,3 @@ def test_the_same_part_under_two_numbers(some: Catalog) -> None:
     (finding,) = (f for f in check(twice) if f.identity == "two numbers for one part")
     assert (finding.part, finding.grade) == ("000000", "information")
     assert str(twice.motors["part"][0]) in finding.meaning
-
-
-def test_a_file_beside_the_shipped_ones(tmp_path: Path) -> None:
-    file = tmp_path / "mine.yaml"
-    file.write_text(
-        "catalog: 1\nmanufacturer: me\nsources:\n  s: {document: d, confidence: quoted}\ngearheads:\n- family: G\n"
-        "  source: s\n  columns: [part, kind, reduction, ratio, stages, efficiency (%)]\n"
-        '  rows:\n  - [g5, planetary, "5:1", 5, 1, 90]\n  - [g25, planetary, "25:1", 25, 2, 95]\n',
-        encoding="utf-8",
-    )
-    wrong = [f for f in check_file("mine.yaml", beside=tmp_path) if f.unexplained]
-    assert [(f.file, f.part, f.identity) for f in wrong] == [("mine", "g25", "efficiency by stages")]
-    assert check(load(["mine.yaml"], beside=tmp_path))

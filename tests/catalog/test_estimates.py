@@ -15,7 +15,6 @@ from drivesizer.catalog.estimates.estimate import estimates, estimates_of, shipp
 from drivesizer.catalog.estimates.laws import (
     Law,
     column,
-    constructions_of,
     fit,
     fits,
     left_out,
@@ -163,56 +162,11 @@ def test_distance_from_the_peers_widens_the_band():
         assert widening(found.peers, np.array([[x.mean() + away]])) ** 2 == pytest.approx(expected, rel=1e-9)
 
 
-def frameless(everything: Catalog) -> Table:
-    motors = everything.motors
-    return motors.taken(np.flatnonzero(constructions_of(motors)[0] == "frameless"))
-
-
-def test_where_no_law_has_seen_a_construction_the_band_is_twice_as_wide(everything):
-    """No frameless motor prints the thermal resistance of its winding, and two without mass have friction by torque."""
-    seen = 0
-    for figure, ratings in (
-        ("no_load_current", ["nominal_current"]),
-        ("thermal_resistance_winding", ["nominal_current", "nominal_torque"]),  # which would limit it
-    ):
-        table = frameless(everything)
-        for rating in ratings:
-            table.columns[rating][:] = np.nan
-        found = estimates(table)
-        for place, row in enumerate(found[figure].rows):
-            by = shipped_laws()[found[figure].fit[place]]
-            if "frameless" in by.constructions:
-                continue
-            assert by.constructions == ("inrunner", "outrunner") and by.peers is not None
-            x = np.log([[column(table, name)[row] for name in by.law.terms]])
-            ends = 2.0 * widening(by.peers, x).item() * np.array(by.band)
-            assert found[figure].low[place] == pytest.approx(found[figure].value[place] * exp(ends[0]), rel=1e-9)
-            assert found[figure].high[place] == pytest.approx(found[figure].value[place] * exp(ends[1]), rel=1e-9)
-            seen += 1
-    assert seen > 10
-
-
 def test_a_part_far_from_all_that_were_fitted_is_not_estimated():
     """A motor of 3 t is no peer of motors up to 20 kg."""
     table = made(1)
     heavy = {**table.columns, "mass": np.array([3000.0]), "rotor_inertia": np.array([np.nan])}
     assert "rotor_inertia" not in estimates(replace(table, columns=heavy))
-
-
-def test_another_maker_gets_the_wider_band():
-    table = made(1)
-    unknown = {
-        **table.columns,
-        "rotor_inertia": np.array([np.nan]),
-        "mass": np.array([0.1]),
-        "diameter": np.array([0.025]),
-    }
-    found = estimates(replace(table, columns=unknown))["rotor_inertia"]
-    by = shipped_laws()[found.fit[0]]
-    ends = by.other_makers or (2 * by.band[0], 2 * by.band[1])
-    assert by.peers is not None
-    wide = widening(by.peers, np.log([[{"mass": 0.1, "diameter": 0.025}[name] for name in by.law.terms]])).item()
-    assert log(found.high[0] / found.low[0]) == pytest.approx(wide * (ends[1] - ends[0]), rel=1e-9)
 
 
 def test_a_servo_whose_winding_is_not_printed_needs_the_voltage_of_its_constant():

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from math import isnan, nan, pi
+from math import isnan, pi
 
 import numpy as np
 import pytest
 
 from drivesizer.catalog import load
 from drivesizer.catalog.view.search_view import split_actuators
-from drivesizer.errors import CatalogError, InputError
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
-from drivesizer.sizing import explain, size
+from drivesizer.sizing import explain
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -135,22 +134,6 @@ def test_one_without_a_controller_takes_one_from_the_shelf(shop):
     assert list(found.parts) == ["actuator", "encoder", "controller"] and found.encoder is None
 
 
-def test_nobody_elses_motor_gets_the_controller_inside(shop, monkeypatch):
-    monkeypatch.setattr(
-        "drivesizer.search.set_record.overload_time", lambda *_: nan
-    )  # of hundreds of drives, irrelevant here
-    path = shop / "robot.yaml"
-    families = "motor: {family: [XA 70, XM, EC-i 40, EC 45 flat]}"
-    path.write_text(path.read_text().replace("maxon]}", f"maxon], {families}}}"))
-    result = size(load_spec(path), top=100)
-    assert any(s.actuator for s in result.sets)
-    assert {"EC-i 40", "EC 45 flat"} & {s.motor.family for s in result.sets}
-    for s in (*result.sets, *result.misses):
-        assert s.controller is None or s.controller.inside == (s.actuator.part if s.actuator else "")
-        assert s.encoder is None or s.encoder.inside in ("", s.motor.inside)
-        assert s.gearhead.inside == s.motor.inside
-
-
 def test_a_controller_inside_that_lacks_the_bus_is_none(shop):
     spec = load_spec(shop / "robot.yaml")
     choice = spec.select.controller.model_copy(update={"bus": "EtherCAT"})
@@ -158,22 +141,6 @@ def test_a_controller_inside_that_lacks_the_bus_is_none(shop):
     found = explain(narrowed, "XA70-10")[0]
     assert found.controller is None
     assert {c.name: c.status for c in found.checks}["controller_available"] == "fail"
-
-
-@pytest.mark.parametrize(
-    ("motor", "gearhead", "said"),
-    [("XA70-10", "XG-10", "is an actuator"), ("XM-1", "XA70-10", "is an actuator"), ("XM-1", "", "needs one")],
-)
-def test_an_actuator_is_not_paired_with_anything_else(shop, motor, gearhead, said):
-    with pytest.raises(InputError, match=said):
-        one(shop, motor, gearhead)
-
-
-def test_a_part_number_of_a_motor_cannot_be_an_actuators(shop):
-    text = (WHOLE % OWN_CONTROLLER).replace("XA70-10", "XM-1")
-    (shop / "whole.yaml").write_text(text)
-    with pytest.raises(CatalogError, match='"XM-1" is an actuator and a motor as well'):
-        size(load_spec(shop / "robot.yaml"))
 
 
 def test_absolute_encoders_count_as_lines_of_four_edges(shop):

@@ -12,10 +12,8 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable
 from typing import Any
 
-import numpy as np
 import pytest
 import yaml
 from rows import hold
@@ -41,14 +39,6 @@ def shelf() -> dict[str, Catalog]:
 def full() -> dict[str, Catalog]:
     """All that ship, by name."""
     return open_catalogs()
-
-
-def _noted(catalog: Catalog, part: str, field: str, *, accepted: bool) -> bool:
-    """Whether a note on an actuator names a field, and accepts it where required."""
-    return any(
-        field in note.fields and note.text.strip() and (note.accepted or not accepted)
-        for note in catalog.notes_on("actuators", part)
-    )
 
 
 # --- how many --------------------------------------------------------------------------------------------------------
@@ -676,63 +666,7 @@ def _compare(catalog: Catalog, section: str, part: str, figures: Figures, within
         assert found == pytest.approx(expected, rel=within), f"{field} in {column.unit}"
 
 
-# --- the motor inside every actuator -------------------------------------------------------------------------------
-
-STRAIGHT = ("pololu", "gobilda", "tetrix", "dfrobot", "feetech", "robotis")  # one line from no load to stall
-NO_LINE = 0.10  # what `catalog check` lets a no-load speed be above V / (i k_t)
-NO_FRICTION = 0.14  # and a nominal torque above i e k_t I
-ROUNDING = 0.012  # of products of four printed figures
-IMPOSSIBLE = {  # stall torque x no-load speed is more than V I: their efficiency is unknown, and a note says why
-    "XL330-M077-T 3.7 V", "XL330-M077-T 5 V", "XL330-M077-T 6 V", "XC330-M181-T 3.7 V", "XC330-T181-T 9 V",
-    "XC430-W150-T 9 V", "XC430-W150-T 12 V",
-}  # fmt: skip
-
-
-class Inside:
-    """What the search has of one actuator: its motor, and the gear's ratio and efficiency. SI, NaN unknown."""
-
-    def __init__(self, catalog: Catalog, apart: Catalog, row: int, motor: int) -> None:
-        self.catalog, self.whole, self.motors = catalog, catalog.actuators, apart.motors
-        self.geared = float(apart.gearheads["efficiency"][apart.gearheads.rows[str(self.whole["part"][row])]])
-        self.row, self.motor = row, motor
-        self.part = str(self.whole["part"][row])
-        self.i, self.e = self["ratio"], self["efficiency"]
-        self.k_t, self.ohms = self.of_motor("torque_constant"), self.of_motor("resistance")
-        self.volts = self.of_motor("nominal_voltage")
-
-    def __getitem__(self, field: str) -> float:
-        return float(self.whole[field][self.row])
-
-    def of_motor(self, field: str) -> float:
-        return float(self.motors[field][self.motor])
-
-
-@pytest.fixture(scope="module")
-def insides(shelf: dict[str, Catalog]) -> dict[str, list[Inside]]:
-    """Every actuator split, by file."""
-    found: dict[str, list[Inside]] = {}
-    for name, catalog in shelf.items():
-        if len(catalog.actuators):
-            apart = split_actuators(catalog)
-            motors = {str(part): row for row, part in enumerate(apart.motors["inside"]) if part}
-            found[name] = [Inside(catalog, apart, row, motors[part]) for part, row in catalog.actuators.rows.items()]
-    return found
-
-
-def _all(insides: dict[str, list[Inside]]) -> Iterable[Inside]:
-    return (one for group in insides.values() for one in group)
-
-
-def test_speed_and_torque_at_the_motor(insides: dict[str, list[Inside]]) -> None:
-    for one in _all(insides):
-        for field in ("no_load_speed", "nominal_speed"):
-            np.testing.assert_allclose(one.of_motor(field), one[field] * one.i, rtol=1e-12)
-        for field in ("nominal_torque", "stall_torque"):
-            known = one.geared / one.geared
-            np.testing.assert_allclose(one.of_motor(field) * one.i * one.geared, one[field] * known, rtol=1e-12)
-        if math.isnan(one["coulomb_friction"]):
-            np.testing.assert_equal(one.geared, one.e)
-
+# --- friction of actuators --------------------------------------------------------------------------------------------
 
 # Better Actuator Models, params/*/m3.json at 1b5a1ce (STS3215: 31e5b97), at the output: friction_base [N*m],
 # load_friction_base [1], friction_viscous [N*m*s/rad]
@@ -743,12 +677,10 @@ IDENTIFIED = {
 }  # fmt: skip
 
 
-def test_identified_friction_is_the_published_model(insides: dict[str, list[Inside]]) -> None:
+def test_identified_friction_is_the_published_model(shelf: dict[str, Catalog]) -> None:
     """The motor's torque as the authors' model has it, friction C + b w + K (motor + load): by search for it."""
-    counted = 0
-    for one in _all(insides):
-        if math.isnan(one["coulomb_friction"]):
-            continue
+    identified = [one for one in every(shelf, ["actuators"]) if not math.isnan(one["coulomb_friction"])]
+    for one in identified:
         C, K, b = IDENTIFIED[one.part.partition(" ")[0]]
         load, w = 0.2 * one["stall_torque"], 0.7 * one["no_load_speed"]
         needed = brentq(lambda T, C=C, K=K, b=b, load=load, w=w: T - load - (C + b * w + K * (T + load)), 0, 50 * load)
@@ -756,83 +688,7 @@ def test_identified_friction_is_the_published_model(insides: dict[str, list[Insi
         assert load * (1 + one["load_friction"]) + lost == pytest.approx(needed, rel=5e-3), one.part
         held = brentq(lambda T, K=K, load=load: T - load + K * (T + load), -load, load)  # by the load, slowly
         assert load / (1 + one["load_friction"]) == pytest.approx(held, rel=5e-3), one.part
-        counted += 1
-    assert counted == 3 + 1 + 3 + 3 + 1
-
-
-def test_no_load_speed_follows_from_the_torque_constant(insides: dict[str, list[Inside]]) -> None:
-    """V = I_0 R + k_t i w_0 within what the checker's law allows, on both sides; a note accepts what is farther off."""
-    known = 0
-    for one in _all(insides):
-        idle = np.nan_to_num(one["no_load_current"]) * np.nan_to_num(one.ohms)
-        off = one.k_t * one.i * one["no_load_speed"] / (one.volts - idle) - 1
-        known += not math.isnan(off)
-        if abs(off) > NO_LINE:
-            assert _noted(one.catalog, one.part, "no_load_speed", accepted=True), (one.part, off)
-    # CubeMars, Damiao, DFRobot, Feetech, goBILDA, LKTech, RMD-X V4, Pololu, Dynamixel but six, RobStride, and 8 others
-    assert known == 21 + 13 + 3 + 4 + 10 + 5 + 10 + 34 + (101 - 6) + 9 + 8
-
-
-def test_no_more_power_comes_out_than_goes_in_at_stall(insides: dict[str, list[Inside]]) -> None:
-    """On a straight line most power is M_H w_0 / 4, where V I_A / 2 goes in; M_H w_0 <= V I_A leaves it twice that."""
-    above = set()
-    for one in _all(insides):
-        if one["stall_torque"] * one["no_load_speed"] > one.volts * one["stall_current"] * (1 + ROUNDING):
-            above.add(one.part)
-            assert math.isnan(one.e)
-            assert _noted(one.catalog, one.part, "stall_torque", accepted=False), one.part
-    assert above == IMPOSSIBLE
-
-
-def test_no_more_power_comes_out_than_goes_in_at_the_nominal_point(insides: dict[str, list[Inside]]) -> None:
-    known = 0
-    for one in _all(insides):
-        share = one["nominal_torque"] * one["nominal_speed"] / (one.volts * one["nominal_current"])
-        assert not share > 1, one.part
-        known += not math.isnan(share)
-    # CubeMars but one, Damiao, ENCOS, LKTech, MyActuator but three, P, PRO and Y, RobStride, Maverick and CyberGear
-    assert known == (21 - 1) + 13 + 5 + 5 + (15 - 3) + (6 + 11 + 6) + 9 + 2
-
-
-def test_nominal_torque_needs_its_current(insides: dict[str, list[Inside]]) -> None:
-    """M_N <= i e k_t I_N."""
-    for one in _all(insides):
-        most = one.i * one.e * one.k_t * one["nominal_current"] * (1 + NO_FRICTION)
-        assert not one["nominal_torque"] > most, one.part
-
-
-@pytest.mark.parametrize("name", STRAIGHT)
-def test_brushed_gearmotors_are_the_line_through_their_points(name: str, insides: dict[str, list[Inside]]) -> None:
-    """R = V / I_A, k_t = (V - I_0 R) / (i w_0), e = M_H / (i k_t (I_A - I_0)); three digits: 6 per mille."""
-    lines = 0
-    for one in insides[name]:
-        if math.isnan(one["stall_current"]):
-            continue
-        idle = float(np.nan_to_num(one["no_load_current"]))
-        line = one.volts / one["stall_current"]
-        k_t = (one.volts - idle * line) / (one.i * one["no_load_speed"])
-        e = one["stall_torque"] / (one.i * k_t * (one["stall_current"] - idle))
-        assert one.ohms == pytest.approx(line, rel=6e-3), one.part
-        assert one.k_t == pytest.approx(k_t, rel=6e-3), one.part
-        if math.isnan(one.e):
-            assert e > 0.99 or e > one.geared, one.part  # by identified friction: XL330-M288
-        else:
-            assert one.e == pytest.approx(e, rel=6e-3), one.part
-        lines += 1
-    assert lines == {"robotis": 101 - 6 - 11 - 6}.get(name, len(insides[name]))  # P, PRO and Y print no stall point
-
-
-def test_a_ratio_of_one_is_no_gear(insides: dict[str, list[Inside]]) -> None:
-    direct = {one.part for one in _all(insides) if one.i == 1}
-    assert direct == {"YM070-210-M001-RH", "YM080-230-M001-RH"}
-    for one in _all(insides):
-        gearing = str(one.whole["gearing"][one.row])
-        if one.part in direct:
-            assert (one.e, gearing) == (1.0, "none")
-        else:
-            assert one.i > 3, one.part
-            assert gearing != "none", one.part
-            assert not one.e >= 0.995, one.part
+    assert len(identified) == 3 + 1 + 3 + 3 + 1
 
 
 # --- where it comes from ---------------------------------------------------------------------------------------------

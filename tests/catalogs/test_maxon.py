@@ -33,15 +33,6 @@ def test_no_motor_is_offered_without_the_figures_that_size_it(motors: Table[Moto
         assert not np.isnan(motors[name][offered]).any()
 
 
-def test_no_load_speed_is_where_the_no_load_current_flows(motors: Table[Motor], offered: NDArray[np.bool_]) -> None:
-    """k_t w_0 = V - I_0 R; looser, because brush drop and iron loss are not in it."""
-    inner_voltage = motors["nominal_voltage"] - motors["no_load_current"] * motors["resistance"]
-    off = np.abs(motors["torque_constant"] * motors["no_load_speed"] / inner_voltage - 1)[offered]
-    assert np.median(off) < 0.002
-    assert np.mean(off < 0.01) > 0.95
-    assert off.max() < 0.04
-
-
 def test_the_excluded_motors_are_those_that_break_the_law_and_say_why(catalog: Catalog, motors: Table[Motor]) -> None:
     assert set(motors["part"][motors.excluded].tolist()) == {"350909", "370416", "370418", "370427"}
     for part in motors["part"][motors.excluded]:

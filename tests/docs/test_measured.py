@@ -16,7 +16,6 @@ import pytest
 from drivesizer.machine.part_curves import line, overload_times
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.thermal import resistance_at
-from drivesizer.results.prediction import Band
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
@@ -111,30 +110,6 @@ def test_without_thermal_figures_nothing_is_said_about_heat():
         assert np.isnan(overload_times(part, 5.0)).all()
 
 
-# --- comparisons ------------------------------------------------------------------------------------------------------
-
-
-def comparison(key="mx64_speed", y=(1.0, 2.0, 4.0), slack=0.0):
-    bands = [Band(n, lo, n, hi) for n, lo, hi in ((1.2, 0.9, 1.5), (2.0, 1.5, 2.5), (3.0, 2.0, 3.9))]
-    x = np.array([0.0, 1.0, 2.0])
-    axis = compared.Axis("voltage", "V")
-    return compared.against(key, x, axis, np.array(y), axis, bands, 2.0 * np.array(y), slack=slack)
-
-
-def test_points_inside_errors_and_width_are_as_by_hand():
-    one = comparison()
-    assert one.inside.tolist() == [True, True, False]
-    assert comparison(slack=0.11).inside.all()
-    assert one.errors(one.nominal) == pytest.approx([0.2, 0.0, -0.25])
-    assert one.errors(one.plain) == pytest.approx([1.0] * 3)
-    assert one.width == pytest.approx(0.5)  # of 0.6 / 1.2, 1 / 2, 1.9 / 3
-
-
-def test_bands_over_samples_leave_out_the_nominal_one():
-    (band,) = compared.banded(lambda x: np.append(50.0, x * np.arange(1.0, 101.0)), np.array([2.0]))
-    assert (band.nominal, band.p5, band.p95) == (50.0, 10.0, 190.0)
-
-
 # --- the page ---------------------------------------------------------------------------------------------------------
 
 
@@ -157,16 +132,6 @@ def test_every_quantity_has_its_row_and_says_who_computes_it():
     for name, *_, by, plain in told:
         assert (by, plain) == (by_name[name].by, by_name[name].plain)
         assert by in ("program", "page")
-
-
-def test_points_inside_are_counted_alike_in_all_tables():
-    total = {row[0]: [int(cell) for cell in row[1:3]] for row in rows("Points inside the band")}
-    per_drive = [np.sum([[int(cell) for cell in row[1:3]] for row in rows(name)], axis=0).tolist() for name in HEADINGS]
-    assert list(total.values())[: len(HEADINGS)] == per_drive
-    assert total["**all**"] == np.sum(per_drive, axis=0).tolist()
-    own, page = (total[f"all that {who}"] for who in (
-        "the program computes itself", "this page works out from the program's figures"))  # fmt: skip
-    assert total["**all**"] == [a + b for a, b in zip(own, page, strict=True)]
 
 
 def test_every_quantity_with_points_outside_is_told_with_a_reason():

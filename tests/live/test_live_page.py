@@ -198,46 +198,6 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     expect(page.get_by_label("slider for load mass")).to_be_focused()
 
 
-def test_drives_side_by_side(page: Any) -> None:
-    boxes = page.locator("#sets input")
-    boxes.nth(0).check()
-    boxes.nth(1).press("Space")
-    expect(boxes.nth(1)).to_be_focused()
-    table = page.locator("#compared table")
-    expect(table.locator("thead th")).to_have_count(2)
-    expect(table.locator("tbody tr").first).to_contain_text("parts")
-    typed(page, "load", "mass", value="47 kg")
-    answered(page)
-    expect(page.locator("#sets input:checked")).to_have_count(2)
-    expect(table).to_be_visible()
-    page.locator("#compared").get_by_role("button", name="close").click()
-    expect(boxes.nth(0)).to_be_focused()
-    expect(boxes.nth(0)).not_to_be_checked()
-
-
-def test_files_arrive(page: Any) -> None:
-    for name, stem, begins in (
-        ("Spec, YAML", "robot.yaml", b"name: AGV"),
-        ("Report, PDF", "robot-report.pdf", b"%PDF-"),
-        ("Report, HTML", "robot-report.html", b"<!DOCTYPE html>"),
-        ("Report, XLSX", "robot-report.xlsx", b"PK"),
-        ("URDF", "robot-drive.zip", b"PK"),
-    ):
-        page.get_by_role("button", name="Download …").click()
-        with page.expect_download(timeout=60_000) as found:
-            page.get_by_role("button", name=name, exact=True).click()
-        assert found.value.suggested_filename in (stem, stem.replace(".zip", ".urdf"))
-        assert Path(found.value.path()).read_bytes().startswith((begins, b"<?xml"))
-    expect(page.locator("#notices p")).to_have_count(0)
-
-
-def test_closed_loop(page: Any) -> None:
-    page.get_by_role("button", name="Simulate in closed loop").click()
-    expect(page.locator("#report > section", has_text="Closed loop").first).to_be_visible(timeout=60_000)
-    expect(page.get_by_role("button", name="Simulate in closed loop")).to_be_visible()
-    assert page.evaluate("document.activeElement.tagName") in ("H2", "H3", "BUTTON")
-
-
 def test_file_is_written_and_another_programs_change_is_seen(page: Any, path: Path) -> None:
     typed(page, "load", "mass", value="48 kg")
     page.get_by_role("button", name="Save").click()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from importlib import resources
 
@@ -21,15 +20,7 @@ from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-G = 9.80665
 HEAD = "name: a load\nsupply: {nominal: 48 V}\n"
-MOTION = "motion: {speed: 0.3 m/s, acceleration_time: 0.4 s, cruise_time: 1 s, rest_time: 0.5 s}\n"
-TURN = "motion: {speed: 30 deg/s, acceleration_time: 0.5 s, cruise_time: 2 s, rest_time: 0.5 s, there_and_back: true}\n"
-FAN = "motion: {speed: 1500 rpm, acceleration_time: 4 s, cruise_time: 6 s, rest_time: 1 s}\n"
-
-
-def spec_of(text):
-    return read_spec(YamlSource(HEAD + text, "load.yaml"))
 
 
 def starter(kind):
@@ -37,65 +28,6 @@ def starter(kind):
     found = read_spec(YamlSource(text, f"{kind}.yaml"))
     exact = found.control.model_copy(update={"speed_from": "exact"})  # counts would add their ripple to the torque
     return found.model_copy(update={"control": exact})
-
-
-def test_a_conveyor_uphill():
-    """Forward friction and weight through the drum's efficiency; backward the weight comes back through it."""
-    load = "{kind: conveyor, mass: 15 kg, belt_mass: 4 kg, drum_diameter: 80 mm, friction_coefficient: 0.05, "
-    spec = spec_of(f"load: {load}efficiency: 90 %, incline: 20 deg, inertia: 0.002 kg*m^2, motors: 2}}\n{MOTION}")
-    found, a = at_shaft(spec), math.radians(20.0)
-    rubs, weight = 0.05 * 19.0 * G * math.cos(a), 15.0 * G * math.sin(a)
-    assert found.forward_torque == pytest.approx((weight + rubs) * 0.04 / 0.9 / 2)
-    assert found.backward_torque == pytest.approx((weight - rubs) * 0.04 * 0.9 / 2)
-    assert found.rest_torque == pytest.approx(weight * 0.04 / 2)
-    assert found.inertia == pytest.approx((0.002 + 19.0 * 0.04**2) / 2)
-    assert found.radius == pytest.approx(0.04)
-
-
-def test_a_self_locking_screw_holds_by_itself_and_has_to_be_driven_down():
-    load = "{kind: lead_screw, mass: 60 kg, lead: 4 mm, efficiency: 35 %, incline: 90 deg, inertia: 2e-5 kg*m^2}"
-    found = at_shaft(spec_of(f"load: {load}\n{MOTION.replace('0.3 m/s', '20 mm/s')}"))
-    ideal = 60.0 * G * 0.004 / (2 * math.pi)
-    assert found.forward_torque == pytest.approx(ideal / 0.35)
-    assert found.backward_torque == pytest.approx(ideal * (2 - 1 / 0.35))
-    assert found.backward_torque < 0.0 == found.rest_torque
-
-
-def test_a_rope_that_friction_would_slacken_pulls_with_nothing():
-    load = "{kind: hoist, mass: 5 kg, drum_diameter: 90 mm, friction_force: 60 N, rope_efficiency: 95 %}"
-    found = at_shaft(spec_of(f"load: {load}\n{MOTION}"))
-    assert found.backward_torque == 0.0 < found.rest_torque
-
-
-def test_an_arm_s_weight_comes_with_its_angle():
-    load = "{kind: arm, mass: 6 kg, length: 0.4 m, start_angle: 10 deg, friction_torque: 0.7 N*m}"
-    spec = spec_of(f"load: {load}\n{TURN}")
-    shaft, profile = at_shaft(spec), motion_of(spec)
-    moment, start = 6.0 * G * 0.4, math.radians(10.0)
-    assert shaft.rest_torque == pytest.approx(moment * math.cos(start))
-    assert (shaft.forward_torque - shaft.backward_torque) / 2 == pytest.approx(0.7)
-    time, torque = remaining_torque(spec, profile, shaft).T
-    fine = np.linspace(0.0, 3.0, 2000)
-    angle = start + np.interp(fine, *_angle(profile))
-    expected = moment * (np.cos(angle) - math.cos(start))
-    assert np.interp(fine, time, torque) == pytest.approx(expected, abs=2e-5 * moment)
-    assert np.all(np.diff(time) > 0.0)
-
-
-def _angle(profile):
-    """Angle of a profile at 20 000 moments."""
-    time = np.linspace(profile.time[0], profile.time[-1], 20_001)
-    speed = np.interp(time, profile.time, profile.speed)
-    return time, np.concatenate([[0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2)])
-
-
-def test_a_fan_s_drag_comes_with_its_speed():
-    load = "{kind: fan, rated_torque: 0.8 N*m, rated_speed: 1500 rpm, friction_torque: 0.05 N*m, inertia: 0.01 kg*m^2}"
-    spec = spec_of(f"load: {load}\n{FAN}")
-    shaft = at_shaft(spec)
-    assert (shaft.forward_torque, shaft.rest_torque) == pytest.approx((0.05, 0.0), abs=1e-12)
-    time, torque = remaining_torque(spec, motion_of(spec), shaft).T
-    assert np.interp([1.0, 2.0, 6.0, 14.5], time, torque) == pytest.approx([0.05, 0.2, 0.8, 0.0], abs=2e-5)
 
 
 KINDS = [

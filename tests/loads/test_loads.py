@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
@@ -484,23 +484,6 @@ def massive(kind, k=1.0, motors=1):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@given(k=st.floats(0.01, 100))
-@settings(max_examples=15)
-def test_k_times_as_heavy_takes_k_times_the_torque(kind, k):
-    one, other = massive(kind), massive(kind, k)
-    assert other.torque == pytest.approx(k * one.torque, rel=1e-9, abs=1e-9 * k)
-    assert other.inertia == pytest.approx(k * one.inertia)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_alike_motor_sets_share_alike(kind):
-    one, other = massive(kind), massive(kind, motors=4)
-    assert other.torque == pytest.approx(one.torque / 4)
-    assert other.inertia == pytest.approx(one.inertia / 4)
-    assert other.speed == pytest.approx(one.speed)
-
-
-@pytest.mark.parametrize("kind", KINDS)
 def test_the_torque_to_accelerate_is_inertia_times_acceleration(kind):
     """Torque jumps at a corner by what inertia takes, where power keeps its direction and so its losses."""
     c = massive(kind)
@@ -512,29 +495,6 @@ def test_the_torque_to_accelerate_is_inertia_times_acceleration(kind):
     assert kind not in losses or min(before, after) > 0
     felt = turning + (c.inertia - turning) / losses.get(kind, 1.0)
     assert before - after == pytest.approx(felt * c.acceleration[corner - 1, 1])
-
-
-@pytest.mark.parametrize(
-    "load",
-    [
-        "kind: conveyor, mass: 9 kg, drum_diameter: 60 mm, friction_coefficient: 0.2, efficiency: 0.9, "
-        "friction_force: 3 N",
-        "kind: ball_screw, mass: 9 kg, lead: 6 mm, efficiency: 0.9, friction_coefficient: 0.1, "
-        "preload_torque: 50 mN*m, inertia: 2 kg*cm^2",
-        "kind: rack_pinion, mass: 9 kg, pinion_diameter: 30 mm, friction_coefficient: 0.1, efficiency: 0.9",
-        "kind: belt_axis, mass: 9 kg, pulley_diameter: 30 mm, friction_coefficient: 0.1, friction_torque: 0.1 N*m",
-        "kind: rotary_table, inertia: 0.3 kg*m^2, friction_torque: 0.2 N*m",
-        "kind: fan, inertia: 0.3 kg*m^2, friction_torque: 0.2 N*m, rated_torque: 1 N*m, rated_speed: 2 rad/s",
-    ],
-)
-def test_what_only_rubs_knows_no_direction(load):
-    """Level, without any force of its own: the mirrored motion takes the mirrored torque; at rest there is none."""
-    points = [(0, 0), (1, 0.8), (3, 0.8), (4, -0.3), (5, 0), (6, 0)]
-    c, mirrored = cycle_of(load, *points), cycle_of(load, *((t, -v) for t, v in points))
-    assert c.torque == pytest.approx(-mirrored.torque)
-    assert (c.torque[np.abs(c.speed).max(axis=1) == 0] == 0).all()
-    steady = (np.abs(c.acceleration).max(axis=1) == 0) & (c.speed[:, 0] != 0)
-    assert (c.power[steady] > 0).all()
 
 
 def test_the_weight_of_a_belt_closes_its_loop():
@@ -646,27 +606,6 @@ def test_one_line_about_a_wrong_figure(kind, good, bad, line):
     assert line in str(error.value)
     assert "\n" not in str(error.value)
     assert str(error.value).startswith("x.yaml:2: load")
-
-
-HUGE = {
-    "conveyor": ("mass: 8 kg", "mass: 1e308 kg"),
-    "hoist": ("mass: 14 kg", "mass: 1e308 kg"),
-    "ball_screw": ("mass: 25 kg", "mass: 1e308 kg"),
-    "lead_screw": ("efficiency: 0.4", "efficiency: 1e-308"),
-    "rack_pinion": ("mass: 16 kg", "mass: 1e308 kg"),
-    "belt_axis": ("mass: 6 kg", "mass: 1e308 kg"),
-    "rotary_table": ("inertia: 0.3 kg*m^2", "inertia: 1e308 kg*m^2"),
-    "arm": ("friction_torque: 0.5 N*m", "friction_torque: 1e308 kN*m"),
-    "fan": ("rated_speed: 1.7 rad/s", "rated_speed: 1e-200 rad/s"),
-}
-
-
-@pytest.mark.parametrize("kind", MACHINES)
-def test_figures_beyond_numbers_are_refused(kind):
-    """What makes the torque larger than any number: one line, and no warning."""
-    with pytest.raises(InputError) as error:
-        cycle_of(LOADS[kind].replace(*HUGE[kind]), (0, 0), (1e-3, 40), (1, 40))
-    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("points", [[(0, 0), (0.1, -1), (1, -1)], [(0, -1), (0.1, -1), (0.15, 0.5), (1, 0.5)]])

@@ -197,17 +197,6 @@ def test_a_lever_swings_as_its_angle_says(export):
     assert [drive.shaft_angle, drive.motor_speed] == pytest.approx(exact, rel=1e-4)
 
 
-def test_length_of_a_call_does_not_count(export):
-    """One call of half a second and 500 of a millisecond: the same motion."""
-    once, often = Drive(parameters(export)), Drive(parameters(export))
-    once.voltage = often.voltage = 9.0
-    once.advance(0.5)
-    for _ in range(500):
-        often.advance(1e-3)
-    assert once.motor_speed == pytest.approx(often.motor_speed, rel=1e-5)
-    assert once.shaft_angle == pytest.approx(often.shaft_angle, rel=1e-5)
-
-
 def test_a_motor_without_inductance(export):
     """Where it is unknown the current is what the voltage makes: the limit of a small one."""
     bare, small = (Drive(parameters(export) | {"inductance": x}) for x in (0.0, 1e-6))

@@ -191,31 +191,6 @@ def test_the_operating_points_are_those_of_the_field_and_of_the_cycle(result):
     assert [float(m[1].split()[0].replace("−", "-")) for m in way["customdata"]] == pytest.approx(power, rel=5.1e-4)
 
 
-def test_the_continuous_field_lies_inside_the_intermittent_one_and_both_under_the_hot_line(hostile):
-    for panel in panels(hostile.problem, hostile.sets[0], hostile.requirements):
-        field = panel.cases[0][-1]
-        data = field_plot(panel, [load_cycle(case).time for _, case in hostile.spec.load_cases])["data"]
-        filled = {t["name"]: np.array(t["x"]).reshape(2, -1) for t in data if t.get("fill")}
-        while_, ever = (side[1, ::-1] / 1e3 for side in (filled["intermittent"], filled["continuous"]))
-        assert (filled["continuous"][0] == 0.0).all() and np.allclose(filled["intermittent"][0] / 1e3, ever, rtol=1e-5)
-        slow = field.speed <= field.permissible_speed
-        assert not ever[~slow].any() and not while_[~slow].any()
-        hot = np.maximum(field.voltage_hot, 0.0)
-        assert (ever <= while_ + 1e-9).all() and (while_ <= hot * (1 + 1e-5)).all() and while_[slow].any()
-        assert np.allclose(ever[slow], np.minimum(field.continuous, hot)[slow], rtol=1e-5)
-
-
-def test_no_peak_of_the_closed_loop_is_lost(page, proof):
-    plot = figures_of(page)["loop"]
-    current = next(t for t in plot["data"] if t["name"] == "current")
-    assert max(current["y"]) == pytest.approx(proof.series["current"].max(), rel=1e-5)
-    assert min(current["y"]) == pytest.approx(proof.series["current"].min(), rel=1e-5)
-    assert {t.get("xaxis", "x") for t in plot["data"]} == {"x"}  # one axis of time for all
-    assert [view["title"] for view in plot["views"]] == ["acceleration", "deceleration", "all"]
-    assert [view["shown"] for view in plot["views"]] == [True, False, False]
-    assert [entry["label"] for entry in plot["legend"]] == ["speed reference", "speed"]
-
-
 # -- every kind of drive
 
 

@@ -193,25 +193,6 @@ def test_a_line_is_hidden_and_shown_by_its_button(page):
     assert button.get_attribute("aria-pressed") == "true" and shown_lines(page, "bode") == before
 
 
-def seen_range(page: Any, name: str) -> list[float]:
-    return page.evaluate(f"document.querySelector('[data-plot={name}]')._fullLayout.xaxis.range.slice()")  # type: ignore[no-any-return]
-
-
-def test_stretches_zoom_and_keys(page):
-    first = seen_range(page, "loop")
-    page.locator("#figure-loop .views button", has_text="deceleration").click()
-    later = seen_range(page, "loop")
-    assert later[0] > first[1] and later[1] == pytest.approx(244.0, abs=0.1)
-    assert page.locator("#figure-loop .views button[aria-pressed=true]").all_inner_texts() == ["deceleration"]
-    drawing = page.locator("[data-plot='loop']")
-    drawing.focus()
-    page.keyboard.press("+")
-    nearer = seen_range(page, "loop")
-    assert nearer[1] - nearer[0] == pytest.approx(0.7 * (later[1] - later[0]))
-    page.keyboard.press("0")
-    assert seen_range(page, "loop") == pytest.approx(first)
-
-
 def changed(page, element, before):
     """The text of an element once it is another one."""
     until(page, lambda: element.text_content() not in ("", before))
@@ -228,18 +209,6 @@ def test_arrow_keys_go_from_point_to_point(page, result):
     assert len(set(labels)) == 3 and all("rpm" in label and "mN·m" in label for label in labels)
     page.keyboard.press("Escape")
     assert drawing.locator(".hoverlayer .hovertext").count() == 0
-
-
-def test_a_set_that_is_clicked_in_a_figure_is_marked_in_the_table(page):
-    lit = page.locator("#sets tr.lit")
-    for _ in range(10):  # a figure that is being drawn anew takes no click
-        pointed(page, "sets-margin", "fail", 0)
-        page.mouse.down()
-        page.mouse.up()
-        page.wait_for_timeout(500)
-        if lit.count():
-            break
-    assert page.locator("#sets tr.lit").get_attribute("data-rank") == "2"
 
 
 # -- screens and paper

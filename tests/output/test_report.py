@@ -58,30 +58,6 @@ def test_time_series_beside_the_table(result, tmp_path):
     assert alone[0].read_bytes() == raw
 
 
-def test_sets_in_rows(result, tmp_path):
-    (path,) = write_sets(result, tmp_path / "sets.csv")
-    rows = rows_of(path.read_bytes())
-    assert len(rows) == len(result.sets) + len(result.misses)
-    best = result.sets[0]
-    assert (rows[0]["rank"], rows[0]["status"], rows[0]["motor_part"]) == ("1", "pass", best.motor.part)
-    assert float(rows[0]["total_ratio"]) == best.total_ratio
-    for check in best.checks:
-        cell = rows[0][f"margin_{check.name}"]
-        assert cell == "" if isnan(check.margin) else float(cell) == check.margin
-    assert rows[0]["smallest_margin_check"] == "travel_time"  # what was kept small by choice does not count
-
-
-def test_a_price_sums_what_is_known(result):
-    best = result.sets[0]
-    known = replace(best, motor=replace(best.motor, price=100.0), gearhead=replace(best.gearhead, price=27.5))
-    assert (known.price, known.price_of) == (127.5, ("motor", "gearhead"))
-    nothing = replace(best, gearhead=replace(best.gearhead, price=nan), encoder=None, controller=None)
-    assert isnan(nothing.price)
-    whole = replace(known, encoder=None, controller=replace(best.controller, price=50.25))
-    assert not known.price_complete and not nothing.price_complete  # a rule such as 0.1 price + mass leaves these out
-    assert not whole.price_complete and whole.price == 177.75  # of the encoder nothing is known
-
-
 # -- PDF
 
 

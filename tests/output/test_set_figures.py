@@ -91,17 +91,6 @@ def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
     assert {"energy of a cycle (J)", "2 J, 2 %", "work on the load", "regenerated, kept by the supply"} <= said
 
 
-def test_the_bars_of_a_result_sum_to_its_figures(hoist):
-    does = Behaviour(hoist.problem, hoist.sets[0])
-    shown = {share.name: share.value for share in cycle.shares(does.energy)}
-    told = {figure.name: figure.value for figure in hoist.sets[0].figures}
-    whole = shown.pop("drawn from the supply")
-    assert sum(shown.values()) == pytest.approx(whole, rel=1e-9)
-    assert whole - shown["regenerated, kept by the supply"] == pytest.approx(told["energy"], rel=1e-9)
-    back = shown["regenerated, kept by the supply"] + shown["regenerated, not kept"]
-    assert back == pytest.approx(told["returned"], rel=1e-9)
-
-
 # -- efficiency
 
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import strategies as st
 from platform_limits import BOTH, DRIVING, TURNING
 from platform_vehicles import LOPSIDED, VEHICLE
 from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, car, differential, mecanum, omni_three
@@ -20,7 +19,6 @@ from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import integral
 from drivesizer.platform.dynamics import (
     Ground,
-    centre_acceleration,
     contact_loads,
     dynamics,
     energy,
@@ -109,41 +107,6 @@ def test_a_piece_in_which_it_turns_round_is_cut_there():
     assert jump == pytest.approx(-2 * 0.02 * MASS * G * RADIUS / 4)
 
 
-# --- ratios between directions ----------------------------------------------------------------------------------------
-
-
-def test_sideways_wheels_turn_by_turns_forwards_and_back():
-    d = dynamics(mecanum(rolling_resistance=0.02))
-    ahead, aside = wheel_cycles(d, moved(6.0, 0.0)), wheel_cycles(d, moved(0.0, 6.0))
-    for sign, a, b in zip((1, -1, 1, -1), ahead, aside, strict=True):
-        assert b.speed == pytest.approx(sign * a.speed, rel=1e-12, abs=1e-12)
-        assert b.torque == pytest.approx(sign * a.torque, rel=1e-12, abs=1e-12)
-        assert b.acceleration == pytest.approx(sign * a.acceleration, rel=1e-12, abs=1e-12)
-
-
-def test_on_a_diagonal_two_wheels_do_it_and_two_stand():
-    d = dynamics(mecanum(rolling_resistance=0.02))
-    half = 6.0 / math.sqrt(2)
-    ahead, slant = wheel_cycles(d, moved(6.0, 0.0))[0], wheel_cycles(d, moved(half, half))
-    for i in (0, 2):
-        assert slant[i].speed == pytest.approx(math.sqrt(2) * ahead.speed, rel=1e-12)
-        pulls = (MASS * RADIUS / 4 + WHEEL / RADIUS) * 0.75 * math.sqrt(2)
-        rolls = 0.02 * MASS * G * RADIUS / 4  # of each wheel that turns, and of no other
-        assert np.unique(slant[i].torque.round(12)) == pytest.approx(sorted({0.0, rolls, pulls + rolls, rolls - pulls}))
-    for i in (1, 3):
-        assert not slant[i].speed.any() and not slant[i].torque.any()
-
-
-def test_turning_on_the_spot_in_closed_form():
-    d = dynamics(mecanum())
-    cycles = wheel_cycles(d, moved(0.0, 0.0, degrees=180.0))
-    by_hand = (INERTIA * RADIUS / (4 * LEVER) + WHEEL * LEVER / RADIUS) * 2.0
-    for sign, c in zip((1, -1, -1, 1), cycles, strict=True):
-        assert sign * c.torque.max() == pytest.approx(sign * by_hand if sign > 0 else -by_hand)
-        assert np.abs(c.speed).max() == pytest.approx(LEVER / RADIUS * 1.5)
-        assert c.power.max() == pytest.approx(by_hand * LEVER / RADIUS * 1.5)
-
-
 # --- work and energy --------------------------------------------------------------------------------------------------
 
 CURVES = [
@@ -205,11 +168,6 @@ def test_on_a_slope_the_work_is_what_it_climbs():
     cycles = wheel_cycles(dynamics(p), t, ground)
     work = sum(integral(c.duration, c.torque, c.speed) for c in cycles)
     assert work == pytest.approx(MASS * G * (climbed[1] - climbed[0]), abs=2e-3)
-
-
-# --- straight lines ---------------------------------------------------------------------------------------------------
-
-turns = st.floats(-4.0, 4.0)
 
 
 # --- the floor --------------------------------------------------------------------------------------------------------
@@ -291,19 +249,6 @@ def test_a_wheel_that_lifts_off_grips_nothing():
     assert grip.limit == 0.0 < grip.demand
 
 
-def test_loads_follow_the_centre_of_mass_round_a_curve():
-    """On the spot at 5 rad/s, the centre of mass 0.1 m ahead and 0.3 m high: 2.5 m/s² to the rear."""
-    p = replace(mecanum(), x=0.1, height=0.3)
-    still, spin, turned = np.zeros((3, 3, 1, 2))
-    spin[2], turned[2, 0, 1] = 5.0, 5.0
-    m = motion(dynamics(p), Trajectory(np.ones(1), turned, spin, still))
-    load = contact_loads(p, accelerated=centre_acceleration(p, m.eta, m.eta_dot))[:, 0, 0]
-    assert load.sum() == pytest.approx(MASS * G)
-    places = np.array(p.contacts)
-    assert load @ places[:, 0] == pytest.approx(MASS * G * 0.1 + MASS * 2.5 * 0.3)  # pulled back: thrown forwards
-    assert load @ places[:, 1] == pytest.approx(0.0, abs=1e-9)
-
-
 def on_a_circle(radius, speed, angle=1.0, pieces=40):
     """At an even speed along a circle, looking along it; acceleration is towards the middle only."""
     phi, turning = np.linspace(0.0, angle, pieces + 1), speed / radius
@@ -312,16 +257,6 @@ def on_a_circle(radius, speed, angle=1.0, pieces=40):
     gain = speed * turning * np.array([-np.sin(phi), np.cos(phi), np.zeros_like(phi)])
     ends = (np.stack([c[:, :-1], c[:, 1:]], axis=2) for c in (posture, velocity, gain))
     return Trajectory(np.full(pieces, angle / turning / pieces), *ends)
-
-
-def test_a_curve_throws_the_weight_outwards():
-    """A left turn of 10 m/s², the centre of mass 0.1 m high: the wheels on the right take it up."""
-    d = dynamics(replace(mecanum(), height=0.1))
-    m = motion(d, on_a_circle(0.4, 2.0))
-    load = contact_loads(d.platform, accelerated=centre_acceleration(d.platform, m.eta, m.eta_dot))
-    shift = MASS * 10.0 * 0.1 / (2 * LENGTH * math.sin(ALPHA)) / 2
-    for sign, at_wheel in zip((1, -1, -1, 1), load, strict=True):
-        assert at_wheel == pytest.approx(np.full((40, 2), MASS * G / 4 + sign * shift))
 
 
 def test_the_floor_does_not_see_what_turns_the_rotors():

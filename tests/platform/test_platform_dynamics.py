@@ -1,6 +1,5 @@
 """Dynamics of platforms: against Newton's laws with contact forces, load cycles of a vehicle, and conservation laws."""
 
-import itertools
 import math
 from dataclasses import replace
 
@@ -9,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from platform_vehicles import LOPSIDED
-from platforms import INERTIA, MASS, RADIUS, WHEEL, car, differential, mecanum
+from platforms import INERTIA, MASS, RADIUS, car, differential, mecanum
 from scipy.integrate import solve_ivp
 from wheel_sets import wheel_sets
 
@@ -27,7 +26,7 @@ from drivesizer.platform.dynamics import (
     wheel_torques,
 )
 from drivesizer.platform.kinematics import kinematics, to_world, velocity, wheel_speeds
-from drivesizer.platform.wheels import Caster, Payload, Platform, loaded, without_motor
+from drivesizer.platform.wheels import Caster, Platform, without_motor
 
 G = 9.80665
 NULL = np.array([1.0, 1.0, -1.0, -1.0])
@@ -144,27 +143,6 @@ def test_a_platform_that_coasts_keeps_its_energy(platform, start):
     assert np.ptp(state[3]) > 0.05  # m/s: it does not merely go on as it was
 
 
-def test_a_platform_that_coasts_on_a_slope_keeps_kinetic_and_potential_energy():
-    d, ground = dynamics(LOPSIDED), Ground(slope=0.1, uphill=0.7)
-    state = coasting(d, (0.9, -0.4, 1.7), 5.0, ground)
-    x = state[0] + LOPSIDED.x * np.cos(state[2]) - LOPSIDED.y * np.sin(state[2])  # of the centre of mass
-    y = state[1] + LOPSIDED.x * np.sin(state[2]) + LOPSIDED.y * np.cos(state[2])
-    height = math.sin(0.1) * (x * math.cos(0.7) + y * math.sin(0.7))
-    total = energy(d, state[3:]) + MASS * G * height
-    assert total == pytest.approx(total[0], rel=1e-9)
-    assert np.ptp(height) > 0.15  # m
-
-
-def test_wheels_without_inertia_leave_a_free_body():
-    """Its centre of mass goes straight on and it turns evenly, whatever the reference point does."""
-    d = dynamics(replace(LOPSIDED, wheels=tuple(replace(w, inertia=0.0, rotor_inertia=0.0) for w in LOPSIDED.wheels)))
-    theta, u, v, turn = coasting(d, (0.9, -0.4, 1.7), 4.0)[2:]
-    assert turn == pytest.approx(1.7, rel=1e-10)
-    carried = np.array([u - LOPSIDED.y * turn, v + LOPSIDED.x * turn, turn])
-    world = to_world(theta, carried)[:2]
-    assert world == pytest.approx(np.repeat(world[:, :1], world.shape[1], axis=1), abs=1e-9)
-
-
 def test_what_resists_takes_the_energy():
     """A run that comes down from speed: the energy that is gone is the work against each wheel, roller and caster."""
     p = replace(LOPSIDED, y=-0.02, casters=(Caster(x=0.3, y=0.2, rolling_resistance=0.015),))
@@ -244,15 +222,6 @@ def test_of_all_torques_that_make_a_motion_those_are_the_least(eta, rate, c):
     assert np.linalg.norm(torques + c * NULL) > np.linalg.norm(torques)
 
 
-def test_weights_move_torque_from_wheel_to_wheel():
-    d = dynamics(mecanum(), weights=(1.0, 1.0, 3.0, 3.0))
-    torques = wheel_torques(d, [0.0] * 3, [1.0, 0.0, 0.0])
-    assert torques.sum() == pytest.approx(4 * (MASS * RADIUS / 4 + WHEEL / RADIUS))
-    assert torques == pytest.approx(torques[0] * np.array([1.0, 1.0, 3.0, 3.0]))
-    with pytest.raises(InputError, match=r"weights: must be above 0, got 1, -1, 2, 2"):
-        dynamics(mecanum(), weights=(1.0, -1.0, 2.0, 2.0))
-
-
 @given(velocities, velocities)
 def test_wheel_space_is_57_to_59(eta, rate):
     p = mecanum(inertia=0.02)
@@ -290,23 +259,6 @@ def test_three_of_four_motors():
 
 
 # --- payload, slope, loads --------------------------------------------------------------------------------------------
-
-
-def test_payloads_in_any_order_and_as_one():
-    parts = [Payload(mass=8.0, x=0.2, y=-0.1, height=0.4, inertia=0.3), Payload(mass=3.0, x=-0.1, y=0.2, height=0.2)]
-    one = loaded(mecanum(), *parts)
-    for other in itertools.permutations(parts):
-        p = loaded(mecanum(), *other)
-        assert (p.mass, p.x, p.y, p.height, p.inertia) == pytest.approx(
-            (one.mass, one.x, one.y, one.height, one.inertia)
-        )
-    d, empty = dynamics(one), dynamics(mecanum())
-    eta = np.array([0.4, -0.3, 1.2])
-    added = sum(
-        q.mass / 2 * ((eta[0] - q.y * eta[2]) ** 2 + (eta[1] + q.x * eta[2]) ** 2) + q.inertia / 2 * eta[2] ** 2
-        for q in parts
-    )
-    assert energy(d, eta) == pytest.approx(energy(empty, eta) + added)
 
 
 @given(st.floats(-0.3, 0.3), st.floats(-math.pi, math.pi), st.floats(-math.pi, math.pi))

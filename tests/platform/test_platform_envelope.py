@@ -117,23 +117,7 @@ def test_a_rectangle_round_a_corner_by_pushing_it(one, other, length, width):
     assert (width < room) == by_hand
 
 
-def test_the_papers_robot_in_a_corner_of_two_corridors():
-    """Symmetric corridors: the worst is at 45°, where a √2 - L / 2 is left."""
-    assert corner_width(ROBOT.length, 0.51, 0.51) == pytest.approx(0.51 * math.sqrt(2) - 0.707 / 2)
-    assert corner_width(2.0, 0.51, 0.51) < 0.0
-
-
 # --- along a trajectory -----------------------------------------------------------------------------------------------
-
-
-def test_straight_through_the_middle_and_beside_it():
-    way = straight((-2.0, 0.0), (2.0, 0.0), 0.0, 4.0)
-    (middle,) = clearances(way, ROBOT, (Passage(name="door", width=DOOR, depth=0.2),))
-    assert middle.least == pytest.approx(0.025)
-    (beside,) = clearances(way, ROBOT, (Passage(name="door", width=DOOR, depth=0.2, y=0.01),))
-    assert (beside.least, beside.side) == (pytest.approx(0.015), "right")
-    first = (2.0 - 0.1 - 0.707 / 2) / 1.0  # s, when its front comes between the jambs, at 1 m/s
-    assert beside.time == pytest.approx(first, abs=1e-3)
 
 
 @given(
@@ -161,15 +145,6 @@ def test_a_passage_turned_in_the_world_by_points_on_the_outline(size, heading, a
 def off_middle(size, heading, aside):
     """How far the rectangle's middle runs beside the passage's."""
     return abs(aside + size.x * math.sin(heading) + size.y * math.cos(heading))
-
-
-def test_turning_in_a_doorway_hits_the_jamb_when_the_corner_comes_round():
-    """On the spot in the middle of a corridor 0.75 m wide: the corners come to it where W cos t + L sin t is 0.75 m."""
-    way = turning(0.0, math.pi / 2, 10.0)
-    (found,) = clearances(way, ROBOT, (Passage(name="bay", width=0.75, depth=2.0),))
-    assert found.least == pytest.approx((0.75 - math.hypot(0.707, 0.350)) / 2, abs=1e-6)
-    at_diagonal = math.atan2(0.707, 0.350)
-    assert found.time == pytest.approx(10.0 * at_diagonal / (math.pi / 2), abs=0.02)
 
 
 def test_what_does_not_lead_through_has_no_clearance():

@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 from platform_limits import BOTH, DRIVING, TURNING
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases.profile import s_curve
 from drivesizer.platform.planner import Limits, Waypoint, plan
-from drivesizer.spec.motions import SCurve
 
 ORIGIN = Waypoint(x=0.0, y=0.0, heading=0.0)
 
@@ -64,15 +62,6 @@ def test_with_jerk_it_takes_the_time_of_seven_phases(way, jerk):
     t = plan([ORIGIN, Waypoint(x=way, y=0.0)], Limits(**DRIVING, jerk=jerk))
     assert t.total == pytest.approx(by_hand_s_curve(way, 1.2, 0.8, jerk), rel=1e-8)
     assert t.posture[0, -1, 1] == way
-
-
-def test_a_straight_way_is_the_s_curve_of_the_sizing_part():
-    asked = {"distance": "3 m", "speed": "1.2 m/s", "acceleration": "0.8 m/s^2", "jerk": "2 m/s^3"}
-    known = s_curve(SCurve(profile="s_curve", **asked))
-    t = plan([ORIGIN, Waypoint(x=3.0, y=0.0)], Limits(**DRIVING, jerk=2.0))
-    assert t.time[:, 1] == pytest.approx(known.time[1:], rel=1e-12)
-    assert t.velocity[0, :, 1] == pytest.approx(known.speed[1:], abs=1e-12)
-    assert t.acceleration[0, :, 0] == pytest.approx(known.acceleration[:-1], abs=1e-12)
 
 
 def test_the_tighter_limit_counts_where_it_drives_and_turns():
@@ -146,18 +135,6 @@ def test_it_is_one_motion_from_rest_to_rest_through_all_waypoints(ways, jerk):
     moved = np.ptp([(w.x, w.y) for w in ways], axis=0).any()
     for w in ways if moved else ():
         assert np.hypot(passed[0] - w.x, passed[1] - w.y).min() < 0.01
-
-
-def test_postures_between_the_ends_of_pieces_are_those_of_the_motion():
-    t = plan(
-        [ORIGIN, Waypoint(x=3.0, y=0.0), Waypoint(x=3.0, y=1.0, heading=2.0)], Limits(**DRIVING, **TURNING, jerk=2.0)
-    )
-    fine, step = np.linspace(0.0, t.total, 200_001, retstep=True)
-    speed = np.gradient(t.at(fine), step, axis=1, edge_order=2)
-    edges = t.time[:, 0]
-    known = np.array([np.interp(edges, fine, row) for row in speed])
-    assert known == pytest.approx(t.velocity[:, :, 0], abs=1e-6)
-    assert t.at([-1.0, 1e9]) == pytest.approx(t.posture[:, [0, -1], [0, 1]])
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------------

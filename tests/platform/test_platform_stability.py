@@ -30,7 +30,6 @@ from drivesizer.platform.stability import (
     tipping_acceleration,
     tipping_edges,
     tipping_slope,
-    used_footing,
     zero_moment_point,
 )
 from drivesizer.platform.wheels import Caster, Platform, Wheel, without_motor
@@ -106,18 +105,6 @@ def test_at_the_limit_a_wheel_carries_nothing_and_the_point_is_on_the_edge(p, di
     assert tips >= limit * (1 - 1e-9)
 
 
-AROUND = np.linspace(-math.pi, math.pi, 721)  # rad; between two of them a cosine changes by 1e-5
-
-
-@given(standing())
-def test_the_worst_direction_is_the_worst_of_all(p):
-    worst = lift_off_acceleration(p)
-    assume(0.0 < worst < math.inf)
-    loads = contact_loads(p, accelerated=worst * np.array([np.cos(AROUND), np.sin(AROUND)]))
-    assert loads.min() == pytest.approx(0.0, abs=1e-4 * p.mass * G)
-    assert loads.min() >= -1e-9 * p.mass * G
-
-
 # --- support polygon by brute force -----------------------------------------------------------------------------------
 
 
@@ -153,16 +140,6 @@ def test_a_caster_widens_the_polygon():
     assert tipping_edges(tricycle)[1].distance == pytest.approx(side)
 
 
-@given(standing(), st.floats(0.1, 2.0), st.floats(0.02, 0.3), st.floats(-math.pi, math.pi))
-def test_acceleration_and_slope_together_are_the_worst_slope_direction(p, size, tangent, direction):
-    assume(contact_loads(p).min() > 0.01 * p.mass)
-    used = used_footing(p, [(size, direction), (G * tangent, None)])
-    uphill = np.array([np.cos(AROUND), np.sin(AROUND)])
-    together = size * np.array([[math.cos(direction)], [math.sin(direction)]]) + G * tangent * uphill
-    lost = (1.0 - contact_loads(p, accelerated=together) / contact_loads(p)[:, None]).max()
-    assert used == pytest.approx(lost, rel=1e-3)
-
-
 # --- along a trajectory -----------------------------------------------------------------------------------------------
 
 
@@ -178,18 +155,6 @@ def test_load_moves_to_the_front_by_m_a_h_over_the_wheelbase():
     assert least_load(p, way, share=True).value == pytest.approx(1.0 - 2.4 / lift_off_acceleration(p, math.pi))
     assert least_margin(p, way).value == pytest.approx(0.3 - 0.25 * 2.4 / G)
     assert least_margin(p, way, share=True).value == pytest.approx(1.0 - 0.25 * 2.4 / G / 0.3)
-
-
-def test_a_turn_about_a_point_aside_tips_outward():
-    """Turning on the spot, the centre of mass off the middle: v² / r outward, and the spin's own part across."""
-    p = replace(cart(height=0.5), x=0.12)
-    spin, gain = 3.0, 2.0
-    way = piece((0, 0, 0), (0, 0, spin), (0, 0, gain), 0.2)
-    end = spin + gain * 0.2
-    inward, across = -(end**2) * 0.12, gain * 0.12
-    expected = contact_loads(p, accelerated=(inward, across)).min()
-    assert least_load(p, way).value == pytest.approx(expected, rel=1e-3)
-    assert least_load(p, way).time == pytest.approx(0.2)
 
 
 def test_on_a_slope_the_worst_heading_is_found_inside_a_piece():

@@ -83,15 +83,6 @@ def test_from_rest_it_accelerates_at_once():
     assert t.acceleration[2, -4:] == pytest.approx(np.full((4, 2), -0.5), abs=1e-3)
 
 
-def test_where_it_turns_round_between_two_samples_it_does_not_stand():
-    time = np.arange(0.0, 3.01, 0.2)  # samples at 1.4 s and 1.6 s are the same
-    half = np.sin(math.pi * time[:8] / 3) ** 2
-    way = np.concatenate([half, half[::-1]])  # the same to the last bit
-    t = spline(time, np.array([way, 0.0 * time, 0.0 * time]))
-    at = (t.time[:, 0] > 1.4 - 1e-9) & (t.time[:, 1] < 1.6 + 1e-9)
-    assert t.acceleration[0, at] == pytest.approx(np.full((at.sum(), 2), -2 * (math.pi / 3) ** 2), rel=0.03)
-
-
 # --- files ------------------------------------------------------------------------------------------------------------
 
 
@@ -109,16 +100,6 @@ def test_a_planned_trajectory_comes_back_from_its_file(file):
         work = [float((c.duration * (c.torque * c.speed).mean(axis=1)).sum()) for c in (ours, theirs)]
         assert np.abs(ours.speed).max() == pytest.approx(np.abs(theirs.speed).max(), rel=1e-3)
         assert work[0] == pytest.approx(work[1], rel=5e-3)
-
-
-def test_waypoints_from_a_file_are_planned(file):
-    rows = "y,x,theta,pause\nm,cm,deg,s\n0,0,0,\n0.5,200,114.59155902616465,1.5\n0.5,200,401.0704565915763,\n1,-100,,\n"
-    path = file(rows)
-    found, planned = read_track(path, LIMITS), plan(ROUTE, LIMITS)
-    assert found.duration == pytest.approx(planned.duration, rel=1e-9)
-    assert found.posture == pytest.approx(planned.posture, abs=1e-9)
-    two = read_track(file("x,y\nm,m\n0,0\n1,0\n1,0\n"), LIMITS)  # two in one place
-    assert two.posture[0, -1, 1] == 1.0
 
 
 def test_a_differential_drive_follows_a_sampled_curve(file):
@@ -164,18 +145,6 @@ def test_a_sample_far_off_between_knots_is_a_jump(file, row, column, value):
         InputError, match=rf"run\.csv:{row + 3}: x, y: a jump, .* m off the path .*; expected 20 m at most"
     ):
         read_track(file("t,x,y,theta\ns,m,m,rad", *columns), smoothing=0.3)
-
-
-def test_a_smoothed_cubic_is_itself(file):
-    """From rest to rest by a cubic: knots or none, even steps or not."""
-    time = np.cumsum(np.random.default_rng(3).uniform(0.01, 0.2, 60))
-    u = (time - time[0]) / np.ptp(time)
-    way = u**2 * (3 - 2 * u)
-    for smoothing in (0.0, 0.3, 1.0):
-        t = spline(time, np.array([way, -way, 2 * way]), smoothing)
-        assert t.at(time - time[0]) == pytest.approx(np.array([way, -way, 2 * way]), abs=1e-9)
-        ends = 6.0 / np.ptp(time) ** 2
-        assert t.acceleration[0, [0, -1], [0, 1]] == pytest.approx([ends, -ends], rel=1e-6)
 
 
 # --- faults -----------------------------------------------------------------------------------------------------------

@@ -187,24 +187,6 @@ def test_a_lower_factor_is_among_the_changes(lift):
     assert "needs.holding_factor" not in {r.field for r in relaxations(light)}  # 0.95 would do
 
 
-def test_a_motor_without_a_list_has_none_and_that_is_unknown(lift):
-    one = drives(lift())["bare", "G35"]
-    assert one.brake is None and one.status == "unknown"
-    assert check(one, "holding").status == check(one, "brake_fits").status == "unknown"
-    named = drives(lift(select="brake: {part: B4}"))["bare", "G35"]
-    assert named.brake.part == "B4" and check(named, "holding").status == "pass"
-    assert check(named, "brake_fits").status == "unknown" and named.status == "unknown"
-
-
-def test_a_brake_of_the_spec_at_the_load(lift):
-    found = drives(lift(more="brake: {torque: 12 N*m, at: load, inertia: 20 kg*cm^2, mass: 2 kg, power: 20 W}"))
-    for one in found.values():
-        assert one.brake.part == "brake" and check(one, "brake_fits").status == "pass"
-        assert check(one, "holding").demand == pytest.approx(20 * 9.80665 * 0.025)
-        assert one.brake_inertia == pytest.approx(20e-4 / one.gearhead.ratio**2)
-        assert not [c for c in one.checks if c.name == "gearhead_holding"]  # nothing passes through it
-
-
 def stopped(one, speed, weight, load_inertia, count):
     """Energy, stops and gearhead torque of an emergency stop, by the formulas in plain Python."""
     i, brake = one.gearhead.ratio, one.brake

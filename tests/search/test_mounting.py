@@ -128,52 +128,6 @@ def test_the_mounted_motor_by_hand(printed):
     assert warmer.motor.nominal_current < was.nominal_current
 
 
-BARE = """
-catalog: 1
-manufacturer: Anybody
-sources: {sheet: {document: a sheet without thermal figures, confidence: quoted}}
-motors:
-- family: bare
-  source: sheet
-  columns: [part, kind, nominal_voltage (V), no_load_speed (rpm), no_load_current (mA), nominal_torque (mN*m),
-    nominal_current (A), stall_torque (mN*m), stall_current (A), resistance (ohm), torque_constant (mN*m/A),
-    rotor_inertia (g*cm^2), max_speed (rpm), thermal_resistance_housing (K/W)]
-  rows:
-  - [no figure, brushless, 24, 6000, 100, 60, 1.6, 600, 16, 1.5, 37.5, 50, 12000, ~]
-  - [housing, brushless, 24, 6000, 100, 60, 1.6, 600, 16, 1.5, 37.5, 50, 12000, 8]
-compatibility:
-  motor_gearhead:
-  - {source: sheet, motors: [bare], gearheads: [direct]}
-"""
-
-
-@pytest.mark.parametrize("estimates", ["off", "on"])
-@pytest.mark.parametrize(
-    ("part", "mounting", "friction", "status"),
-    [  # 50, 65 and 200 mN*m and 0.1 A: 1.43, 1.83 and 5.4 A of printed 1.6 A
-        ("no figure", {"housing_resistance": 0.64, "low": 0.4}, 50, "pass"),
-        ("no figure", {"housing_resistance": 0.64, "low": 0.4}, 65, "unknown"),  # cooler by an unknown amount
-        ("no figure", {"kind": "plate", "plate_resistance": "3 K/W"}, 65, "unknown"),
-        ("housing", {"housing_resistance": 0.64}, 65, "unknown"),
-        ("housing", {"housing_resistance": 0.64}, 200, "fail"),  # more than 1 / 0.64 is out of reach
-        ("no figure", {"kind": "insulated"}, 65, "fail"),  # warmer: the printed current is the most
-        ("no figure", {"housing_resistance": 1.2}, 50, "unknown"),
-        ("no figure", {"gear_loss_share": 0.5}, 65, "fail"),  # as printed
-    ],
-)
-def test_a_rating_whose_gain_is_unknown_is_known_from_one_side(tmp_path, part, mounting, friction, status, estimates):
-    (tmp_path / "bare.yaml").write_text(BARE, encoding="utf-8")
-    spec = load_spec({
-        "name": "wheel", "load": {"kind": "flywheel", "inertia": "2 kg*cm^2", "friction_torque": f"{friction} mN*m"},
-        "motion": {"speed": "2000 rpm", "acceleration_time": "1 s", "cruise_time": "60 s", "rest_time": "0.1 s"},
-        "transmission": [{"kind": "direct"}], "supply": {"nominal": "24 V", "accepts": "all"}, "mounting": mounting,
-        "select": {"catalogs": [str(tmp_path / "bare.yaml")], "estimates": estimates},
-    })  # fmt: skip
-    (one,) = explain(spec, part, "direct")
-    found = next(check for check in one.checks if check.name == "motor_nominal_current")
-    assert found.demand == pytest.approx((friction / 37.5 + 0.1) * 1.0, rel=0.03) and found.status == status
-
-
 def test_a_band_is_shown_and_leaves_checks_open(printed):
     """Between the ends of the band a check is open with a probability; figures, band and source are listed."""
     demands = [winding(explained(printed, {"housing_resistance": x})) for x in (0.3, 0.9)]

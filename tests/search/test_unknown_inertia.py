@@ -1,19 +1,14 @@
 """A rotor inertia that no catalogue tells: what it has no part in is judged, what it adds to is a least demand."""
 
 from dataclasses import replace
-from xml.etree.ElementTree import fromstring
 
-import jsonschema
 import numpy as np
 import pytest
 
-from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import energy_flow
-from drivesizer.output.export import export_of, files, one_axis
-from drivesizer.output.export.json_document import document, export_schema
 from drivesizer.physics.winding import stress
-from drivesizer.sizing import explain, explained
+from drivesizer.sizing import explain
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -121,36 +116,3 @@ motion: {profile: trapezoid, speed: 1.5 m/s, acceleration_time: 0.2 s, cruise_ti
         (most.cold_voltage.value, known.cold_voltage.value),
     ):
         assert (ours <= theirs * (1 + 1e-12)).all()
-
-
-def test_samples_wait_for_what_has_a_part_alone(shop):
-    titles = {"Motor voltage, cold and hot", "Winding temperature, peak", "Supply power, all drives"}
-    for name, waits in (("level", False), ("shaped", True)):
-        spec = shop / f"{name}.yaml"
-        spec.write_text(spec.read_text(encoding="utf-8") + "tolerances: {samples: 256}\n", encoding="utf-8")
-        told = explained(load_spec(spec), "M-unknown", "direct").sets[0].reliability
-        assert titles & set(told.unknown) == (titles if waits else set())
-
-
-def test_what_can_be_exported_is_and_names_what_is_left_out(shop):
-    """The load's 2 kg cm^2 and 0.05 N*m/A x 20 A at the shaft; gains and an FMU have no figures without a rotor."""
-    spec = load_spec(shop / "shaped.yaml")
-    (one,) = explain(spec, "M-unknown", "direct")
-    record = export_of(spec, one)
-    for form in ("urdf", "sdf"):
-        (text,) = (found.decode() for found in files(one_axis(record), form, shop / f"drive.{form}").values())
-        assert "rotor with gearhead input UNKNOWN and left out" in text
-        root = fromstring(text)
-        inertia = root.find(".//inertial/inertia")
-        assert inertia is not None
-        ixx = float(inertia.get("ixx") or inertia.findtext("ixx"))
-        assert ixx == pytest.approx(2e-4)
-    told = document(record)
-    jsonschema.validate(told, export_schema())
-    assert told["drive"]["motor_inertia"]["value"] is None and told["controller"] is None
-    assert told["at_shaft"]["inertia"]["value"] is None
-    assert told["limits_at_shaft"]["peak_torque"]["value"] == pytest.approx(0.05 * 20)
-    for form, suffix in (("mjcf", "xml"), ("ros2_control", "urdf"), ("fmu", "fmu")):
-        with pytest.raises(InputError, match="rotor's inertia is not in the catalogue") as refused:
-            files(one_axis(record), form, shop / f"drive.{suffix}")
-        assert "\n" not in str(refused.value)

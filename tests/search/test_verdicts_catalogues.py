@@ -5,13 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from drivesizer.catalog import load as catalogs_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.tables import not_enough
 from drivesizer.output.terminal.sizing import explained
-from drivesizer.results.ratings import OWN_SUPPLY
 from drivesizer.results.sizing import Explanation, ranked_by
 from drivesizer.search import ranking
 from drivesizer.search.ranking import sifted
@@ -104,14 +102,6 @@ select: {{catalogs: [andymark, vex, rev, ctre], motor: {{part: "{motor}"}}}}
 """
 
 
-def test_the_row_says_why_there_is_no_controller():
-    """Of these makers mjbots alone has controllers, for brushless motors."""
-    (one,) = best(WINCH.format(motor="CIM").replace("rev, ctre", "mjbots"))
-    said = "none is listed for a brushed motor"
-    assert (one.motor.part, one.controller, check(one, "controller_available").note) == ("CIM", None, said)
-    assert check(one, "controller_available").status == "unknown"
-
-
 @pytest.mark.parametrize(("motor", "stall"), [("Kraken X44", 279.099), ("Falcon 500", 257.0)])
 def test_a_motor_with_a_controller_inside_takes_that_one(motor, stall):
     """It supplies the current with which the motor was measured, and works at 0.85 to 1.15 of the nominal 12 V."""
@@ -188,27 +178,6 @@ def test_unknown_prices_are_ordered_by_mass():
     assert [s.mass for s in by_price] == [s.mass for s in by_mass] == sorted(s.mass for s in by_mass)
     assert all(s.motor.price != s.motor.price for s in by_price)
     assert ranked_by("price", by_price) == "ranked by price, of which none is known: by mass"
-
-
-@pytest.mark.parametrize(
-    ("supply", "own", "fed", "limit"),
-    [
-        ("nominal: 24 V", False, 24.0, 26.4),  # a coil takes 10 % more or less
-        ("nominal: 48 V", True, 24.0, 26.4),
-        ("nominal: 48 V, brakes: 25 V", True, 25.0, 26.4),
-    ],
-)
-def test_a_brake_of_another_voltage_has_a_supply_of_its_own(supply, own, fed, limit):
-    """AB brakes have a coil for 24 V."""
-    text = VEHICLE.format(catalogs="maxon").replace("300 kg", "60 kg").replace("unknown: reject", "unknown: allow")
-    volts = f"supply: {{{supply}, regeneration: 50 %, kind: battery}}"
-    result = size(read(re.sub("supply: .*", volts, text)), top=1, brief=True)
-    (line,) = (x for x in machine_parts(result.sets[0], result.problem) if x.role == "brake")
-    coil = check(result.sets[0], "brake_voltage")
-    assert result.sets[0].brake.supply == 24.0
-    assert line.said.endswith("24 V of its own supply" if own else "24 V")
-    assert (coil.status, coil.demand, coil.limit) == ("pass", fed, pytest.approx(limit))
-    assert coil.note == (OWN_SUPPLY if own and "brakes" not in supply else "")
 
 
 @pytest.mark.parametrize(
@@ -383,42 +352,6 @@ def test_a_budget_of_the_price_rejects_drives_before_they_are_shown():
     held = size(read(text + "budget: {price: 450 EUR}\n"), top=400, brief=True).sets
     within = [one.label for one in free if 2 * one.price <= 450]
     assert 0 < len(within) < len(free) and [one.label for one in held[: len(within)]] == within
-
-
-def loses_families(seed, section, objective):
-    """Drives that fail nothing with some of maxon's families and not with more, and a best objective that is worse."""
-    rng = np.random.default_rng(seed)
-    text = machine(rng)
-    if section == "gearheads" and "gearhead" not in text:
-        return 0, []
-    every = rng.permutation(sorted(set(catalogs_of(["maxon"]).table(section)["family"].tolist()) - {""})).tolist()
-    few, more = every[: len(every) // 3], every[: 2 * len(every) // 3]
-    select = f"objective: {objective}, unknown: reject, {section[:-1]}"
-    one, other = (drives(f"{text}select: {{{select}: {{family: {names}}}}}\n", objective) for names in (few, more))
-    return len(one), [drive for drive in one if drive not in other] + worse_best(one, other, objective)
-
-
-@pytest.mark.parametrize(
-    ("section", "objective", "seeds"),
-    [
-        ("motors", "mass", (8, 12)),
-        ("gearheads", "price", (1, 4, 8)),
-        ("controllers", "energy", (4, 9, 12)),
-        ("controllers", "margin", (4, 9)),
-    ],
-)
-def test_more_families_lose_no_drive(section, objective, seeds):
-    found = [loses_families(seed, section, objective) for seed in seeds]
-    assert any(passing for passing, _ in found)
-    assert [lost for _, lost in found] == [[]] * len(seeds)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("section", ["motors", "gearheads", "controllers"])
-def test_more_families_lose_no_drive_of_many(section):
-    for objective in ("mass", "price", "energy", "margin"):
-        found = {seed: loses_families(seed, section, objective)[1] for seed in range(100, 140)}
-        assert {seed: lost for seed, lost in found.items() if lost} == {}, objective
 
 
 def test_one_part_of_all_is_that_part_alone():

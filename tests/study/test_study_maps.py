@@ -7,7 +7,6 @@ import pytest
 from lxml import etree
 from studies import CHEAP, laid
 
-from drivesizer.errors import InputError
 from drivesizer.sizing import size
 from drivesizer.study.maps import (
     MAPS,
@@ -121,20 +120,6 @@ def test_probabilities_are_drawn_where_the_spec_has_tolerances(tmp_path):
     for number, share in enumerate(probabilities, 1):
         alone = size(spec_of(plan.job, plan.variant(number))).sets[0].reliability
         assert alone and alone.probability == share
-
-
-@pytest.mark.slow
-def test_tolerances_vary_as_they_are_written(tmp_path):
-    """With the same nominal mass what is less uncertain is nearer to 0 or 1."""
-    spec = CHEAP + "tolerances: {samples: 256}\n"
-    study = "spec: robot.yaml\nvary: {load.mass: [45 kg +- 1 kg, 45 kg +- 20 kg], supply.current: [5 A, 8 A]}\n"
-    over, found, plan = mapped(tmp_path, study, spec=spec)
-    assert [axis.head for axis in plan.job.axes] == ["load.mass", "supply.current (A)"]
-    assert over.across.values == ("45 kg +- 1 kg", "45 kg +- 20 kg")
-    narrow, wide = ([r["none_fails"] for r in found[()] if r["load.mass"] == m] for m in over.across.values)
-    assert narrow[0] < wide[0] < 0.5 < wide[1] < narrow[1]
-    with pytest.raises(InputError, match=r'vary\.load\.mass\[1\]: "45 kg .- 3 m"'):
-        read_study(laid(tmp_path, study.replace("45 kg +- 1 kg", "45 kg +- 3 m")))
 
 
 def test_an_unknown_figure_is_no_colour_of_the_scale(tmp_path):
