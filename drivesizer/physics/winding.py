@@ -247,7 +247,7 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Figures,
     k_t = motor["torque_constant"]
     cold = resistance_at(resistance_25(motor), ambient)
     torque = cycle.peak(demands.coefficients, demands.left_out)
-    volts = cycle.peak(volts_of(demands, k_t, np.asarray(cold)), demands.left_out)
+    volts = cycle.peak(_least_volts(demands, k_t, np.asarray(cold)), demands.left_out)
     if np.any(leads):
         more = cycle.peak(volts_of(demands, k_t, np.asarray(cold + leads)), demands.left_out)
         larger = more.value > volts.value
@@ -298,6 +298,15 @@ def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:
     """
     c = demands.coefficients * (resistance / k_t)[:, None]
     c[:, SPEED] += demands.back_emf * demands.total_ratio
+    return c
+
+
+def _least_volts(demands: Demands, k_t: Array, resistance: Array) -> Array:
+    """Those coefficients; of a winding or torque that is not known what its turning alone makes."""
+    c = volts_of(demands, k_t, resistance)
+    rows = np.isnan(c).any(axis=1)
+    c[rows] = 0.0
+    c[rows, SPEED] = (demands.back_emf * demands.total_ratio)[rows]
     return c
 
 

@@ -481,7 +481,8 @@ def _on(found: Sifted, rows: NDArray[np.int64]) -> Sifted:
 
 _CELLS_OF_RANK = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
 _SAMPLED = 32  # open drives at most
-_HARDLY = 4  # unknown checks behind which one stands that passes in less than a tenth of its band
+_HARDLY = 4  # unknown checks behind which one stands that passes in less than a tenth of its band ...
+_ONCE = 0.02  # ... and behind so many more one that passes hardly once in it
 _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
 
 
@@ -516,23 +517,38 @@ def ranked(problem: Problem, kept: Sifted, top: int) -> Rank:
 def _precedence(
     problem: Problem, kept: Sifted, value: Array, missing: NDArray[np.int64], top: int
 ) -> NDArray[np.int64]:
-    """Order that goes before the objective: of open ones as many are sampled as an order of those shown may need."""
+    """Order that goes before the objective; of open checks as many drives are sampled as an order of those shown needs.
+
+    An open drive is placed by tenths of the probability that it passes, an unknown one whose open checks hardly pass
+    behind one of which more is unknown.
+    """
     precedence = _TENTHS * kept.certainty + kept.lacking
-    opened = np.flatnonzero(kept.certainty == OPEN)
-    if len(opened) < 2 or np.count_nonzero(kept.certainty == PASSES) >= top:
-        return precedence
+    opened = kept.certainty == OPEN
     precedence[opened] += _TENTHS - 1
     count = max(min(_SAMPLED, waveforms(problem)), top)
-    best = opened[order(problem.catalog, kept.sets.on(opened), value[opened], missing[opened])][:count]
-    few = by_physics(problem, kept.sets.on(best), False)
-    for place, row in enumerate(best.tolist()):
-        one = few.candidates.on(np.array([place]))._replace(
-            controller=few.controller[[place]], brake=few.brake[[place]]
-        )
-        together = passing(problem, one, few.open_checks(place), each=False)[""]
-        tenths = int(10.0 * together)
-        precedence[row] = _TENTHS * (OPEN + 1) - 1 - tenths if tenths else _TENTHS * UNKNOWN + _HARDLY
+    ahead = np.count_nonzero(kept.certainty == PASSES)
+    for rows in (np.flatnonzero(opened), np.flatnonzero(kept.certainty == UNKNOWN)):
+        if len(rows) > 1 and ahead < top:
+            before = [precedence[rows]]
+            best = rows[order(problem.catalog, kept.sets.on(rows), value[rows], missing[rows], before=before)][:count]
+            probable = _probabilities(problem, kept.sets.on(best))
+            tenths = (10.0 * probable).astype(np.int64)
+            hardly = np.where(opened[best], _TENTHS * UNKNOWN, precedence[best]) + _HARDLY
+            likely = np.where(opened[best], _TENTHS * (OPEN + 1) - 1 - tenths, precedence[best])
+            precedence[best] = np.where(tenths == 0, hardly + _HARDLY * (probable < _ONCE), likely)
+        ahead += len(rows)
     return precedence
+
+
+def _probabilities(problem: Problem, sets: Candidates) -> Array:
+    """Probability that the open checks of each drive pass together; 1 of drives without any."""
+    few, found = by_physics(problem, sets, False), np.ones(len(sets.motor))
+    for place in range(len(found)):
+        if names := few.open_checks(place):
+            controller, brake = few.controller[[place]], few.brake[[place]]
+            one = few.candidates.on(np.array([place]))._replace(controller=controller, brake=brake)
+            found[place] = passing(problem, one, names, each=False)[""]
+    return found
 
 
 def equals_of_the_last(problem: Problem, rank: Rank, order: NDArray[np.int64], top: int) -> int:

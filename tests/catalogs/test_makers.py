@@ -91,7 +91,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "solahd": counted(power_supplies=2),
     # servo motors for mains: manuals of Yaskawa and B&R, public tables of the others
     "allen_bradley": counted(motors=26 + 38), "br_automation": counted(motors=8, brakes=6),
-    "fanuc": counted(motors=8 + 10 + 10),
+    "fanuc": counted(motors=8 + 10 + 10 - 1),  # without aiS 30/4000
     "ls_mecapion": counted(motors=3 + 3 + 4 + 12 + 11 + 3 + 3 + 3 + 8 + 8 + 16 + 15 + 17),
     "mitsubishi": counted(motors=15 + 5 + 5 + 5 + 7 + 5, brakes=21),
     "nidec": counted(motors=5),

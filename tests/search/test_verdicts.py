@@ -176,6 +176,17 @@ def test_a_rule_of_thumb_fails_no_drive():
 
 # --- what is undecided -----------------------------------------------------------------------------------------------
 
+SKATEBOARD = """
+name: electric skateboard
+load: {kind: wheeled_vehicle, mass: 85 kg, wheel_diameter: 90 mm, driven_wheels: 2, rolling_resistance: 0.02,
+  slope: 8 %,
+  drag_area: 0.5 m^2, inertia: 2 kg*cm^2}
+motion: {speed: 8 m/s, acceleration_time: 5 s, cruise_time: 20 s, rest_time: 30 s}
+transmission: [{kind: direct}, {kind: belt, ratios: [2, 3.2], efficiency: 0.96}]
+supply: {nominal: 37 V, min: 32 V, max: 42 V, accepts: all}
+select: {catalogs: [CATALOGS]}
+"""
+
 PLATFORM = """
 name: platform
 load: {kind: wheeled_vehicle, mass: 90 kg, driven_wheels: 2, wheel_diameter: 200 mm, rolling_resistance: 8 %%,
@@ -203,9 +214,17 @@ def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
     assert len(found) > 9 and all(one.status in ("pass", "open") for one in every[: -len(found)])
     undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
     assert min(undecided) < max(undecided)
-    # all that is open besides counts as one more, and a controller may decide one
+    # all that is open besides counts as one more, a controller may decide one; what hardly passes counts as more
+    likely = [not any(check.status == "open" and check.probability < 0.1 for check in one.checks) for one in found]
     for n, count in enumerate(undecided):
-        assert max(undecided[:n], default=0) <= count + 2
+        assert not likely[n] or max(undecided[:n], default=0) <= count + 2
+
+
+def test_an_undecided_drive_that_hardly_passes_comes_behind_those_that_may():
+    """D5065 would reach 470 °C in the middle of its bands; lighter than AM8123, it was named first."""
+    spec = SKATEBOARD.replace("CATALOGS", "odrive, beckhoff, mjbots, maxon")
+    first = size(spec_of(spec), top=1).sets[0]
+    assert all(check.probability >= 0.02 for check in first.checks if check.status == "open")
 
 
 # no peak and no stall is printed of these: 1.2, 1.7 and 3.9 N*m continuous, of 257, 270 and 710 g

@@ -50,6 +50,7 @@ length | mass diameter; diameter
 mass | diameter length; diameter; nominal_torque
 motor_constant | mass; nominal_torque; mass nominal_torque; mass diameter; mass diameter nominal_torque
 pole_pairs | diameter; mass
+torque_constant | nominal_voltage max_speed; nominal_voltage nominal_speed
 """
 _GEARHEAD = """
 inertia | diameter ratio stages; mass ratio stages; continuous_torque ratio stages
@@ -79,7 +80,8 @@ _CLASSES: dict[str, tuple[str, tuple[str, ...]]] = {
 }
 
 
-_NONE = {("motors", "brushed", "pole_pairs")}  # of a commutator no controller needs them
+# of a commutator no controller needs the pole pairs, and every brushed motor has its constant
+_NONE = {("motors", "brushed", "pole_pairs"), ("motors", "brushed", "torque_constant")}
 
 
 def _declared() -> Iterator[Law]:
@@ -122,6 +124,7 @@ _MOST = 0.9  # of the power that a stage loses
 _GIVES: dict[str, tuple[str, Callable[[Table[Any], NDArray[np.float64]], NDArray[np.float64]]]] = {
     "inertia_at_rotor": ("rotor_inertia", lambda table, inertia: np.where(np.isnan(table["ratio"]), np.nan, inertia)),
     "motor_constant": ("resistance", lambda table, constant: _torque_constant(table) ** 2 / constant),
+    "torque_constant": ("back_emf_constant", lambda table, k: np.where(np.isnan(table["torque_constant"]), k, np.nan)),
     "pole_pairs": ("pole_pairs", lambda table, pairs: np.maximum(pairs, 1.0)),
     "friction": ("no_load_current", lambda table, torque: torque / _torque_constant(table)),
     "loss": ("efficiency", lambda table, loss: 1.0 - np.minimum(loss, _MOST)),
