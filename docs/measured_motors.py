@@ -78,14 +78,14 @@ def d5065(folder: Path) -> list[Comparison]:
     motor, points = part("odrive", "D5065 270KV"), mapped(folder)
     one, _ = sampled(motor, motor["nominal_voltage"], part(OWN_PARTS, "brushless bridge"))
     assert one.feed is not None
-    feed, R = one.feed, resistance_at(one.R_25, 300.0)
+    feed, R = one.feed, resistance_at(one.bodies.R_25, 300.0)
 
     def current(M: float, w: float) -> np.ndarray:
-        return np.asarray((one.motor_torque(M) + one.viscous * w) / one.k_t)
+        return np.asarray((one.motor_torque(M) + one.drive.viscous * w) / one.drive.k_t)
 
     def power(M: float, w: float) -> np.ndarray:
         I = current(M, w)
-        return np.asarray(R * I**2 + one.k_e * I * w + feed.lost(I))
+        return np.asarray(R * I**2 + one.drive.k_e * I * w + feed.lost(I))
 
     plain_I = points.M / motor["torque_constant"]
     plain = motor["resistance"] * plain_I**2 + motor["torque_constant"] * plain_I * points.w

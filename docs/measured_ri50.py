@@ -52,14 +52,14 @@ def _stall_power(one: SetAtVoltage, steps: list[Held], rest: Held) -> Comparison
     assert one.feed is not None
     feed, I, T = one.feed, np.sqrt(_column(steps, "I2")), _column(steps, "winding")
     P = _column(steps, "P_1") - _column(steps, "P_2") - (rest.P_1 - rest.P_2)
-    bands = banded(lambda i, t: resistance_at(one.R_25, t) * i**2 + feed.lost(i), I, T)
-    return against("ri50_stall_power", I, _CURRENT, P, _POWER, bands, one.R_25[0] * I**2)
+    bands = banded(lambda i, t: resistance_at(one.bodies.R_25, t) * i**2 + feed.lost(i), I, T)
+    return against("ri50_stall_power", I, _CURRENT, P, _POWER, bands, one.bodies.R_25[0] * I**2)
 
 
 def _idle(key: str, one: SetAtVoltage, steps: list[Held]) -> Comparison:
     """The driven motor drags the other one along: the friction of two."""
     w, I = _column(steps, "w"), _column(steps, "I")
-    bands = banded(lambda x: 2.0 * (one.coulomb + one.viscous * x) / one.k_t, w)
+    bands = banded(lambda x: 2.0 * (one.coulomb + one.drive.viscous * x) / one.drive.k_t, w)
     return against(key, w, _SPEED, I, Axis("no-load current", "A"), bands, np.nan)
 
 
@@ -69,9 +69,9 @@ def _running(one: SetAtVoltage, steps: list[Held], rest: Held) -> Comparison:
     P = _column(steps, "P_1") - _column(steps, "P_2") - (rest.P_1 - rest.P_2)
 
     def power(x: float, i: float, square: float, t: float) -> Array:
-        return np.asarray(resistance_at(one.R_25, t) * square + one.k_e * i * x + feed.lost(i))
+        return np.asarray(resistance_at(one.bodies.R_25, t) * square + one.drive.k_e * i * x + feed.lost(i))
 
-    plain = one.R_25[0] * I2 + one.motor["torque_constant"][0] * I * w
+    plain = one.bodies.R_25[0] * I2 + one.motor["torque_constant"][0] * I * w
     return against("ri50_idle_power", w, _SPEED, P, _POWER, banded(power, w, I, I2, T), plain)
 
 
@@ -79,7 +79,7 @@ def _warming(key: str, folder: Path, name: str, one: SetAtVoltage, bodies: objec
     """Rise of the winding while the measured current flows, by the program's two bodies."""
     measured = course(folder, name)
     start = float(measured.winding[0])
-    whole, still = np.ones_like(one.R_25), np.zeros_like(one.R_25)
+    whole, still = np.ones_like(one.bodies.R_25), np.zeros_like(one.bodies.R_25)
     state, begun, rises = State(start, start), 0.0, list[Array]()
     for end, square in zip(measured.t, measured.I2, strict=True):
         current = np.sqrt(square) * whole

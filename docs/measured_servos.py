@@ -54,7 +54,7 @@ def xl330(_: Path) -> list[Comparison]:
     bands = predicted(motor, "stall_torque", [{"voltage": u} for u in V])
     plain = motor["stall_torque"] * V / motor["nominal_voltage"]
     one, _parts = sampled(motor, motor["nominal_voltage"])
-    at_horn = banded(lambda _: one.inertia * one.ratio**2, np.zeros(1))
+    at_horn = banded(lambda _: one.drive.inertia * one.drive.ratio**2, np.zeros(1))
     return [
         against("xl330_torque", V, _VOLTAGE, M, _TORQUE, bands, plain),
         against("xl330_inertia", np.zeros(1), Axis("", ""), np.array([SWING_XL330]), _INERTIA, at_horn, np.nan),

@@ -15,35 +15,6 @@ import numpy as np
 
 from drivesizer.physics.equation import Value, equation
 
-__all__ = [
-    "acceleration",
-    "acceleration_torque",
-    "braking_torque_per_motor",
-    "cylinder_inertia",
-    "cylinder_mass",
-    "deceleration_torque",
-    "maximum_power_per_motor",
-    "maximum_torque",
-    "maximum_torque_at_motor",
-    "maximum_torque_per_motor",
-    "mechanical_power_per_motor",
-    "no_load_speed",
-    "nominal_force",
-    "nominal_power_per_motor",
-    "nominal_speed",
-    "nominal_torque",
-    "nominal_torque_per_motor",
-    "rest_torque",
-    "rms_power_per_motor",
-    "rms_speed",
-    "rms_torque",
-    "rms_torque_at_motor",
-    "rms_torque_per_motor",
-    "rolling_resistance_coefficient",
-    "rotor_inertia_at_wheel",
-    "speed_constant",
-]
-
 
 @equation(
     1, "n_nom", "rotary_speed", "rpm",

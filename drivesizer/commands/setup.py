@@ -223,11 +223,10 @@ def _steps(declared: Any, robot: Any) -> tuple[Any, str]:
 def _robot_equation(declared: Any, robot: Any) -> Any:
     """An equation of the platform with the numbers of a spec; inertias are those with the best drive's rotors."""
     from drivesizer.output.platform import equation_of
-    from drivesizer.platform import equations as equations_dynamics
 
     if robot.platform is None:
         raise InputError(f"{robot.where(())}: no section platform; expected one, e.g. platform: {{layout: ...}}")
-    turning = declared.name in equations_dynamics.__all__
+    turning = declared.number in range(34, 53) or declared.number >= 57  # of the dynamics
     spec, drive = _with_best_drive(robot) if turning else (robot, None)
     return equation_of(declared, spec, drive, turning)
 

@@ -2,7 +2,3 @@
 
 May import: files, physics, equations, platform, loads, spec, results, load_cases.
 """
-
-from __future__ import annotations
-
-__all__: list[str] = []

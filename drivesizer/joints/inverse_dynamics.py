@@ -28,9 +28,6 @@ from drivesizer.physics.load_cycle import end_times
 from drivesizer.spec.description_record import Robot, placed
 from drivesizer.units.kinds import RANGES
 
-__all__ = ["Array", "Attached", "JointMotion", "Torques", "torques_of"]
-
-
 # -- Record of joints over time: segments with both ends of each, as a load cycle has them.
 
 

@@ -28,9 +28,6 @@ from drivesizer.spec.description import read_description, rotation
 from drivesizer.spec.description_record import Joint, Robot
 from drivesizer.spec.robot_section import RobotSection
 
-__all__ = ["JointTorques", "joint_loads", "joint_torques", "radius_of"]
-
-
 # -- Load cycle of one joint at the shaft that its drive turns, and the load that has it.
 #
 # .. math:: T = r \, (\tau + d \dot q + f \, \mathrm{sgn} \, \dot q), \quad \omega = \dot q / r, \quad J = r^2 M_{jj}

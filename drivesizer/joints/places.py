@@ -15,12 +15,6 @@ from drivesizer.joints.inverse_dynamics import Array, Attached
 from drivesizer.spec.description_record import Joint, Robot, placed
 from drivesizer.spec.robot_section import DrivePlace, JointFigure, RobotSection
 
-__all__ = [
-    "SLACK", "Field", "carried_by", "coupling", "drive_places", "figure_of", "file_of", "fixed_positions", "joint_of",
-    "outermost_first", "payload_place", "unit_of", "within",
-]  # fmt: skip
-
-
 # -- Joints that a machine moves and those that it holds, out of a description.
 
 

@@ -23,9 +23,6 @@ from drivesizer.spec.description_record import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
 from drivesizer.units.kinds import RANGES
 
-__all__ = ["motion_of", "moves_of", "static_poses"]
-
-
 # -- A CSV of joint positions over time as a motion: a cubic spline through all samples, or near them with smoothing.
 #
 # A joint that is at rest at both ends starts and ends so; wherever three of its samples or more in a row are the

@@ -29,7 +29,3 @@ Unknown
 
 May import: physics, files, units, errors.
 """
-
-from __future__ import annotations
-
-__all__: list[str] = []

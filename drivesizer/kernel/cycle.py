@@ -44,8 +44,6 @@ from drivesizer.kernel.supply import (
     work_of,
 )
 
-__all__: list[str] = []  # compiled into ``kernel``
-
 Array = NDArray[np.float64]
 
 HEAT, POWER, ENERGY, ACCOUNT = 0, 1, 2, 3  # levels: each computes what those before it do, too

@@ -13,8 +13,6 @@ from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import COPPER, resistance_at, two_bodies
 from drivesizer.physics.winding import Heat
 
-__all__ = ["drives_of", "held"]
-
 _ERROR = 1e-3  # of what a change within a segment does to the winding at its end
 
 

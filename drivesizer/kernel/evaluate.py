@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.kernel.cycle import ACCOUNT, ENERGY, HEAT, POWER
+from drivesizer.kernel.cycle import ACCOUNT
 from drivesizer.kernel.kernel import compiled
 from drivesizer.kernel.records import Drive, Figures, Piece
-
-__all__ = ["ACCOUNT", "ENERGY", "HEAT", "POWER", "evaluate", "number_of_pieces", "pieces"]
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]

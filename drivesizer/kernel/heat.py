@@ -15,8 +15,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-__all__: list[str] = []  # compiled into ``kernel``
-
 BRIEF, BRIEFER = 0.06, 4e-3  # exponents up to which eight and six terms of a series do
 SMALL = 0.5  # and up to which fourteen do
 COOLER = -1e-3  # K: what losses heat is no cooler but by rounding; a stretch in which it grows beyond all figures

@@ -8,8 +8,6 @@ from functools import cache
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
 from drivesizer.kernel import cycle, heat, records, supply
 
-__all__ = ["KERNEL", "compiled"]
-
 KERNEL = Kernel(
     functions=defined_in((heat, supply, cycle)),
     modules=(records, heat, supply, cycle),

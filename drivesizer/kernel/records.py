@@ -5,8 +5,6 @@ from __future__ import annotations
 from math import nan
 from typing import Any, NamedTuple
 
-__all__ = ["Drive", "Figures", "Piece"]
-
 
 class Drive(NamedTuple):
     """A drive as the kernel takes it; speed, acceleration and torque are the load's."""

@@ -18,8 +18,6 @@ from typing import NamedTuple
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.gear_life import SIX
 
-__all__: list[str] = []  # compiled into ``kernel``
-
 ALIKE = 1e-9  # share by which values differ that are alike
 NODES = tuple((1.0 + float(node)) / 2.0 for node in SIX[0])  # of a quadrature from 0 to 1
 WEIGHTS = tuple(float(weight) / 2.0 for weight in SIX[1])

@@ -22,8 +22,6 @@ from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.drive import BeltStage
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["cycle_of_course", "driven_shaft_cycle", "load_cycle"]
-
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool = False) -> LoadCycle:
     """Load cycle at the driven shaft of one drive.

@@ -24,10 +24,6 @@ from drivesizer.units import show
 if TYPE_CHECKING:
     from drivesizer.spec.sections import Requirements
 
-__all__ = [
-    "counts", "cycle_of_shift", "distance_of", "grip_warning", "load_cases", "requirement_checks", "starts_farther_on",
-]  # fmt: skip
-
 
 # -- Load cases that alternate, as one cycle: so many cycles of each as its share of the time says.
 #

@@ -35,13 +35,6 @@ from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.units import show
 
-__all__ = [
-    "AtShaft", "Driving", "Wheel", "WheelLoad", "at_shaft", "box_inertia", "cycles_of", "driving", "dynamics_of",
-    "floor_friction", "ground_of", "motion_of", "over_time", "platform_assumptions", "platform_of", "remaining_torque",
-    "trajectory_of", "wheel_load", "wheels", "with_trajectory",
-]  # fmt: skip
-
-
 # -- The platform of a spec as the record that kinematics and dynamics take: section and load put together.
 
 

@@ -21,12 +21,6 @@ from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
 from drivesizer.spec.motions import Cam, Csv, Harmonic, Move, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "LAWS", "SPEED", "from_csv", "harmonic", "located", "profile", "profile_of", "rest_left", "s_curve", "segments",
-    "static_torque", "trapezoid", "triangle", "with_rest",
-]  # fmt: skip
-
-
 # -- Breakpoints of speed over time: straight lines from standstill, and what no profile may be made of.
 
 

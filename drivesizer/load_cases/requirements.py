@@ -14,9 +14,6 @@ from drivesizer.physics.load_cycle import LoadCycle, mean_product, rms
 from drivesizer.results.drive_set import Requirement
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["requirements", "screw_requirements"]
-
-
 # -- Requirements of loads that the paper does not treat: its quantities, by its names, from the load cycle.
 
 

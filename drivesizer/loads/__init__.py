@@ -2,7 +2,3 @@
 
 May import: files, physics, equations.
 """
-
-from __future__ import annotations
-
-__all__: list[str] = []

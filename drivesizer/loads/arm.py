@@ -22,8 +22,6 @@ from drivesizer.loads.lever import Lever, check_inertia, weight_on_lever
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["Arm", "arm"]
-
 
 class Arm(SharedLoad):
     """A joint that swings an arm against gravity."""
@@ -34,14 +32,10 @@ class Arm(SharedLoad):
     kind: Literal["arm"]
     mass: fields.Mass = Field(description="of arm and payload")
     length: fields.Length = Field(description="from the joint to their centre of mass")
-    inertia: fields.Inertia | None = Field(
-        default=None, description="about the joint; mass times length squared if not given"
-    )
-    start_angle: fields.Bearing = fields.default("0 deg", description="above the level line, when the cycle starts")
-    tilt: fields.Incline = fields.default(
-        "0 deg", description="of the joint's axis from level; 90 deg feels no gravity"
-    )
-    friction_torque: fields.Torque = fields.default("0 N*m", description="of the joint, against the motion")
+    inertia: fields.Inertia | None = fields.optional("about the joint; mass times length squared if not given")
+    start_angle: fields.Bearing = fields.default("0 deg", "above the level line, when the cycle starts")
+    tilt: fields.Incline = fields.default("0 deg", "of the joint's axis from level; 90 deg feels no gravity")
+    friction_torque: fields.Torque = fields.default("0 N*m", "of the joint, against the motion")
 
     @model_validator(mode="after")
     def _heavy_enough(self) -> Self:

@@ -26,8 +26,6 @@ from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 
-__all__ = ["BeltAxis", "belt_axis"]
-
 
 class BeltAxis(SharedLoad):
     """A linear axis: a carriage on a toothed belt, level to upright."""
@@ -38,27 +36,17 @@ class BeltAxis(SharedLoad):
     kind: Literal["belt_axis"]
     mass: fields.Mass = Field(description="of the carriage and what is on it")
     pulley_diameter: fields.Length = Field(description="of the driving pulley, on its pitch circle")
-    belt_mass: fields.Counterweight = fields.default(
-        "0 kg", description="of the whole loop; 0 where the motor rides along"
-    )
-    efficiency: fields.Share = Field(default=1, description="of belt and pulleys, in either direction of power")
-    incline: fields.Incline = fields.default(
-        "0 deg", description="of the forward motion, upward positive; 90 deg lifts"
-    )
-    friction_coefficient: fields.Coefficient = Field(default=0, description="of the guide")
-    friction_force: fields.Force = fields.default("0 N", description="of the guide's seals, against the motion")
-    friction_torque: fields.Torque = fields.default(
-        "0 N*m", description="of the pulleys' bearings, seen at the driving one"
-    )
-    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
-    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of driving pulley and shaft")
-    idler_inertia: fields.Inertia = fields.default(
-        "0 kg*m^2", description="of all idlers together, each about its own axis"
-    )
-    idler_diameter: fields.Length | None = Field(
-        default=None, description="of the idlers; pulley_diameter where not given"
-    )
-    max_tension: fields.Force | None = Field(default=None, description="permitted effective tension of the belt")
+    belt_mass: fields.Counterweight = fields.default("0 kg", "of the whole loop; 0 where the motor rides along")
+    efficiency: fields.Share = fields.default(1, "of belt and pulleys, in either direction of power")
+    incline: fields.Incline = fields.default("0 deg", "of the forward motion, upward positive; 90 deg lifts")
+    friction_coefficient: fields.Coefficient = fields.default(0, "of the guide")
+    friction_force: fields.Force = fields.default("0 N", "of the guide's seals, against the motion")
+    friction_torque: fields.Torque = fields.default("0 N*m", "of the pulleys' bearings, seen at the driving one")
+    force: fields.Pull = fields.default("0 N", "further force against the forward motion, at rest too")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", "of driving pulley and shaft")
+    idler_inertia: fields.Inertia = fields.default("0 kg*m^2", "of all idlers together, each about its own axis")
+    idler_diameter: fields.Length | None = fields.optional("of the idlers; pulley_diameter where not given")
+    max_tension: fields.Force | None = fields.optional("permitted effective tension of the belt")
 
     @property
     def belt_moves(self) -> float:

@@ -21,8 +21,6 @@ from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["Conveyor", "conveyor"]
-
 
 class Conveyor(SharedLoad):
     """A belt conveyor, level or inclined, driven at a drum."""
@@ -31,14 +29,14 @@ class Conveyor(SharedLoad):
     takes_payload: ClassVar[bool] = True
     kind: Literal["conveyor"]
     mass: fields.Mass = Field(description="goods on the belt")
-    belt_mass: fields.Counterweight = fields.default("0 kg", description="of the belt itself")
+    belt_mass: fields.Counterweight = fields.default("0 kg", "of the belt itself")
     drum_diameter: fields.Length
     friction_coefficient: fields.Coefficient = Field(description="of belt and goods on the bed, or of the rollers")
-    friction_force: fields.Force = fields.default("0 N", description="of scrapers and seals, against the motion")
-    efficiency: fields.Share = Field(default=1, description="of belt and drums, in either direction of power")
-    incline: fields.Incline = fields.default("0 deg", description="upward positive")
-    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
-    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of all drums, seen at the driven one")
+    friction_force: fields.Force = fields.default("0 N", "of scrapers and seals, against the motion")
+    efficiency: fields.Share = fields.default(1, "of belt and drums, in either direction of power")
+    incline: fields.Incline = fields.default("0 deg", "upward positive")
+    force: fields.Pull = fields.default("0 N", "further force against the forward motion, at rest too")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", "of all drums, seen at the driven one")
 
 
 def conveyor(load: Conveyor, gravity: float, course: Course) -> LoadCycle:

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle, OwnLimit, cut_points, end_times, places
 
-__all__ = ["Course", "Profile", "at_largest", "columns_of", "course"]
-
 _SHORT = 256  # breakpoints of a profile of which the course is kept
 
 

@@ -16,15 +16,13 @@ Physics, rotational mechanics).
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
 from drivesizer.loads.lever import capped
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
-
-__all__ = ["Fan", "fan"]
 
 _PIECES = 128  # of a ramp from standstill to top speed
 
@@ -35,10 +33,10 @@ class Fan(SharedLoad):
     axis: ClassVar[fields.Axis] = "rotary"
     kind: Literal["fan", "flywheel"]
     inertia: fields.Inertia
-    rated_torque: fields.Torque = fields.default("0 N*m", description="at rated_speed")
-    rated_speed: fields.Turning | None = Field(default=None, description="where rated_torque is taken")
-    exponent: fields.Exponent = Field(default=2, description="2 for fans and pumps, 1 for an eddy current brake")
-    friction_torque: fields.Torque = fields.default("0 N*m", description="at any speed, against the motion")
+    rated_torque: fields.Torque = fields.default("0 N*m", "at rated_speed")
+    rated_speed: fields.Turning | None = fields.optional("where rated_torque is taken")
+    exponent: fields.Exponent = fields.default(2, "2 for fans and pumps, 1 for an eddy current brake")
+    friction_torque: fields.Torque = fields.default("0 N*m", "at any speed, against the motion")
 
     @model_validator(mode="after")
     def _rated(self) -> Self:

@@ -25,9 +25,6 @@ from drivesizer.loads.model import Count, SharedLoad
 from drivesizer.loads.stage_losses import through_stage
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["Hoist", "hoist"]
-
-
 _ROUNDING = 1e-9  # of gravity: a load that falls freely pulls with nothing, whatever its figures are rounded to
 
 
@@ -39,14 +36,12 @@ class Hoist(SharedLoad):
     takes_payload: ClassVar[bool] = True
     kind: Literal["hoist"]
     mass: fields.Mass = Field(description="of what is lifted, its carrier included")
-    counterweight: fields.Counterweight = fields.default(
-        "0 kg", description="hung against the mass, with as many falls"
-    )
+    counterweight: fields.Counterweight = fields.default("0 kg", "hung against the mass, with as many falls")
     drum_diameter: fields.Length
-    falls: Count = Field(default=1, description="rope parts that carry the mass; the rope runs so many times faster")
-    rope_efficiency: fields.Share = Field(default=1, description="of rope and sheaves, in either direction of power")
-    friction_force: fields.Force = fields.default("0 N", description="of the guides, against the motion")
-    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of drum and sheaves, seen at the drum")
+    falls: Count = fields.default(1, "rope parts that carry the mass; the rope runs so many times faster")
+    rope_efficiency: fields.Share = fields.default(1, "of rope and sheaves, in either direction of power")
+    friction_force: fields.Force = fields.default("0 N", "of the guides, against the motion")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", "of drum and sheaves, seen at the drum")
 
 
 def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:

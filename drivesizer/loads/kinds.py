@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from drivesizer.loads.model import SharedLoad
     from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 
-__all__ = ["AXES", "LAWS", "MODULES", "Load", "TorqueLaw"]
 
 _FILES = (
     "wheeled_vehicle", "conveyor", "hoist", "screw", "rack_pinion", "belt_axis", "rotary_table", "arm", "fan",

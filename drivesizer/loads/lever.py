@@ -19,8 +19,6 @@ from drivesizer.errors import FieldError
 from drivesizer.loads.course import Course
 from drivesizer.physics.load_cycle import Ends, Figure
 
-__all__ = ["Lever", "capped", "check_inertia", "weight_on_lever"]
-
 _LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none; files round 90 degrees to 1.5708 rad
 _MOST = 10_000  # pieces of a cycle
 _STEP, _LONGEST_STEP = math.radians(0.5), math.radians(10.0)

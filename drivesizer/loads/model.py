@@ -6,10 +6,8 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from drivesizer.files.fields import Axis, Section
+from drivesizer.files.fields import Axis, Section, default
 from drivesizer.loads.lever import Lever
-
-__all__ = ["Count", "LoadModel", "SharedLoad"]
 
 Count = Annotated[int, Field(ge=1, le=100)]
 
@@ -32,7 +30,7 @@ class SharedLoad(LoadModel):
     """A load that one drive moves, or several that share it equally."""
 
     kind: str
-    motors: Count = Field(default=1, description="drives that share the load equally; all figures are of the whole")
+    motors: Count = default(1, "drives that share the load equally; all figures are of the whole")
 
     @property
     def alike(self) -> int:

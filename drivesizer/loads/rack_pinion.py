@@ -20,8 +20,6 @@ from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["RackPinion", "rack_pinion"]
-
 
 class RackPinion(SharedLoad):
     """A rack that a pinion moves, or a carriage that runs along a rack, level to upright."""
@@ -32,12 +30,12 @@ class RackPinion(SharedLoad):
     kind: Literal["rack_pinion"]
     mass: fields.Mass
     pinion_diameter: fields.Length = Field(description="of its pitch circle")
-    efficiency: fields.Share = Field(default=1, description="of the toothing, in either direction of power")
-    incline: fields.Incline = fields.default("0 deg", description="of the forward motion, upward positive")
-    friction_coefficient: fields.Coefficient = Field(default=0, description="of the guide")
-    friction_force: fields.Force = fields.default("0 N", description="of the guide's seals, against the motion")
-    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
-    inertia: fields.Inertia = fields.default("0 kg*m^2", description="of pinion and shaft")
+    efficiency: fields.Share = fields.default(1, "of the toothing, in either direction of power")
+    incline: fields.Incline = fields.default("0 deg", "of the forward motion, upward positive")
+    friction_coefficient: fields.Coefficient = fields.default(0, "of the guide")
+    friction_force: fields.Force = fields.default("0 N", "of the guide's seals, against the motion")
+    force: fields.Pull = fields.default("0 N", "further force against the forward motion, at rest too")
+    inertia: fields.Inertia = fields.default("0 kg*m^2", "of pinion and shaft")
 
 
 def rack_pinion(load: RackPinion, gravity: float, course: Course) -> LoadCycle:

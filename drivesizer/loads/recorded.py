@@ -39,9 +39,6 @@ from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motion_curves import local_parabola
 
-__all__ = ["ComputedLoad", "Recorded"]
-
-
 Column = NDArray[np.float64]
 
 _FORMS = tuple(

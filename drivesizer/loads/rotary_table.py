@@ -22,8 +22,6 @@ from drivesizer.loads.lever import Lever, check_inertia, weight_on_lever
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 
-__all__ = ["RotaryTable", "rotary_table"]
-
 
 class RotaryTable(SharedLoad):
     """An indexing or turning table, level or tilted, balanced or not."""
@@ -31,14 +29,12 @@ class RotaryTable(SharedLoad):
     axis: ClassVar[fields.Axis] = "rotary"
     kind: Literal["rotary_table"]
     inertia: fields.Inertia = Field(description="of table and load about the axis")
-    friction_torque: fields.Torque = fields.default("0 N*m", description="of the bearing, against the motion")
-    torque: fields.SignedTorque = fields.default("0 N*m", description="further torque against the forward motion")
-    mass: fields.Counterweight = fields.default("0 kg", description="of what turns, where its centre is off the axis")
-    eccentricity: fields.Thickness = fields.default("0 mm", description="of that centre")
-    tilt: fields.Incline = fields.default("0 deg", description="of the axis from the vertical; 90 deg lies level")
-    start_angle: fields.Bearing = fields.default(
-        "0 deg", description="of the centre from the level line, when the cycle starts"
-    )
+    friction_torque: fields.Torque = fields.default("0 N*m", "of the bearing, against the motion")
+    torque: fields.SignedTorque = fields.default("0 N*m", "further torque against the forward motion")
+    mass: fields.Counterweight = fields.default("0 kg", "of what turns, where its centre is off the axis")
+    eccentricity: fields.Thickness = fields.default("0 mm", "of that centre")
+    tilt: fields.Incline = fields.default("0 deg", "of the axis from the vertical; 90 deg lies level")
+    start_angle: fields.Bearing = fields.default("0 deg", "of the centre from the level line, when the cycle starts")
 
     @model_validator(mode="after")
     def _heavy_enough(self) -> Self:

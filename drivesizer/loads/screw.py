@@ -41,8 +41,6 @@ from drivesizer.physics import screw as physics
 from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle, OwnLimit
 from drivesizer.units import show
 
-__all__ = ["Screw", "ScrewChoice", "ScrewLife", "own_limits", "screw_life"]
-
 _ROUNDING = 1e-9  # of the stroke
 
 Rating = Annotated[float, fields.Quantity("force", above=0.0)]
@@ -51,16 +49,14 @@ Rating = Annotated[float, fields.Quantity("force", above=0.0)]
 class ScrewChoice(fields.Section):
     """Screws out of the catalogues: of each lead the smallest that holds, of all leads that of the best drive."""
 
-    maker: fields.Names | None = Field(default=None, description="such as THK or HIWIN; * stands for any text")
+    maker: fields.Names | None = fields.optional("such as THK or HIWIN; * stands for any text")
     family: fields.Names | None = None
     part: fields.Names | None = None
     diameter_min: fields.Length | None = None
     diameter_max: fields.Length | None = None
     lead_min: fields.Length | None = None
     lead_max: fields.Length | None = None
-    play_max: fields.Thickness | None = Field(
-        default=None, description="axial; then a screw of unknown play is left out"
-    )
+    play_max: fields.Thickness | None = fields.optional("axial; then a screw of unknown play is left out")
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -83,68 +79,50 @@ class Screw(SharedLoad):
     takes_payload: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
     mass: fields.Mass = Field(description="of the slide and what is on it")
-    screw: ScrewChoice | None = Field(
-        default=None, description="out of the catalogues, with its lead and all that is printed of it; or give lead"
+    screw: ScrewChoice | None = fields.optional(
+        "out of the catalogues, with its lead and all that is printed of it; or give lead"
     )
-    lead: fields.Length | None = Field(default=None, description="travel per turn; or give screw")
-    efficiency: fields.Share | None = Field(
-        default=None, description="of screw and nut when it drives the slide; or give thread_friction"
+    lead: fields.Length | None = fields.optional("travel per turn; or give screw")
+    efficiency: fields.Share | None = fields.optional(
+        "of screw and nut when it drives the slide; or give thread_friction"
     )
-    thread_friction: fields.Coefficient | None = Field(
-        default=None,
-        description="of a trapezoidal thread, in place of both efficiencies, beside diameter and root_diameter",
+    thread_friction: fields.Coefficient | None = fields.optional(
+        "of a trapezoidal thread, in place of both efficiencies, beside diameter and root_diameter"
     )
-    back_efficiency: fields.BackEfficiency | None = Field(
-        default=None, description="when the slide drives it; 2 - 1/efficiency where not given, below 0 is self-locking"
+    back_efficiency: fields.BackEfficiency | None = fields.optional(
+        "when the slide drives it; 2 - 1/efficiency where not given, below 0 is self-locking"
     )
-    incline: fields.Incline = fields.default(
-        "0 deg", description="of the forward motion, upward positive; 90 deg lifts"
+    incline: fields.Incline = fields.default("0 deg", "of the forward motion, upward positive; 90 deg lifts")
+    friction_coefficient: fields.Coefficient = fields.default(0, "of the guide")
+    friction_force: fields.Force = fields.default("0 N", "of the guide's seals, against the motion")
+    force: fields.Pull = fields.default("0 N", "further force against the forward motion, at rest too")
+    preload_torque: fields.Torque = fields.default("0 N*m", "drag of a preloaded nut and its bearings")
+    preload: fields.Force = fields.default("0 N", "of a ball nut: its drag, beside preload_torque, and its life")
+    inertia: fields.Inertia | None = fields.optional(
+        "of screw and coupling; of a steel shaft of diameter and length where not given; of the coupling "
+        "alone with screw"
     )
-    friction_coefficient: fields.Coefficient = Field(default=0, description="of the guide")
-    friction_force: fields.Force = fields.default("0 N", description="of the guide's seals, against the motion")
-    force: fields.Pull = fields.default("0 N", description="further force against the forward motion, at rest too")
-    preload_torque: fields.Torque = fields.default("0 N*m", description="drag of a preloaded nut and its bearings")
-    preload: fields.Force = fields.default(
-        "0 N", description="of a ball nut: its drag, beside preload_torque, and its life"
+    diameter: fields.Length | None = fields.optional("nominal, of one screw as all that follows")
+    root_diameter: fields.Length | None = fields.optional("of the thread's core")
+    pitch_diameter: fields.Length | None = fields.optional(
+        "of a sliding thread; between diameter and root_diameter where not given"
     )
-    inertia: fields.Inertia | None = Field(
-        default=None,
-        description="of screw and coupling; of a steel shaft of diameter and length where not given; of the coupling "
-        "alone with screw",
+    shaft_diameter: fields.Length | None = fields.optional("outside, for the inertia; diameter where not given")
+    ball_diameter: fields.Length | None = fields.optional("of the ball centres; diameter where not given")
+    length: fields.Length | None = fields.optional("free, between the bearings; no shorter than the stroke")
+    screw_length: fields.Length | None = fields.optional("with its ends; length where not given")
+    ends: physics.Fixity | None = fields.optional("bearings of both ends, for buckling and critical speed")
+    design: physics.Design | None = fields.optional(
+        "whose factors for these; those of a beam where not given, of a screw out of the catalogues its maker's"
     )
-    diameter: fields.Length | None = Field(default=None, description="nominal, of one screw as all that follows")
-    root_diameter: fields.Length | None = Field(default=None, description="of the thread's core")
-    pitch_diameter: fields.Length | None = Field(
-        default=None, description="of a sliding thread; between diameter and root_diameter where not given"
+    dynamic_load: Rating | None = fields.optional("rating C_a, for the life")
+    static_load: Rating | None = fields.optional("rating C_0a")
+    permissible_thrust: Rating | None = fields.optional("of a sliding nut")
+    load_factor: fields.Ratio = fields.default(
+        1.5, "f_w of the life: 1 to 1.2 smooth, 1.5 up to 1 m/s, 2 to 3.5 with impacts"
     )
-    shaft_diameter: fields.Length | None = Field(
-        default=None, description="outside, for the inertia; diameter where not given"
-    )
-    ball_diameter: fields.Length | None = Field(
-        default=None, description="of the ball centres; diameter where not given"
-    )
-    length: fields.Length | None = Field(
-        default=None, description="free, between the bearings; no shorter than the stroke"
-    )
-    screw_length: fields.Length | None = Field(default=None, description="with its ends; length where not given")
-    ends: physics.Fixity | None = Field(
-        default=None, description="bearings of both ends, for buckling and critical speed"
-    )
-    design: physics.Design | None = Field(
-        default=None,
-        description="whose factors for these; those of a beam where not given, of a screw out of the catalogues its "
-        "maker's",
-    )
-    dynamic_load: Rating | None = Field(default=None, description="rating C_a, for the life")
-    static_load: Rating | None = Field(default=None, description="rating C_0a")
-    permissible_thrust: Rating | None = Field(default=None, description="of a sliding nut")
-    load_factor: fields.Ratio = Field(
-        default=1.5, description="f_w of the life: 1 to 1.2 smooth, 1.5 up to 1 m/s, 2 to 3.5 with impacts"
-    )
-    static_safety: fields.Ratio = Field(default=2, description="static_load over the largest axial load, at least")
-    dn_max: fields.Ratio | None = Field(
-        default=None, description="ball_diameter times speed that the nut permits, in mm rpm"
-    )
+    static_safety: fields.Ratio = fields.default(2, "static_load over the largest axial load, at least")
+    dn_max: fields.Ratio | None = fields.optional("ball_diameter times speed that the nut permits, in mm rpm")
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

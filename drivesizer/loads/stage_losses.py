@@ -21,8 +21,6 @@ import numpy as np
 from drivesizer.loads.course import Course
 from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle
 
-__all__ = ["FixedGear", "force_along", "through_gear", "through_stage"]
-
 
 class OnIncline(Protocol):
     """A load that is moved along an incline, with friction; figures, or columns over samples."""

@@ -24,11 +24,6 @@ from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import Count, LoadModel
 from drivesizer.physics.load_cycle import Figure, LoadCycle, OwnLimit
 
-__all__ = [
-    "Cylinder", "Cylinders", "WheeledVehicle", "rolling_resistance", "turning_inertia", "wheel_friction",
-    "wheeled_vehicle",
-]  # fmt: skip
-
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 
 
@@ -37,7 +32,7 @@ class Cylinder(fields.Section):
 
     density: fields.Density
     outer_diameter: fields.Length
-    inner_diameter: fields.Thickness = fields.default("0 mm", description="0 when solid")
+    inner_diameter: fields.Thickness = fields.default("0 mm", "0 when solid")
     width: fields.Length
 
     @model_validator(mode="after")
@@ -63,24 +58,19 @@ class WheeledVehicle(LoadModel):
     mass: fields.Mass = Field(description="whole vehicle, payload included")
     driven_wheels: Count = Field(description="wheels with a drive")
     wheel_diameter: fields.Length
-    rolling_resistance: fields.Part | None = Field(default=None, description="C_rr; or give sinkage")
-    sinkage: fields.Thickness | None = Field(
-        default=None, description="sinking depth z of (4); or give rolling_resistance"
+    rolling_resistance: fields.Part | None = fields.optional("C_rr; or give sinkage")
+    sinkage: fields.Thickness | None = fields.optional("sinking depth z of (4); or give rolling_resistance")
+    friction_coefficient: fields.Coefficient | None = fields.optional("between wheel and floor, for traction")
+    driven_share: fields.Share | None = fields.optional(
+        "of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
+        "other wheels carry the rest. A platform has it by the places of its wheels"
     )
-    friction_coefficient: fields.Coefficient | None = Field(
-        default=None, description="between wheel and floor, for traction"
-    )
-    driven_share: fields.Share | None = Field(
-        default=None,
-        description="of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
-        "other wheels carry the rest. A platform has it by the places of its wheels",
-    )
-    slope: fields.Slope = fields.default("0 deg", description="uphill positive")
-    drag_area: fields.Area = fields.default("0 m^2", description="drag coefficient times frontal area")
-    headwind: fields.SignedSpeed = fields.default("0 m/s", description="against the forward motion positive")
+    slope: fields.Slope = fields.default("0 deg", "uphill positive")
+    drag_area: fields.Area = fields.default("0 m^2", "drag coefficient times frontal area")
+    headwind: fields.SignedSpeed = fields.default("0 m/s", "against the forward motion positive")
     air_density: fields.Density = fields.default("1.2 kg/m^3")
-    cylinders: Cylinders | None = Field(default=None, description="wheel and shaft; or give inertia")
-    inertia: fields.Inertia | None = Field(default=None, description="of one wheel with its shaft; or give cylinders")
+    cylinders: Cylinders | None = fields.optional("wheel and shaft; or give inertia")
+    inertia: fields.Inertia | None = fields.optional("of one wheel with its shaft; or give cylinders")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:

@@ -7,7 +7,3 @@ case of its own, so that nothing behind knows of platforms.
 
 May import: physics, platform, catalog, loads, spec, results, load_cases.
 """
-
-from __future__ import annotations
-
-__all__: list[str] = []

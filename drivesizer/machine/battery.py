@@ -1,7 +1,17 @@
-"""A battery out of a catalogue and the spec, and its demands against its limits: autonomy, range, voltage, currents."""
+"""The battery of a machine: what it can give, what drives and other consumers draw, autonomy, range, limits.
+
+The drives' power is that of their load cycle, repeated without pause; other consumers count by their share of the time.
+The run time is that of the mean power; currents and voltage are those of each moment, with every consumer at its peak
+at once. Regenerated power charges the battery: its largest value with the charge of the start makes the highest
+voltage, V = E + R I. That is held against the voltage at which a charge ends and against the supply's highest, at which
+the drive was judged: where the battery keeps below that, so does the bus (``limits_over_time``).
+
+Symbols: P power [W], E voltage at rest [V], I current [A], T time [s].
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import ceil, inf, isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,47 +22,37 @@ from numpy.typing import NDArray
 from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.physics.battery import (
-    capacity_for,
-    current_of_power,
-    largest_power,
-    peukert_time,
-    table_draw,
-    table_time,
-    terminal_voltage,
-)
-from drivesizer.results.check import Check
+from drivesizer.machine.supply_power import DrivePower
+from drivesizer.physics import battery as laws
+from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
+from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget, loss_assumptions
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.spec.battery import Battery
+    from drivesizer.spec.battery import Battery, Consumer
 
-__all__ = [
-    "Load", "Pack", "accepted", "battery_checks", "capacity_needed", "charging", "drawn_columns", "lacking", "pack_of",
-    "raised_voltage", "required_autonomy", "resting_voltage", "run_time", "strings_needed",
-]  # fmt: skip
-
-
-# -- A battery of several cells or blocks, out of a catalogue and the spec: its figures, and how long it lasts.
-
-
+Array = NDArray[np.float64]
 _ONE = (  # figures of one cell or block that spec and catalogue share
     "nominal_voltage", "charge_voltage", "cutoff_voltage", "capacity", "rated_time", "peukert_exponent", "resistance",
-    "continuous_current", "peak_current", "max_charge_current",
+    "continuous_current", "peak_current", "max_charge_current", "mass",
 )  # fmt: skip
 _OWN = {"capacity", "rated_time", "peukert_exponent", "discharge"}  # with one of them the catalogue's table is not used
+_LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, as long as that is permitted
 _NEARLY = 1e-9  # relative: the same end voltage
+_POINTS = 2000  # of the state of charge over a mission
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+# --- what a battery can give
+
+
+class Table(NamedTuple):
     """Constant draws of a whole battery and how long they last."""
 
-    held: str  # current or power
-    draw: NDArray[np.float64]  # A or W
-    time: NDArray[np.float64]  # s
-    cutoff_voltage: float  # V of the battery, at which it ends; NaN where it is not said
+    kind: str  # current or power
+    draw: Array  # A or W
+    time: Array  # s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,18 +86,13 @@ class Pack:
     table: Table | None
 
     @property
-    def energy(self) -> float:
-        """Rated charge times nominal voltage [J]."""
-        return self.capacity * self.nominal_voltage
-
-    @property
     def mean_voltage(self) -> float:
         """Voltage by which a power becomes the current of a run time [V].
 
         The nominal one; of lead-acid the mean of that and the end voltage: 2 V is a cell at rest, not in use. Held
         against the makers' tables of power and current in ``tests/machine/test_battery_pack.py``.
         """
-        if self.chemistry != "lead-acid" or _unknown(self.cutoff_voltage):
+        if self.chemistry != "lead-acid" or np.isnan(self.cutoff_voltage).all():
             return self.nominal_voltage
         return 0.5 * (self.nominal_voltage + self.cutoff_voltage)
 
@@ -114,106 +109,85 @@ class Pack:
     def rule(self) -> str:
         """Source of its run times, in words; empty where nothing says how they go with the load."""
         if self.table:
-            return f"discharge table at constant {self.table.held}"
+            return f"discharge table at constant {self.table.kind}"
         if self.peukert:
             return f"Peukert's law, exponent {self.peukert_exponent:g}"
-        return "rated charge at any current" if self.by_charge else ""
-
-    @property
-    def by_charge(self) -> bool:
-        """Whether a run time follows from the rated charge: by Peukert's law, or at any current."""
-        return self.peukert or self.chemistry in _LITHIUM
+        return "rated charge at any current" if self.law else ""
 
     @property
     def peukert(self) -> bool:
         """Whether Peukert's law can be computed."""
-        return not _unknown(self.peukert_exponent) and not _unknown(self.rated_time)
+        return not np.isnan(self.peukert_exponent).all() and not np.isnan(self.rated_time).all()
 
-
-_LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, as long as that is permitted
+    @property
+    def law(self) -> tuple[float, float] | None:
+        """Rated time [s] and exponent of the run time by the rated charge; None where it does not follow from that."""
+        if self.peukert:
+            return self.rated_time, self.peukert_exponent
+        return (3600.0, 1.0) if self.chemistry in _LITHIUM else None  # with an exponent of 1 no time matters
 
 
 def pack_of(section: Battery, catalog: Catalog) -> Pack:
     """The battery that a spec describes."""
-    pack: Pack = catalog.once("battery", lambda: _pack_of(section, catalog), (section,))
+    pack: Pack = catalog.once("battery", lambda: _pack(section, catalog), (section,))
     return pack
 
 
-def _pack_of(section: Battery, catalog: Catalog) -> Pack:
-    row = _row(section, catalog)
-    record = catalog.batteries.record(row) if row is not None else parts.Battery()
-    one = {name: _first(getattr(section, name), getattr(record, name)) for name in _ONE}
-    s, p = section.series, section.parallel
-    rest, more = section.open_circuit, section.polarisation
+def _pack(section: Battery, catalog: Catalog) -> Pack:
+    record, row = parts.Battery(), None
+    if section.part is not None:
+        row = catalog.batteries.rows.get(section.part)
+        if row is None:
+            hint = nearest(section.part, catalog.batteries.rows)
+            hint = hint or "; a catalogue of its maker belongs under select.catalogs"
+            raise InputError(f"battery.part: {quoted(section.part)} is not in {', '.join(catalog.digests)}{hint}")
+        record = catalog.batteries.record(row)
+    one = {name: getattr(record, name) if getattr(section, name) is None else getattr(section, name) for name in _ONE}
+    s, p, rest, more = section.series, section.parallel, section.open_circuit, section.polarisation
+    at_rest = (rest.full, rest.empty) if rest else (one["nominal_voltage"],) * 2
+    cells = [*(one[name] for name in ("nominal_voltage", "charge_voltage", "cutoff_voltage")), *at_rest]
+    # without what rounding adds: seven cells of 4.2 V are charged at 29.4 V
+    nominal_voltage, charge_voltage, cutoff_voltage, full, empty = (np.round(s * volts, 9) for volts in cells)
     return Pack(
         name=f"{s} x {p} " * (s * p > 1) + (section.part or f"{section.chemistry or chr(32)} battery".strip()),
         chemistry=section.chemistry or record.chemistry, series=s, parallel=p,
-        nominal_voltage=_times(s, one["nominal_voltage"]), charge_voltage=_times(s, one["charge_voltage"]),
-        cutoff_voltage=_times(s, one["cutoff_voltage"]),
-        rests=rest is not None,
-        emf_full=_times(s, rest.full if rest else one["nominal_voltage"]),
-        emf_empty=_times(s, rest.empty if rest else one["nominal_voltage"]),
+        nominal_voltage=nominal_voltage, charge_voltage=charge_voltage, cutoff_voltage=cutoff_voltage,
+        rests=rest is not None, emf_full=full, emf_empty=empty,
         capacity=p * one["capacity"], health=section.health, usable=section.usable, start=section.start,
-        rated_time=one["rated_time"],
-        peukert_exponent=one["peukert_exponent"], resistance=one["resistance"] * s / p,
+        rated_time=one["rated_time"], peukert_exponent=one["peukert_exponent"],
+        resistance=one["resistance"] * s / p,
         polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
         continuous_current=p * one["continuous_current"], peak_current=p * one["peak_current"],
-        max_charge_current=p * one["max_charge_current"], mass=s * p * _first(section.mass, record.mass),
-        price=s * p * record.price,
+        max_charge_current=p * one["max_charge_current"], mass=s * p * one["mass"], price=s * p * record.price,
         table=_table(section, catalog, row, one["cutoff_voltage"]),
     )  # fmt: skip
+
+
+def _table(section: Battery, catalog: Catalog, row: int | None, cutoff: float) -> Table | None:
+    """The discharge table of the whole battery, at its end voltage or the next above; powers before currents."""
+    share = {"power": section.series * section.parallel, "current": section.parallel}
+    if section.discharge:
+        kind = "current" if section.discharge[0].power is None else "power"
+        draw, time = (np.array([getattr(run, name) for run in section.discharge], float) for name in (kind, "time"))
+        return Table(kind, draw * (share[kind] * section.health), time)
+    if row is None or section.model_fields_set & _OWN:
+        return None
+    own = catalog.discharges.on(catalog.discharges.battery == row)
+    for kind, parallel in share.items():
+        draw = getattr(own, kind)
+        ends = np.unique(own.cutoff_voltage[~np.isnan(draw)])
+        above = ends[-1:] if isnan(cutoff) else ends[ends >= cutoff * (1.0 - _NEARLY)][:1]
+        if len(above):
+            there = (own.cutoff_voltage == above[0]) & ~np.isnan(draw)
+            return Table(kind, draw[there] * parallel * section.health, own.time[there])
+    return None
 
 
 def lacking(pack: Pack) -> tuple[str, ...]:
     """Fields of a spec's section ``battery`` that would decide its checks."""
     names = ("resistance", "continuous_current", "peak_current", "charge_voltage", "max_charge_current")
     run_times = () if pack.rule else ("chemistry or discharge",)
-    return (*run_times, *(name for name in names if _unknown(getattr(pack, name))))
-
-
-def _times(cells: int, volts: Any) -> Any:
-    """Of cells in series, without what rounding adds: seven cells of 4.2 V are charged at 29.4 V."""
-    return np.round(cells * volts, 9)
-
-
-def _first(own: Any, listed: float) -> Any:
-    return listed if own is None else own
-
-
-def _unknown(value: Any) -> bool:
-    """Of a figure, or of a column over samples."""
-    return bool(np.isnan(value).all())
-
-
-def _row(section: Battery, catalog: Catalog) -> int | None:
-    if section.part is None:
-        return None
-    rows = catalog.batteries.rows
-    if section.part not in rows:
-        names = ", ".join(catalog.digests)
-        hint = nearest(section.part, rows) or "; a catalogue of its maker belongs under select.catalogs"
-        raise InputError(f"battery.part: {quoted(section.part)} is not in {names}{hint}")
-    return rows[section.part]
-
-
-def _table(section: Battery, catalog: Catalog, row: int | None, cutoff: float) -> Table | None:
-    """The discharge table of the whole battery, at its end voltage or the next above; powers before currents."""
-    s, p, health = section.series, section.parallel, section.health
-    if section.discharge:
-        held = "current" if section.discharge[0].power is None else "power"
-        draw, time = (np.array([getattr(run, name) for run in section.discharge], float) for name in (held, "time"))
-        return Table(held, draw * (p * health if held == "current" else s * p * health), time, s * cutoff)
-    if row is None or section.model_fields_set & _OWN:
-        return None
-    own = catalog.discharges.on(catalog.discharges.battery == row)
-    for held, parts_of in (("power", s * p), ("current", p)):
-        draw = getattr(own, held)
-        ends = np.unique(own.cutoff_voltage[~np.isnan(draw)])
-        above = ends[-1:] if isnan(cutoff) else ends[ends >= cutoff * (1.0 - _NEARLY)][:1]
-        if len(above):
-            there = (own.cutoff_voltage == above[0]) & ~np.isnan(draw)
-            return Table(held, draw[there] * parts_of * health, own.time[there], s * float(above[0]))
-    return None
+    return (*run_times, *(name for name in names if np.isnan(getattr(pack, name)).all()))
 
 
 def run_time(pack: Pack, power: Any) -> Any:
@@ -223,31 +197,24 @@ def run_time(pack: Pack, power: Any) -> Any:
     battery without an exponent gives its rated charge. Unknown otherwise; infinite where nothing is drawn.
     """
     current = np.asarray(power, float) / pack.mean_voltage
+    found = np.full_like(current, nan)
     if pack.table:
-        draw = power if pack.table.held == "power" else current
-        found = table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
-    elif pack.by_charge:
-        found = peukert_time(current, pack.health * pack.capacity, *_law(pack))
-    else:
-        found = np.full_like(current, nan)
+        draw = power if pack.table.kind == "power" else current
+        found = laws.table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
+    elif pack.law:
+        found = laws.peukert_time(current, pack.health * pack.capacity, *pack.law)
     return np.where(np.asarray(power) <= 0.0, inf, found)[()]
-
-
-def _law(pack: Pack) -> tuple[float, float]:
-    """Rated time [s] and exponent; with an exponent of 1 the time does not matter."""
-    return (pack.rated_time, pack.peukert_exponent) if pack.peukert else (3600.0, 1.0)
 
 
 def capacity_needed(pack: Pack, power: float, time: float) -> float:
     """Rated capacity of a battery of this kind that gives a power for a time, of the available share [A*s]."""
-    whole = time / pack.available
+    whole, current = time / pack.available, power / pack.mean_voltage
     if power <= 0.0:
         return 0.0
-    current = power / pack.mean_voltage
     if pack.table:
-        draw = power if pack.table.held == "power" else current
-        return float(pack.capacity * draw / table_draw(whole, pack.table.draw, pack.table.time))
-    return float(capacity_for(whole, current, *_law(pack)) / pack.health) if pack.by_charge else nan
+        draw = power if pack.table.kind == "power" else current
+        return float(pack.capacity * draw / laws.table_draw(whole, pack.table.draw, pack.table.time))
+    return float(laws.capacity_for(whole, current, *pack.law) / pack.health) if pack.law else nan
 
 
 def strings_needed(pack: Pack, needed: float) -> float:
@@ -256,14 +223,24 @@ def strings_needed(pack: Pack, needed: float) -> float:
     return nan if isnan(share) else float(max(1, ceil(share * (1.0 - _NEARLY))))
 
 
-# -- A battery's demands against its limits: autonomy, range, voltage, currents. Margins are made in ``checks``.
-#
-# Regenerated power charges the battery: its largest value with the charge of the start makes the highest voltage,
-# V = E + R I. That is held against the voltage at which a charge ends and against the supply's highest, at which the
-# drive was judged: where the battery keeps below that, so does the bus (``limits_over_time``).
+def accepted(spec: Any) -> Any:
+    """Share of regenerated power that goes into the battery; what of it is not stored is lost inside."""
+    return 1.0 if spec.accepts_all else spec.supply.regeneration
 
 
-_RESISTED = "unknown: how far regenerated power raises the voltage: give the resistance"
+def raised_voltage(pack: Pack, back: Any, emf: Any) -> Any:
+    """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance."""
+    raised = laws.terminal_voltage(-_returned_current(pack, back, emf), emf, pack.resistance)
+    return np.where(np.asarray(back) == 0.0, emf, raised)[()]
+
+
+def _returned_current(pack: Pack, back: Any, emf: Any) -> Any:
+    """Current into the battery [A]: the root of R I^2 + E I = P that is not negative."""
+    into = -laws.current_of_power(-np.asarray(back), emf, pack.resistance)
+    return np.where(np.asarray(back) == 0.0, 0.0, into)[()]
+
+
+# --- demands against limits
 
 
 class Load(NamedTuple):
@@ -283,8 +260,9 @@ class Load(NamedTuple):
 
 def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
     """Time that a battery must last: the autonomy of its section, else the mission."""
-    mission = spec.mission.duration if spec.mission else nan
-    return mission if section.autonomy is None else section.autonomy
+    if section.autonomy is not None:
+        return section.autonomy
+    return spec.mission.duration if spec.mission else nan
 
 
 def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
@@ -312,15 +290,12 @@ def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> list[Ch
         found.append(at_least("battery_autonomy", required, lasts, needed=section.reserve))
     if section.range is not None:
         found.append(at_least("battery_range", section.range, load.speed * lasts, needed=section.reserve))
-    at_rest = [
-        at_most("battery_power", load.peak, largest_power(emf, pack.resistance)),
-        at_least("battery_voltage", spec.supply.lowest, load.lowest),
-        at_least("battery_cutoff", pack.cutoff_voltage, load.lowest),
-    ]
-    peak = current_of_power(load.peak, emf, pack.resistance)
+    peak = laws.current_of_power(load.peak, emf, pack.resistance)
     return [
         *found,
-        *(_known_at_rest(pack, check) for check in at_rest),
+        _known_at_rest(pack, at_most("battery_power", load.peak, laws.largest_power(emf, pack.resistance))),
+        _known_at_rest(pack, at_least("battery_voltage", spec.supply.lowest, load.lowest)),
+        _known_at_rest(pack, at_least("battery_cutoff", pack.cutoff_voltage, load.lowest)),
         at_most("battery_charge_voltage", pack.charge_voltage, spec.supply.highest, by_choice=True),
         at_most("battery_continuous_current", load.rms / pack.mean_voltage, pack.continuous_current, needed=grip),
         at_most("battery_peak_current", peak, pack.peak_current, needed=grip),
@@ -332,13 +307,20 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
 
     The margin to the voltage at which a charge ends counts from the voltage at rest: by so much the current may grow.
     """
-    rest, lacking = resting_voltage(pack, load.mean), _RESISTED if np.isnan(pack.resistance).all() else ""
+    give = "unknown: how far regenerated power raises the voltage: give the resistance"
+    undecided = give if np.isnan(pack.resistance).all() else ""
+    rest = _resting_voltage(pack, load.mean)
     zero = np.where((np.asarray(load.back) == 0.0) | (np.asarray(load.highest) > rest), rest, 0.0)[()]
-    over = at_most("battery_overcharge", load.highest, pack.charge_voltage, zero=zero, undecided=lacking)
-    bus = at_most("battery_return_voltage", load.highest, spec.supply.highest, undecided=lacking)
+    over = at_most("battery_overcharge", load.highest, pack.charge_voltage, zero=zero, undecided=undecided)
+    bus = at_most("battery_return_voltage", load.highest, spec.supply.highest, undecided=undecided)
     current = _returned_current(pack, load.back, pack.emf(load.charge))
     into = at_most("battery_charge_current", current, pack.max_charge_current, needed=spec.margins.torque)
     return _known_at_rest(pack, over), _known_at_rest(pack, bus), into
+
+
+def _resting_voltage(pack: Pack, mean: Any) -> Any:
+    """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn."""
+    return pack.emf(np.where(np.asarray(mean) < 0.0, 1.0, pack.start))[()]
 
 
 def _known_at_rest(pack: Pack, check: CheckColumn) -> CheckColumn:
@@ -348,27 +330,215 @@ def _known_at_rest(pack: Pack, check: CheckColumn) -> CheckColumn:
     """
     if pack.rests:
         return check
-    note = "voltage at rest unknown: give open_circuit"
     idle = check.passed & (check.demand == check.zero)
-    return replace(check, passed=idle, note="" if np.all(check.failed | idle) else note)
+    unknown = "" if np.all(check.failed | idle) else "voltage at rest unknown: give open_circuit"
+    return replace(check, passed=idle, note=unknown)
 
 
-def accepted(spec: Any) -> Any:
-    """Share of regenerated power that goes into the battery; what of it is not stored is lost inside."""
-    return 1.0 if spec.accepts_all else spec.supply.regeneration
+# --- consumers, and the load that they make
 
 
-def resting_voltage(pack: Pack, mean: Any) -> Any:
-    """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn."""
-    return pack.emf(np.where(np.asarray(mean) < 0.0, 1.0, pack.start))[()]
+def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
+    """Lines of a drive in the table of consumers."""
+    share, sets, slip = spec.supply.regeneration, spec.load.motors, spec.platform.slip if spec.platform else 0.0
+    names = ("bus_drawn", "returned", "resisted", "motor_drawn", "motor_returned")
+    mean = {name: drive.mean(getattr(drive, name)) for name in names}
+    drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
+    released = sets * drive_set.released_power * spec.brake_released
+    lost = mean["bus_drawn"] - drawn + returned - share * mean["returned"] - released
+    assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
+    found: tuple[Consumption, ...] = (
+        Consumption("drive", sets, drawn * (1.0 - slip), peak, nan, False),
+        Consumption("regenerated energy", sets, -returned, 0.0, nan, False),
+        Consumption("losses of the controllers", sets, lost, 0.0, nan, assumed),
+    )
+    if slip:
+        found += (Consumption("slip of the wheels", sets, drawn * slip, 0.0, nan, False),)
+    if released:
+        found += (Consumption("brakes, released", sets, released, 0.0, nan, False),)
+    if spec.supply.resistance is not None:
+        found += (Consumption("resistance of the supply", 1, mean["resisted"], 0.0, nan, False),)
+    return found
 
 
-def raised_voltage(pack: Pack, back: Any, emf: Any) -> Any:
-    """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance."""
-    raised = terminal_voltage(-_returned_current(pack, back, emf), emf, pack.resistance)
-    return np.where(np.asarray(back) == 0.0, emf, raised)[()]
+def _equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> list[Consumption]:
+    """Lines of other consumers in that table."""
+    mission = spec.mission.duration if spec.mission else None
+    try:
+        return [Consumption(c.name, c.number, *c.drawn(mission), c.share(mission), c.assumed) for c in equipment]
+    except ValueError as error:
+        raise InputError(f"equipment: {error}") from None
 
 
-def _returned_current(pack: Pack, back: Any, emf: Any) -> Any:
-    """Current into the battery [A]: the root of R I^2 + E I = P that is not negative."""
-    return np.where(np.asarray(back) == 0.0, 0.0, -current_of_power(-np.asarray(back), emf, pack.resistance))[()]
+def _battery_load(
+    spec: RobotSpec, battery: Battery, pack: Pack, others: Sequence[Consumption], drive: DrivePower
+) -> tuple[Load, Array]:
+    """Load of a battery, and mean power from it in each piece [W].
+
+    Lowest is the voltage at the peak, at the end of the time; unknown where no current gives that power. Highest is
+    that at the largest return, with the charge of the start and all else switched off. A polarised battery is at rest
+    at first, and then comes to what the cycle makes of it: the higher of both counts.
+    """
+    power = np.asarray(drive.drawn - spec.supply.regeneration * drive.returned + sum(c.mean for c in others))
+    mean, peak = drive.mean(power), float(drive.peak.max()) + sum(c.peak for c in others)
+    back, speed = accepted(spec) * float(drive.returned_peak.max()), drive.distance / drive.total
+    full = float(run_time(pack, mean))
+    along = nan if battery.range is None else battery.range / speed
+    required = float(np.fmax(required_autonomy(spec, battery), along))
+    drawn = pack.available if isnan(required) else required / full
+    charge = nan if isnan(drawn) else pack.start - min(drawn, pack.available)
+    at_peak, raised, R = pack.emf(charge), float(_resting_voltage(pack, mean)), pack.resistance
+    if pack.polarisation > 0.0:  # the cycle charges the pair, peak and return come on top
+        pair, off = (pack.polarisation, pack.time_constant), np.asarray(drive.drawn - accepted(spec) * drive.returned)
+        current = laws.current_of_power(power, at_peak, R)
+        at_peak = float(np.minimum(*laws.polarised_voltage(drive.duration, current, at_peak, 0.0, *pair)).min())
+        current, start = laws.current_of_power(off, raised, R), raised
+        for rested in (True, False):
+            ends = laws.polarised_voltage(drive.duration, current, start, 0.0, *pair, rested=rested)
+            raised = max(raised, float(np.maximum(*ends).max()))
+    rms, lowest = float(np.sqrt(drive.mean(power**2))), laws.current_of_power(peak, at_peak, R)
+    load = Load(
+        mean, peak, rms, back, speed, full, required, charge,
+        lowest=float(laws.terminal_voltage(lowest, at_peak, R)), highest=float(raised_voltage(pack, back, raised)),
+    )  # fmt: skip
+    return load, power
+
+
+# --- the budget
+
+
+def energy_budget(
+    spec: RobotSpec,
+    drive_set: DriveParts,
+    battery: Battery,
+    equipment: Sequence[Consumer],
+    catalog: Catalog,
+    drive: DrivePower,
+) -> EnergyBudget:
+    """Consumers, autonomy and checks of a drive in a machine, or in one of its load cases."""
+    drawing, assumed = consumers_of(spec, drive_set, drive), tuple(loss_assumptions(spec, drive_set.controller))
+    return budget_of_consumers(spec, drawing, battery, equipment, catalog, drive, assumed)
+
+
+def budget_of_consumers(
+    spec: RobotSpec,
+    drawing: Sequence[Consumption],
+    battery: Battery,
+    equipment: Sequence[Consumer],
+    catalog: Catalog,
+    drive: DrivePower,
+    assumed: Sequence[str] = (),
+) -> EnergyBudget:
+    """Consumers, autonomy and checks of a machine whose drives are known by what they draw."""
+    pack, others = pack_of(battery, catalog), _equipment(spec, equipment)
+    load, power = _battery_load(spec, battery, pack, others, drive)
+    checks = battery_checks(spec, battery, pack, load)
+    wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment
+    worn = 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
+    return EnergyBudget(
+        battery=pack.name,
+        start=pack.start,
+        usable=pack.usable,
+        consumers=(*drawing, *others),
+        duration=drive.duration,
+        power=power,
+        mean_power=load.mean,
+        peak_power=load.peak,
+        full_time=load.full,
+        autonomy=load.full * pack.available,
+        range=load.speed * load.full * pack.available,
+        required=load.required,
+        status=verdict(checks),
+        checks=checks,
+        figures=_figures(spec, battery, pack, load, worn * pack.available),
+        assumptions=_assumptions(spec, battery, pack, equipment, assumed),
+    )
+
+
+def checks_of_battery(
+    spec: RobotSpec, battery: Battery, equipment: Sequence[Consumer], catalog: Catalog, drive: DrivePower
+) -> tuple[Check, ...]:
+    """The checks alone of ``energy_budget``."""
+    pack = pack_of(battery, catalog)
+    load, _ = _battery_load(spec, battery, pack, _equipment(spec, equipment), drive)
+    return battery_checks(spec, battery, pack, load)
+
+
+def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
+    mission = spec.mission.duration if spec.mission else nan
+    needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
+    drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
+    lacking = {"mission_energy": isnan(mission), "range": isnan(load.speed)}
+    less, charging = load.full - float(run_time(pack, load.mean + 1.0)), nan
+    if battery.charger is not None:  # the constant voltage at the end of a charge takes longer
+        lasts = load.full * pack.available if isnan(load.required) else load.required
+        charged = max(load.mean, 0.0) / pack.mean_voltage * lasts
+        charging = float(charged / (battery.charger.current * battery.charger.efficiency))
+    lacking |= {"autonomy_per_watt": isnan(less), "charging_time": battery.charger is None}
+    lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
+    rows = (
+        ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
+        ("peak_power", "Largest power, all at once", load.peak, "power", "W"),
+        ("mission_energy", "Energy of the mission", load.mean * mission, "energy", "W*h"),
+        ("rated_energy", "Rated energy of the battery", pack.capacity * pack.nominal_voltage, "energy", "W*h"),
+        ("mean_current", "Mean current", load.mean / pack.mean_voltage, "current", "A"),
+        ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
+        ("autonomy", "Autonomy, of the usable share", load.full * pack.available, "time", "h"),
+        ("autonomy_per_watt", "Autonomy that one watt more takes", less * pack.available, "time", "h"),
+        ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
+        ("range", "Range, at the cycle's mean speed", load.speed * load.full * pack.available, "length", "km"),
+        ("charge_left", "Charge left at the end of what is required", load.charge, "dimensionless", "%"),
+        ("charging_time", "Charging time, at least, of the charge drawn", charging, "time", "h"),
+        ("capacity_needed", "Rated capacity for what is required", needed, "charge", "A*h"),
+        ("strings_needed", "Parallel strings for it", strings_needed(pack, needed), "dimensionless", "1"),
+        ("battery_mass", "Mass of the battery", pack.mass, "mass", "kg"),
+    )
+    return tuple(
+        Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows if not lacking.get(n)
+    )
+
+
+def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINTS) -> tuple[Array, Array]:
+    """Charge left over a mission, from that of the start: times [s] and shares [1].
+
+    Drawn and returned charge count alike, against what the battery gives at the mean load: a full one is empty when
+    ``full_time`` has passed, and below 0 after that. Of a mission of very many cycles the mean is reported.
+    """
+    all_of_it = budget.mean_power * budget.full_time
+    cycle = float(budget.duration.sum())
+    count = int(np.ceil(mission / cycle * (1.0 - 1e-9)))
+    if count * len(budget.duration) >= most:
+        time = np.linspace(0.0, mission, most)
+        return time, laws.state_of_charge(np.diff(time), budget.mean_power, all_of_it, budget.start)
+    duration = np.tile(budget.duration, count)
+    time = np.concatenate([[0.0], np.cumsum(duration)])
+    charge = laws.state_of_charge(duration, np.tile(budget.power, count), all_of_it, budget.start)
+    end = np.interp(mission, time, charge)
+    inside = time < mission
+    return np.append(time[inside], mission), np.append(charge[inside], end)
+
+
+def _assumptions(
+    spec: RobotSpec, battery: Battery, pack: Pack, equipment: Sequence[Consumer], assumed: Sequence[str]
+) -> tuple[str, ...]:
+    unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
+    found = [
+        f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
+        f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}",
+        "the cycle repeats without pause",
+    ]
+    if battery.rated_time and pack.table is None:
+        found.insert(1, f"capacity as rated over {show(battery.rated_time, 'h', 'time')}, as the spec says")
+    guessed = [one.name for one in equipment if one.assumed]
+    if guessed:
+        found.append(f"power of {', '.join(guessed)} assumed")
+    found += assumed
+    if spec.platform and not spec.platform.slip and any(w.kind == "mecanum" for w in spec.platform.places):
+        found.append("slip of the rollers on the floor is not counted: platform.slip")
+    if battery.charger:
+        found.append("charging at a constant current to the end: with a constant voltage at the end it takes longer")
+    if not pack.rests:
+        found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
+    if spec.supply.regeneration == 0.0:
+        found.append("no regenerated energy is stored")
+    return tuple(found)

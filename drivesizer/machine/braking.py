@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf, isnan, nan
 from typing import TYPE_CHECKING
 
@@ -13,16 +14,8 @@ import numpy as np
 from drivesizer.catalog import BrakeResistor, Catalog, PowerSupply
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.machine.supply_power import Burnt, OnTheBus, regenerated
-from drivesizer.physics.braking import (
-    derated_power,
-    largest_resistance,
-    least_bus_capacitance,
-    power_while_on,
-    preferred_resistance,
-    smallest_resistance,
-    storable_energy,
-)
-from drivesizer.results.check import GRAVEST, Check, Figure, verdict
+from drivesizer.physics import braking as laws
+from drivesizer.results.check import GRAVEST, Check, Figure, verdict, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import BrakingBudget, DriveParts
 from drivesizer.results.problem import Problem
@@ -32,9 +25,6 @@ from drivesizer.units import resolved, show
 
 if TYPE_CHECKING:
     from drivesizer.spec.battery import BrakeResistor as Section
-
-__all__ = ["braking_budget", "bus_budget", "with_parts_of_supply"]
-
 
 # -- Brake resistors that a spec offers, and each against what a machine regenerates.
 #
@@ -49,42 +39,16 @@ _NO_PEAK = "unknown: no data sheet gives it; give brake_resistor with figures of
 
 def resistor_choices(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
     """The brake resistors among which a spec leaves the choice, each with the chopper that switches it."""
-    section = spec.brake_resistor
+    section, table = spec.brake_resistor, catalog.brake_resistors
     assert section is not None
-    if section.resistance is not None:
-        return [_given_resistor(section)]
-    table = catalog.brake_resistors
-    named = _named(spec, section, catalog)
-    rows = [row for row in range(len(table)) if not table.excluded[row] and (named is None or row in named)]
-    found = [_switched(table.record(row), section) for row in rows]
-    if not section.part:
-        found = [one for one in found if _is_one_of(one, section, max(s.supply.highest for _, s in spec.load_cases))]
-    known = [one for one in found if not isnan(one.chopper_voltage_max)]
-    if named is not None and not known:
-        raise InputError(
-            f"{spec.where(('brake_resistor',))}: {found[0].part if found else 'it'} has no chopper of its own; "
-            "expected chopper_voltage, at which that of the drives switches on"
-        )
-    return known
-
-
-def _given_resistor(section: Section) -> BrakeResistor:
-    """The resistor that a spec gives by its figures."""
-    figures = {name: getattr(section, name) for name in ("resistance", "power", "peak_power", "pulse_energy")}
-    volts = nan if section.chopper_voltage is None else section.chopper_voltage
-    return BrakeResistor(
-        kind="resistor",
-        chopper_voltage_min=volts,
-        chopper_voltage_max=volts,
-        chopper_current=section.chopper_current or nan,
-        **{name: value for name, value in figures.items() if value is not None},
-    )
-
-
-def _named(spec: RobotSpec, section: Section, catalog: Catalog) -> set[int] | None:
-    """Rows of the families and parts that a spec names; None where it names none."""
-    table, names = catalog.brake_resistors, [*(section.family or ()), *(section.part or ())]
-    found = set[int]()
+    if section.resistance is not None:  # given by its figures
+        names = ("resistance", "power", "peak_power", "pulse_energy")
+        figures = {name: getattr(section, name) for name in names if getattr(section, name) is not None}
+        volts = nan if section.chopper_voltage is None else section.chopper_voltage
+        current = section.chopper_current or nan
+        return [BrakeResistor(kind="resistor", chopper_voltage_min=volts, chopper_voltage_max=volts,
+                              chopper_current=current, **figures)]  # fmt: skip
+    named = set[int]()
     for field in ("family", "part"):
         for name in getattr(section, field) or ():
             pattern = re.compile(re.escape(name).replace(r"\*", ".*"), re.IGNORECASE)
@@ -92,23 +56,28 @@ def _named(spec: RobotSpec, section: Section, catalog: Catalog) -> set[int] | No
             if not rows:
                 hint, where = nearest(name, dict.fromkeys(table[field].tolist())), spec.where(("brake_resistor", field))
                 raise InputError(f"{where}: {quoted(name)} is not in {', '.join(catalog.digests)}{hint}")
-            found.update(rows)
-    return found if names else None
-
-
-def _switched(one: BrakeResistor, section: Section) -> BrakeResistor:
-    """A part of a catalogue with the chopper of the spec, where it has none of its own."""
-    if one.kind == _SHUNT or section.chopper_voltage is None:
-        return one
-    volts, current = section.chopper_voltage, section.chopper_current or one.chopper_current
-    return replace(one, chopper_voltage_min=volts, chopper_voltage_max=volts, chopper_current=current)
-
-
-def _is_one_of(one: BrakeResistor, section: Section, highest: float) -> bool:
-    """Whether it is a choice beside others: a resistor for the chopper that is given, else a shunt regulator."""
-    kind = "resistor" if section.chopper_voltage is not None else _SHUNT
-    known = not (isnan(one.resistance) and isnan(one.resistance_max))
-    return one.kind == kind and known and not one.chopper_voltage_min < highest
+            named.update(rows)
+    found = []
+    for row in range(len(table)):
+        if table.excluded[row] or (named and row not in named):
+            continue
+        one = table.record(row)
+        if one.kind != _SHUNT and section.chopper_voltage is not None:  # by the chopper of the spec
+            volts, current = section.chopper_voltage, section.chopper_current or one.chopper_current
+            one = replace(one, chopper_voltage_min=volts, chopper_voltage_max=volts, chopper_current=current)
+        found.append(one)
+    if not section.part:  # a choice beside others: a resistor for the chopper that is given, else a shunt regulator
+        kind = _SHUNT if section.chopper_voltage is None else "resistor"
+        highest = max(case.supply.highest for _, case in spec.load_cases)
+        found = [one for one in found if one.kind == kind and not one.chopper_voltage_min < highest
+                 and not (isnan(one.resistance) and isnan(one.resistance_max))]  # fmt: skip
+    known = [one for one in found if not isnan(one.chopper_voltage_max)]
+    if named and not known:
+        raise InputError(
+            f"{spec.where(('brake_resistor',))}: {found[0].part if found else 'it'} has no chopper of its own; "
+            "expected chopper_voltage, at which that of the drives switches on"
+        )
+    return known
 
 
 def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
@@ -117,16 +86,16 @@ def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
         return one
     volts = one.chopper_voltage_min
     peaks = [case.burnt(_capacity(case, one, volts), 1.0).peak for case in cases]
-    most = min((float(largest_resistance(volts, peak)) for peak in peaks), default=inf)
+    most = min((float(laws.largest_resistance(volts, peak)) for peak in peaks), default=inf)
     ends = one.resistance_min, one.resistance_max
-    return replace(one, resistance=nan if isnan(most) else preferred_resistance(most, ends))
+    return replace(one, resistance=nan if isnan(most) else laws.preferred_resistance(most, ends))
 
 
 def _capacity(case: OnTheBus, resistor: BrakeResistor | None, volts: float) -> float:
     """Energy that the bus stores below a voltage [J]; 0 where its capacitance or the voltage is unknown."""
     own = 0.0 if resistor is None or isnan(resistor.capacitance) else resistor.capacitance
     capacitance = (case.spec.supply.capacitance or 0.0) + own
-    return 0.0 if isnan(volts) else float(storable_energy(capacitance, volts, case.spec.supply.highest))
+    return 0.0 if isnan(volts) else float(laws.storable_energy(capacitance, volts, case.spec.supply.highest))
 
 
 def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withstood: float) -> list[CheckColumn]:
@@ -136,12 +105,12 @@ def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withs
     for a short time what is printed, no less than its continuous power where that is unknown.
     """
     spec, (low, high) = case.spec, (one.chopper_voltage_min, one.chopper_voltage_max)
-    power = derated_power(one.power, spec.environment.ambient, one.rated_ambient, one.zero_power_ambient)
+    power = laws.derated_power(one.power, spec.environment.ambient, one.rated_ambient, one.zero_power_ambient)
     burnt = case.burnt(_capacity(case, one, low), section.averaging_time, power)
-    on, current = float(power_while_on(high, one.resistance)), float(high / one.resistance)
+    on, current = float(laws.power_while_on(high, one.resistance)), float(high / one.resistance)
     short = one.peak_power if not isnan(one.peak_power) else power if power >= on else nan
     if one.kind == _SHUNT:
-        by_current, by_resistance = low * one.chopper_current, power_while_on(low, one.resistance)
+        by_current, by_resistance = low * one.chopper_current, laws.power_while_on(low, one.resistance)
         on, current = burnt.peak, min(current, burnt.peak / low)
         short = float(np.nanmin([one.peak_power, by_current, by_resistance]))
     if burnt.peak == 0.0:
@@ -149,7 +118,7 @@ def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withs
     found = [
         at_least("chopper_voltage", spec.supply.highest, low, by_choice=True),
         at_most("chopper_bus_voltage", high, float(np.fmin(withstood, one.max_voltage))),
-        at_most("resistor_resistance", one.resistance, largest_resistance(low, burnt.peak)),
+        at_most("resistor_resistance", one.resistance, laws.largest_resistance(low, burnt.peak)),
         at_most("chopper_current", current, one.chopper_current, needed=spec.margins.torque, undecided=_NO_CURRENT),
         at_most("resistor_peak_power", on, short, undecided=_NO_PEAK),
         at_most("resistor_mean_power", burnt.mean, power),
@@ -202,34 +171,36 @@ def _filled(supply: Supply, unit: PowerSupply) -> Supply:
 # The resistor is the machine's: it is chosen when the drive is, the smallest that holds in every load case.
 
 
-Worst = Callable[[Sequence[tuple[str, Sequence[Check]]]], tuple[Check, ...]]
 _WINDOW = 60.0  # s
 _NONE_LISTED = "unknown: these catalogues list none above the supply's voltage: name one that does in select.catalogs"
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
 
 
-def braking_budget(problem: Problem, one: DriveParts, worst: Worst) -> BrakingBudget | None:
+def braking_budget(problem: Problem, one: DriveParts) -> BrakingBudget | None:
     """Regenerated energy of a machine with a drive, its ways from the bus, and their limits."""
     spec = problem.machine
     if spec.battery is not None or spec.supply.kind == "battery":
         return None
     withstood = one.controller.supply_max if one.controller else nan
-    return bus_budget(spec, problem.catalog, regenerated(problem, one), withstood, worst)
+    return bus_budget(spec, problem.catalog, regenerated(problem, one), withstood)
 
 
-def bus_budget(
-    spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
-) -> BrakingBudget | None:
+def bus_budget(spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float) -> BrakingBudget | None:
     """Limits of a bus to which energies go and from which they come."""
     if not spec.limits_the_bus and not any(case.energy > 0.0 for case in cases):
         return None
+
+    def most_voltage(spec: RobotSpec) -> float:
+        """Voltage that the bus may have: what the drives withstand, and below the trip of the supply [V]."""
+        trip = spec.supply.overvoltage_trip
+        return float(np.fmin(withstood, nan if trip is None else trip))
+
     section, resistor, checks = spec.brake_resistor, None, tuple[Check, ...]()
-    limits = [_most_voltage(one, withstood) for one in (spec, *(case.spec for case in cases))]
-    capacitors_do = all(case.highest_voltage() <= most for case, most in zip(cases, limits[1:], strict=True))
+    capacitors_do = all(case.highest_voltage() <= most_voltage(case.spec) for case in cases)
     if section is not None and not (section.may_be_none and capacitors_do):
-        resistor, checks = _chosen_resistor(spec, section, catalog, cases, withstood, worst)
-    checks = (*checks, *worst([(case.case, _records(_supply_limits(case, resistor))) for case in cases]))
-    volts = limits[0]  # at which a chopper switches on, or below which the bus has to stay
+        resistor, checks = _chosen_resistor(spec, section, catalog, cases, withstood)
+    checks = (*checks, *_worst(cases, lambda case: _supply_limits(case, resistor)))
+    volts = most_voltage(spec)  # at which a chopper switches on, or below which the bus has to stay
     if resistor is not None:
         volts = resistor.chopper_voltage_min
     elif spec.chopper_voltage is not None:
@@ -238,30 +209,22 @@ def bus_budget(
     return BrakingBudget(
         resistor=resistor,
         checks=checks,
-        figures=tuple(_figures(main, resistor, volts, _most_voltage(main.spec, withstood))),
+        figures=tuple(_figures(main, resistor, volts, most_voltage(main.spec))),
         assumptions=tuple(_assumptions(main, section, resistor, volts)),
     )
 
 
-def _most_voltage(spec: RobotSpec, withstood: float) -> float:
-    """Voltage that a bus may have: what the drives withstand, and below the trip of the supply [V]."""
-    trip = spec.supply.overvoltage_trip
-    return float(np.fmin(withstood, nan if trip is None else trip))
+def _worst(cases: Sequence[OnTheBus], limits: Callable[[OnTheBus], Iterable[CheckColumn]]) -> tuple[Check, ...]:
+    """Limits of the bus in its worst load case."""
+    return worst_of_cases([(case.case, [column.at((), "budget") for column in limits(case)]) for case in cases])
 
 
 def _most(value: float) -> float:
     return inf if isnan(value) else value
 
 
-def _records(columns: Iterable[CheckColumn]) -> tuple[Check, ...]:
-    return tuple(column.at((), "budget") for column in columns)
-
-
-# --- the resistor -----------------------------------------------------------------------------------------------------
-
-
 def _chosen_resistor(
-    spec: RobotSpec, section: Section, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float, worst: Worst
+    spec: RobotSpec, section: Section, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float
 ) -> tuple[BrakeResistor | None, tuple[Check, ...]]:
     """The smallest resistor that holds, with its checks; else the one that comes closest.
 
@@ -269,20 +232,14 @@ def _chosen_resistor(
     """
     found = []
     for one in (suited(one, cases) for one in resistor_choices(spec, catalog)):
-        checks = (
-            *worst([(case.case, _records(resistor_columns(section, one, case, withstood))) for case in cases]),
-            *worst([(case.case, _records(_over_voltage(case, one))) for case in cases]),
-        )
-        bad = tuple(sum(check.status == status for check in checks) for status in ("fail", "unknown"))
-        order = -GRAVEST.index(verdict(checks)), *bad, *map(_most, (one.power, one.mass, one.price)), one.part
-        found.append((order, one, checks))
+        own = _worst(cases, partial(resistor_columns, section, one, withstood=withstood))
+        over = _worst(cases, partial(_over_voltage, resistor=one))
+        bad = tuple(sum(check.status == status for check in own + over) for status in ("fail", "unknown"))
+        order = -GRAVEST.index(verdict(own + over)), *bad, *map(_most, (one.power, one.mass, one.price)), one.part
+        found.append((order, one, own))
     if not found:
-        return None, _records([replace(fits("resistor_available", False, False), note=_NONE_LISTED)])
-    _, best, checks = min(found, key=lambda each: each[0])
-    return best, tuple(check for check in checks if check.name != "supply_overvoltage")
-
-
-# --- the power supply -------------------------------------------------------------------------------------------------
+        return None, (replace(fits("resistor_available", False, False), note=_NONE_LISTED).at((), "budget"),)
+    return min(found, key=lambda each: each[0])[1:]
 
 
 def _supply_limits(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
@@ -298,20 +255,16 @@ def _supply_limits(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[C
 
 def _over_voltage(case: OnTheBus, resistor: BrakeResistor | None) -> list[CheckColumn]:
     """The highest voltage of the bus against the trip of the power supply."""
-    trip = case.spec.supply.overvoltage_trip
-    if trip is None:
+    supply = case.spec.supply
+    if supply.overvoltage_trip is None:
         return []
-    if resistor is not None:
-        more = 0.0 if isnan(resistor.capacitance) else resistor.capacitance
-        free = case.highest_voltage(more)
-        held = resistor.chopper_voltage_max
-        highest = held if isnan(free) and case.known else min(free, held)
+    if resistor is None:
+        highest = supply.highest if case.spec.accepts_all else case.highest_voltage()
     else:
-        highest = case.spec.supply.highest if case.spec.accepts_all else case.highest_voltage()
-    return [at_most("supply_overvoltage", highest, trip, undecided=_STAYS)]
-
-
-# --- figures ----------------------------------------------------------------------------------------------------------
+        free = case.highest_voltage(0.0 if isnan(resistor.capacitance) else resistor.capacitance)
+        chopped = resistor.chopper_voltage_max
+        highest = chopped if isnan(free) and case.known else min(free, chopped)
+    return [at_most("supply_overvoltage", highest, supply.overvoltage_trip, undecided=_STAYS)]
 
 
 def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, limit: float) -> Iterator[Figure]:
@@ -330,13 +283,13 @@ def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, limit
         ("braking_peak_power", "Braking power, largest", burnt.peak, "power", "W"),
         ("braking_pulse", "Energy of the largest single braking", burnt.pulse, "energy", "J"),
         ("capacitance_needed", "Bus capacitance that needs no resistor",
-         float(least_bus_capacitance(case.stored, limit, highest)), "capacitance", "mF"),
-        ("resistance_largest", f"Largest resistance{at}", float(largest_resistance(volts, burnt.peak)),
+         float(laws.least_bus_capacitance(case.stored, limit, highest)), "capacitance", "mF"),
+        ("resistance_largest", f"Largest resistance{at}", float(laws.largest_resistance(volts, burnt.peak)),
          "resistance", "ohm"),
     ]  # fmt: skip
     current = section.chopper_current if section else None
     if current is not None:
-        least = float(smallest_resistance(volts, current))
+        least = float(laws.smallest_resistance(volts, current))
         rows.append(("resistance_smallest", f"Smallest resistance that the chopper can switch{at}", least,
                      "resistance", "ohm"))  # fmt: skip
     yield from (

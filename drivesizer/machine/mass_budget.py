@@ -1,35 +1,43 @@
-"""Mass and price of a machine, part by part, against their limits; and the mass at which a drive carries itself."""
+"""Mass and price of a machine, part by part, against their limits; and the mass at which a drive carries itself.
+
+A mass that no data sheet gives is estimated, with a band. One that has no estimate either has a row of its own and no
+figure: the sum is that of what is known, and may break a limit but not keep it. Where the drive's own mass counts, a
+heavier machine may need a heavier drive: ``settle`` goes round until a drive carries itself.
+"""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import isnan, nan
 from statistics import NormalDist
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.estimates.estimate import assumed_mass
 from drivesizer.catalog.tolerances import END
-from drivesizer.errors import InputError
-from drivesizer.results.check import Check
-from drivesizer.results.check_columns import at_most
+from drivesizer.physics.figures import no_less
+from drivesizer.results.check import Check, Figure
+from drivesizer.results.check_columns import CheckColumn, at_most, over_band
 from drivesizer.results.drive_set import DriveParts, MassRow
 from drivesizer.results.problem import Problem
+from drivesizer.spec.platform import Budget, Platform
 from drivesizer.units import show
 
-__all__ = [
-    "BELT", "BY_PIECES", "MassBudget", "drive_rows", "mass_budget", "of_drives", "of_supply", "price_check", "settle",
-]  # fmt: skip
-
-
-# -- Price of all drives of a machine and of what feeds them, against its limit.
-
-
 Item = tuple[str, Any, int]  # role, part or None where none is known, and how many
+Sized = Callable[[float], float | None]  # mass of the whole to that of the drive that carries it, None without [kg]
 BY_PIECES = (("price_20", 20), ("price_5", 5))
+BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
+_SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
+             "actuator": "actuators", "brake": "brakes"}  # fmt: skip
+
+
+# --- price
 
 
 def of_drives(problem: Problem, one: DriveParts) -> Iterator[Item]:
@@ -72,22 +80,7 @@ def price_check(items: Sequence[Item], limit: float) -> Check:
     return replace(unknown.at((), "budget"), note="" if column.failed else note)
 
 
-# -- Mass of a machine, part by part, against its limit; and the mass at which a drive carries itself.
-#
-# A mass that no data sheet gives is estimated, with a band. One that has no estimate either has a row of its own and
-# no figure: the sum is that of what is known, and may break a limit but not keep it. Where the drive's own mass
-# counts, a heavier machine may need a heavier drive: ``settle`` goes round until a drive carries itself.
-
-
-Sized = Callable[[float], tuple[float, Hashable] | None]  # mass of the whole [kg] to mass of the drive and its name
-_GRAM = 1e-3  # kg
-_SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
-             "actuator": "actuators", "brake": "brakes"}  # fmt: skip
-BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
-_HEAVIEST = 1e6  # kg, beyond which masses run away
-
-
-# --- rows -------------------------------------------------------------------------------------------------------------
+# --- mass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,15 +101,14 @@ class MassBudget:
         return math.fsum(row.total for row in self.rows if row.band)
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """Sum of what is known, at both ends of all bands [kg]."""
-        low, high = (math.fsum(row.ends[k] for row in self.rows if not isnan(row.each)) for k in (0, 1))
-        return low, high
-
-    @property
     def estimated(self) -> tuple[str, ...]:
         """Parts of estimated mass."""
         return tuple(row.name for row in self.rows if row.band)
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Parts of unknown mass."""
+        return tuple(row.name for row in self.rows if isnan(row.each))
 
     def probability(self, most: float) -> float:
         """Probability that the sum of what is known is at most so much [kg].
@@ -135,20 +127,41 @@ class MassBudget:
         spread = math.log1p(variance / mean**2)
         return NormalDist(math.log(mean) - spread / 2.0, math.sqrt(spread)).cdf(math.log(left))
 
-    @property
-    def unknown(self) -> tuple[str, ...]:
-        """Parts of unknown mass."""
-        return tuple(row.name for row in self.rows if isnan(row.each))
+    def checks(self, sized_for: float | None = None) -> tuple[Check, ...]:
+        """The known mass against the limit, and against the mass that the drive is sized for."""
+        low, high = (math.fsum(row.ends[k] for row in self.rows if not isnan(row.each)) for k in (0, 1))
+        middle, *ends = (
+            mass_columns(np.array([mass]), bool(self.unknown), self.limit, sized_for)
+            for mass in (self.known, low, high)
+        )
+        if self.estimated:
+            middle = [over_band(mid, pair, np.array([0])) for mid, *pair in zip(middle, *ends, strict=True)]
+        found = []
+        for check in (column.at(0, "budget") for column in middle):
+            if check.status == "unknown":
+                found.append(replace(check, note=f"unknown: {', '.join(dict.fromkeys(self.unknown))}"))
+            elif check.status == "open":  # from where on, and how probable it is that it holds
+                room = check.limit / (1.0 + check.needed) - (self.known - self.guessed)
+                note = f"passes where {', '.join(dict.fromkeys(self.estimated))}, which are estimated, have at most "
+                note += f"{show(room, check.unit, 'mass', 2)} together"
+                found.append(replace(check, probability=self.probability(check.limit), note=note))
+            else:
+                found.append(check)
+        return tuple(found)
 
-    @property
-    def total(self) -> float:
-        """Sum of all [kg]; NaN while something is unknown."""
-        return nan if self.unknown else self.known
+    def figures(self) -> tuple[Figure, ...]:
+        """The sum of what is known, and what the limit leaves beside it."""
+        title = f"Mass, sum of what is {'known or estimated' if self.estimated else 'known'}"
+        known = Figure(name="mass_known", title=title, value=self.known, kind="mass", unit="kg")
+        left = replace(known, name="mass_left", title="Mass left of what is allowed", value=self.limit - self.known)
+        return (known,) if isnan(self.limit) else (known, left)
 
-    @property
-    def left(self) -> float:
-        """Mass that the limit leaves beside the known masses [kg]; NaN without a limit."""
-        return self.limit - self.known
+
+def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
+    """The known mass against the limits, as columns."""
+    limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
+    mass = no_less(known, ~np.asarray(lacking, bool))
+    return [at_most(name, mass, most) for name, most in limits.items() if not isnan(most)]
 
 
 def drive_rows(
@@ -174,104 +187,69 @@ def drive_rows(
     return tuple(rows)
 
 
-def mass_budget(
-    drive: Sequence[MassRow],
-    *,
-    structure: float | None = None,
-    battery: float | None = None,
-    others: Sequence[tuple[str, float]] = (),
-    limit: float | None = None,
+def machine_mass(
+    budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
 ) -> MassBudget:
-    """The rows of a machine."""
-    rows = [*drive, MassRow(name="structure", each=nan if structure is None else structure)]
+    """The mass budget of a machine with given rows of its drives."""
+    rows = [*drive, MassRow(name="structure", each=nan if budget.structure is None else budget.structure)]
     if battery is not None:
         rows.append(MassRow(name="battery", each=battery))
-    rows += [MassRow(name=name, each=mass) for name, mass in others]
-    for row in rows:
-        if row.each < 0.0 or row.each == math.inf:
-            raise InputError(f"budget: the mass of {row.name} must be 0 or more, got {row.each:g} kg")
-    return MassBudget(rows=tuple(rows), limit=nan if limit is None else limit)
+    for item in budget.others:
+        name = item.name if item.number == 1 else f"{item.number} x {item.name}"
+        rows.append(MassRow(name=name, each=item.mass * item.number))
+    rows += [MassRow(name=payload.name, each=payload.mass) for payload in (platform.payloads if platform else ())]
+    return MassBudget(rows=tuple(rows), limit=nan if budget.mass is None else budget.mass)
 
 
-# --- where the drive's mass counts ------------------------------------------------------------------------------------
+# --- where the drive's mass counts
 
 
-class Step(NamedTuple):
-    """One round: a machine of this mass takes that drive."""
-
-    total: float  # kg, that was sized for
-    drive: float  # kg, of the drive that carries it; NaN where none does, or it is unknown
-    key: Hashable  # which it is; None where none does
-
-
-_NONE = Step(nan, nan, None)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Settled:
+class Settled(NamedTuple):
     """Result of the rounds."""
 
-    status: Literal["settled", "cycle", "none", "unknown", "open"]
-    total: float  # kg that the drive was sized for; NaN where none carries itself
-    drive: float  # kg
-    key: Hashable
-    steps: tuple[Step, ...]
+    total: float  # kg that the drive was sized for; where none carries itself, in the last round
+    carries_itself: bool
     words: str  # how it ended, as a sentence
 
-    @property
-    def carries_itself(self) -> bool:
-        """Whether there is a drive that carries the machine and itself."""
-        return self.status in ("settled", "cycle")
 
-
-def settle(
-    sized: Sized, base: float, *, first: float = 0.0, tolerance: float = _GRAM, limit: float = _HEAVIEST, most: int = 40
-) -> Settled:
+def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, limit: float = 1e6, most: int = 40) -> Settled:
     """The mass at which a drive carries itself: m = base + drive(m), by going round.
 
     Examples
     --------
     A drive of 1 kg and 5 % of the machine, 20 kg without it: 21 / 0.95.
 
-    >>> found = settle(lambda mass: (1.0 + 0.05 * mass, "a"), 20.0, tolerance=1e-9)
-    >>> found.status, round(found.total, 6)
-    ('settled', 22.105263)
+    >>> found = settle(lambda mass: 1.0 + 0.05 * mass, 20.0, tolerance=1e-9)
+    >>> found.carries_itself, round(found.total, 6)
+    (True, 22.105263)
     """
-    for name, mass in (("base", base), ("first", first)):
-        if not 0.0 <= mass < math.inf:
-            raise InputError(f"{name}: expected a mass of 0 kg or more, got {mass!r}")
-    steps, total = list[Step](), base + first
+    rounds, total = list[tuple[float, float]](), base  # masses that were sized for, and of the drive
 
-    def ended(status: Literal["settled", "cycle", "none", "unknown", "open"], words: str, at: Step = _NONE) -> Settled:
-        return Settled(status=status, total=at.total, drive=at.drive, key=at.key, steps=tuple(steps), words=words)
+    def kg(mass: float) -> str:
+        return show(mass, "kg", "mass")
 
-    while len(steps) < most:
-        found = sized(total)
-        if found is not None and (found[0] < 0.0 or found[0] == math.inf):
-            raise InputError(f"the mass of a drive must be 0 kg or more, got {found[0]!r}")
-        steps.append(last := Step(total, *(found or (nan, None))))
-        if last.key is None:
-            return ended("none", f"No set carries itself: at {_kg(total)} none is left.")
-        if isnan(last.drive):
-            return ended("unknown", f"The mass of the set for {_kg(total)} is unknown.")
-        total = base + last.drive
-        if abs(total - last.total) <= tolerance:
-            rounds = f"{len(steps)} round{'s' if len(steps) > 1 else ''}"
-            return ended("settled", f"Settled after {rounds}: {_kg(total)}, of it {_kg(last.drive)} drive.", last)
-        earlier = [i for i, step in enumerate(steps) if abs(total - step.total) <= tolerance]
+    while len(rounds) < most:
+        drive = sized(total)
+        if drive is None:
+            return Settled(total, False, f"No set carries itself: at {kg(total)} none is left.")
+        if isnan(drive):
+            return Settled(total, False, f"The mass of the set for {kg(total)} is unknown.")
+        rounds.append((total, drive))
+        last, total = total, base + drive
+        if abs(total - last) <= tolerance:
+            after = f"{len(rounds)} round{'s' if len(rounds) > 1 else ''}"
+            return Settled(last, True, f"Settled after {after}: {kg(total)}, of it {kg(drive)} drive.")
+        earlier = [n for n, (mass, _) in enumerate(rounds) if abs(total - mass) <= tolerance]
         if earlier:
-            cycle = steps[earlier[0] :]
-            heaviest = max(cycle, key=lambda step: step.total)  # what comes after it is lighter, or it would not be
+            cycle = rounds[earlier[0] :]
+            heaviest, own = max(cycle, key=lambda one: one[0])  # what comes after it is lighter, or it would not be
             words = f"{len(cycle)} sets follow each other; taken is the one for the heaviest machine, "
-            words += f"{_kg(heaviest.total)}, of which it leaves {_kg(heaviest.total - base - heaviest.drive)}."
-            return ended("cycle", words, heaviest)
+            return Settled(heaviest, True, f"{words}{kg(heaviest)}, of which it leaves {kg(heaviest - base - own)}.")
         if total > limit:
-            return ended("none", f"No set carries itself within {_kg(limit)}: the next would make {_kg(total)}.")
-    growth = [abs(b.drive - a.drive) for a, b in zip(steps[-3:], steps[-2:], strict=False)]
+            words = f"No set carries itself within {kg(limit)}: the next would make {kg(total)}."
+            return Settled(last, False, words)
+    words = f"Not settled in {most} rounds, though they draw near: {kg(total)} at the end."
+    growth = [abs(after[1] - before[1]) for before, after in pairwise(rounds[-3:])]
     if len(growth) == 2 and growth[1] >= growth[0]:
-        return ended("none", "No set carries itself: each round adds no less mass than the one before.")
-    return ended("open", f"Not settled in {most} rounds, though they draw near: {_kg(total)} at the end.")
-
-
-def _kg(mass: float) -> str:
-    return show(mass, "kg", "mass")
+        words = "No set carries itself: each round adds no less mass than the one before."
+    return Settled(last, False, words)

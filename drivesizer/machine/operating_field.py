@@ -25,9 +25,6 @@ from drivesizer.spec.mounting import loss_at_flange, rise_left
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["OperatingField", "Operation", "field", "hot_winding", "operation", "with_pull_out"]
-
-
 # -- Efficiency of motor and gearhead over torque and speed at the gearhead's output.
 #
 # The drive model of ``physics`` at points that no cycle need come by: motor torque and voltage are the same sums of

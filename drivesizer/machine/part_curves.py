@@ -26,12 +26,6 @@ from drivesizer.physics.two_bodies import State, overload_time, steady_state
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveParts
 
-__all__ = [
-    "HEAT", "Line", "available_torque", "continuous_curve", "curves_of", "gear_efficiency", "line",
-    "nominal_voltage_curves", "overload_times", "permitted_current", "torque_of_drive", "torque_of_part",
-]  # fmt: skip
-
-
 # -- Pull-out torque of steppers out of the catalogue: by their printed curves, else by the model and its share.
 
 

@@ -1,11 +1,11 @@
-"""A platform's mass, room, footing, grip and permitted speed with a drive, against their limits."""
+"""Room, footing and grip of a platform against their limits, and the speeds that its drives permit."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import cos, inf, nan, tan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,58 +14,27 @@ from drivesizer.catalog.parts import one_row
 from drivesizer.errors import InputError
 from drivesizer.load_cases import driven_shaft_cycle, load_cycle
 from drivesizer.load_cases.of_machine import requirement_checks
-from drivesizer.load_cases.platform import dynamics_of, ground_of, platform_assumptions, trajectory_of
+from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.mass_budget import MassBudget, mass_budget
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import lost_in_gearhead
-from drivesizer.physics.figures import no_less
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
 from drivesizer.physics.winding import housing_loss
+from drivesizer.platform import envelope, grip, stability
 from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, wheel_torques
-from drivesizer.platform.envelope import (
-    Clearance,
-    clearances,
-    corner_width,
-    heading_tolerance,
-    heading_tolerance_driving,
-    turning_circle,
-    width_at,
-)
-from drivesizer.platform.grip import grip_acceleration, grip_slope, translations, worst_friction
 from drivesizer.platform.kinematics import map_columns
-from drivesizer.platform.stability import (
-    Moment,
-    carrying,
-    least_load,
-    least_margin,
-    lift_off_acceleration,
-    lift_off_slope,
-    support_polygon,
-    tipping_edges,
-    tipping_slope,
-    used_footing,
-)
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.check import worst_of_cases
-from drivesizer.results.check_columns import CheckColumn, at_most, fits, over_band
+from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.drive_set import DriveParts, DriveSet, MassRow
+from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
-from drivesizer.results.sizing import Check, Figure, Status, verdict
+from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
-from drivesizer.spec.platform import Budget, Platform
+from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import show
-
-__all__ = [
-    "MechanicalBudget", "PermittedSpeeds", "PlatformOnFloor", "envelope_checks", "grip_checks", "machine_mass",
-    "mass_checks", "mass_columns", "mass_part", "permitted_speeds", "platform_part", "stability_checks",
-    "worst_case_budget",
-]  # fmt: skip
-
 
 # -- Fastest steady motion of a platform in each direction, by what its drives permit.
 #
@@ -204,10 +173,16 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
     ]  # fmt: skip
 
 
-# -- A machine's mass, room, footing and grip against their limits. Margins are made in ``checks``.
+# -- Room, footing and grip of a machine against their limits.
 #
 # Where a figure is not given that a check needs, such as the height of the centre of mass, the check is unknown and
-# says which.
+# says which. Wheels and casters are equally stiff on a stiff frame; the motors share torque by least squares, not as
+# would suit the floor best; friction is the same in all directions, at rest and slow.
+
+
+_NO_HEIGHT = "unknown: height of the centre of mass"
+_NO_CASTERS = "unknown: what keeps it upright, its contacts lie on one line"
+_NO_FRICTION = "unknown: friction_coefficient"
 
 
 class PlatformOnFloor(NamedTuple):
@@ -240,85 +215,66 @@ class PlatformOnFloor(NamedTuple):
     def upright(self) -> bool:
         """Whether its contacts can keep it upright at all."""
         try:
-            return bool(support_polygon(self.d.platform))
+            return bool(stability.support_polygon(self.d.platform))
         except InputError:
             return False
 
     @property
     def directions(self) -> tuple[float | None, ...]:
         """Directions in which it gains speed [rad]; None is any."""
-        angles = translations(self.d)
+        angles = grip.translations(self.d)
         return (None,) if len(angles) > 2 else tuple(float(a) for a in angles)
+
+    def contact(self, number: int) -> str:
+        """Name of a wheel or caster by its number."""
+        wheels = len(self.d.platform.wheels)
+        return f"wheel {number}" if number <= wheels else f"caster {number - wheels}"
 
 
 def _noted(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
     return tuple(c.at((), "budget", cases=(case,)) for c in columns)
 
 
-# --- mass -------------------------------------------------------------------------------------------------------------
+def worst_case_budget(spec: RobotSpec) -> tuple[tuple[Check, ...], tuple[Figure, ...]]:
+    """Requirements of a machine, and room, footing and grip of its platform: limits, and figures that have none."""
+    checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
+    if spec.platform is None:
+        return checks, ()
+    found = []
+    for name, case in spec.load_cases:
+        assert case.platform is not None and isinstance(case.load, WheeledVehicle)
+        trajectory, gains = trajectory_of(case), None
+        if trajectory is None:
+            cycle = load_cycle(case)
+            gains = cycle.radius * float(np.abs(cycle.acceleration).max())
+        given = case.environment.gravity, spec.margins.torque, trajectory, gains
+        found.append((name, PlatformOnFloor(case.platform, case.load, dynamics_of(case), *given)))
+    return checks + worst_of_cases([(name, platform_checks(s)) for name, s in found]), platform_figures(found[0][1])
 
 
-def machine_mass(
-    budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
-) -> MassBudget:
-    """The mass budget of a machine with given rows of its drives."""
-    carried = [(item.name if item.number == 1 else f"{item.number} x {item.name}", item.mass * item.number)
-               for item in budget.others]  # fmt: skip
-    carried += [(payload.name, payload.mass) for payload in (platform.payloads if platform else ())]
-    return mass_budget(drive, structure=budget.structure, battery=battery, others=carried, limit=budget.mass)
-
-
-def mass_checks(found: MassBudget, sized_for: float | None = None) -> tuple[Check, ...]:
-    """The known mass against the limit, and against the mass that the drive is sized for."""
-    low, high = found.ends
-    middle, *ends = (
-        mass_columns(np.array([mass]), bool(found.unknown), found.limit, sized_for) for mass in (found.known, low, high)
-    )
-    if found.estimated:
-        one = np.array([0])
-        middle = [over_band(mid, pair, one) for mid, *pair in zip(middle, *ends, strict=True)]
-    return tuple(_mass_check(found, column) for column in middle)
-
-
-def _mass_check(found: MassBudget, column: CheckColumn) -> Check:
-    """One limit of the mass; where estimated masses decide, from where on and how probable it is that it holds."""
-    check = column.at(0, "budget")
-    if check.status == "unknown":
-        return replace(check, note=f"unknown: {', '.join(dict.fromkeys(found.unknown))}")
-    if check.status != "open":
-        return check
-    parts = ", ".join(dict.fromkeys(found.estimated))
-    room = show(check.limit / (1.0 + check.needed) - (found.known - found.guessed), check.unit, "mass", 2)
-    return replace(check, probability=found.probability(check.limit),
-                   note=f"passes where {parts}, which are estimated, have at most {room} together")  # fmt: skip
-
-
-def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
-    """The known mass against the limits, as columns."""
-    limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
-    mass = no_less(known, ~np.asarray(lacking, bool))
-    return [at_most(name, mass, most) for name, most in limits.items() if most == most]
-
-
-# --- room -------------------------------------------------------------------------------------------------------------
+def platform_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
+    """Room, footing and grip of a platform, whatever drives it."""
+    return envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
 
 
 def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> tuple[Check, ...]:
     """Every passage, in the order of the spec; the passage's name is the check's case."""
     placed = tuple(p.record for p in section.passages if p.x is not None)
-    clearance_at, found = dict[str, Clearance](), list[Check]()
+    clearance_at, found = dict[str, envelope.Clearance](), list[Check]()
     if trajectory is not None and section.size is not None:
-        clearance_at = {c.passage: c for c in clearances(trajectory, section.size.record, placed)}
+        clearance_at = {c.passage: c for c in envelope.clearances(trajectory, section.size.record, placed)}
     for passage in section.passages:
         assert section.size is not None
         size, opening = section.size.record, passage.width
-        columns = [at_most("passage_width", width_at(size, passage.heading_error, passage.aside), opening)]
+        taken = envelope.width_at(size, passage.heading_error, passage.aside)
+        columns = [at_most("passage_width", taken, opening)]
         if passage.height is not None:
             columns.append(at_most("passage_height", size.height, passage.height))
         if passage.turns:
-            columns.append(at_most("passage_turning", turning_circle(size) + 2.0 * passage.aside, opening))
+            taken = envelope.turning_circle(size) + 2.0 * passage.aside
+            columns.append(at_most("passage_turning", taken, opening))
         if passage.corner is not None:
-            room = corner_width(size.length, opening, passage.corner)
+            room = envelope.corner_width(size.length, opening, passage.corner)
             columns.append(at_most("passage_corner", size.width, room))
         clearance = clearance_at.get(passage.name)
         if clearance is not None:  # to both sides alike; what hits a jamb takes more than there is
@@ -330,76 +286,56 @@ def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> 
     return tuple(found)
 
 
-# --- footing ----------------------------------------------------------------------------------------------------------
-
-_NO_HEIGHT = "unknown: height of the centre of mass"
-_NO_CASTERS = "unknown: what keeps it upright, its contacts lie on one line"
-_NO_FRICTION = "unknown: friction_coefficient"
-
-
 def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     """Whether every wheel stays on the floor, at the limits of the motion on the load's slope, and along a trajectory.
 
-    Acceleration and slope may point anywhere that the wheels allow, and are held together against what both may be at
-    the same ratio.
+    Gaining speed uphill and standing on the slope go together: their accelerations add up.
     """
     if not s.upright:
         return _noted([replace(fits("centre_of_mass", False, False), note=_NO_CASTERS)])
-    at_rest = contact_loads(s.d.platform, ground=Ground(gravity=s.gravity))
-    found = [fits("centre_of_mass", bool(carrying(at_rest).all()), True), _limit(s, "lift_off"), _limit(s, "tipping")]
-    if s.trajectory is not None:
-        found.append(_off(s, "wheel_unloading", least_load(s.d.platform, s.trajectory, s.ground, share=True)))
-        found.append(_off(s, "tipping_motion", least_margin(s.d.platform, s.trajectory, s.ground, share=True)))
-    return _noted(found)
-
-
-def _limit(s: PlatformOnFloor, name: str) -> CheckColumn:
-    """The acceleration of the limits and that of the slope, worst in their directions."""
+    p, known = s.d.platform, s.section.height_known
+    at_rest = contact_loads(p, ground=Ground(gravity=s.gravity))
+    found = [fits("centre_of_mass", bool(stability.carrying(at_rest).all()), True)]
     gains, falls = (s.faster or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
     required = gains + falls
-    if not s.section.height_known:
-        return at_most(name, required or nan, nan, note=_NO_HEIGHT)
-    used = max(
-        used_footing(s.d.platform, ((gains, direction), (falls, None)), tips=name == "tipping", gravity=s.gravity)
-        for direction in s.directions
-    )
-    return at_most(name, required, required / used if used else inf)
-
-
-def _off(s: PlatformOnFloor, name: str, least: Moment) -> CheckColumn:
-    """Largest loss of load or margin over the motion, as a share."""
-    if not s.section.height_known:
-        return at_most(name, nan, 1.0, note=_NO_HEIGHT)
-    time = np.asarray(least.time)
-    return at_most(name, 1.0 - least.value, 1.0, time=time, note=_contact(s, least.contact))
-
-
-def _contact(s: PlatformOnFloor, number: int) -> str:
-    wheels = len(s.d.platform.wheels)
-    return f"wheel {number}" if number <= wheels else f"caster {number - wheels}"
-
-
-# --- grip -------------------------------------------------------------------------------------------------------------
+    for name in ("lift_off", "tipping"):  # worst in the directions of the limits and of the slope
+        if not known:
+            found.append(at_most(name, required or nan, nan, note=_NO_HEIGHT))
+            continue
+        used = max(
+            stability.used_footing(p, ((gains, way), (falls, None)), tips=name == "tipping", gravity=s.gravity)
+            for way in s.directions
+        )
+        found.append(at_most(name, required, required / used if used else inf))
+    if s.trajectory is not None:
+        least = {
+            "wheel_unloading": stability.least_load(p, s.trajectory, s.ground, share=True),
+            "tipping_motion": stability.least_margin(p, s.trajectory, s.ground, share=True),
+        }
+        for name, worst in least.items():
+            time, note = (np.asarray(worst.time), s.contact(worst.contact)) if known else (None, _NO_HEIGHT)
+            found.append(at_most(name, 1.0 - worst.value if known else nan, 1.0, time=time, note=note))
+    return _noted(found)
 
 
 def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     """Whether the floor transmits what the driven wheels must put on it: on the slope, gaining speed, on the path.
 
-    Without the height of the centre of mass a check may fail, but does not pass.
+    Where the height of the centre of mass is unknown, wheels are taken to carry what they do at rest: a check may then
+    fail, but not pass.
     """
     lacking = _NO_FRICTION if s.load.friction_coefficient is None else "" if s.upright else _NO_CASTERS
     friction, columns = nan if lacking else float(s.load.friction_coefficient or 0.0), list[CheckColumn]()
     if s.steepest:
-        limit = nan if lacking else grip_slope(s.d, friction)
+        limit = nan if lacking else grip.grip_slope(s.d, friction)
         columns.append(at_most("grip_slope", s.steepest, limit, needed=s.needed))
     if s.faster is not None:
-        slope, gravity = s.steepest, s.gravity
-        ways = () if lacking else s.directions
-        limits = [grip_acceleration(s.d, friction, way, slope=slope, gravity=gravity) for way in ways]
+        slope, ways = s.steepest, () if lacking else s.directions
+        limits = [grip.grip_acceleration(s.d, friction, way, slope=slope, gravity=s.gravity) for way in ways]
         columns.append(at_most("grip_acceleration", s.faster, min(limits, default=nan), needed=s.needed))
     if s.trajectory is not None:
-        worst = worst_friction(s.d, s.trajectory, s.ground)
-        note, time = _contact(s, worst.contact), np.asarray(worst.time)
+        worst = grip.worst_friction(s.d, s.trajectory, s.ground)
+        note, time = s.contact(worst.contact), np.asarray(worst.time)
         columns.append(at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time))
     if lacking:
         columns = [replace(c, note=lacking) for c in columns]
@@ -408,125 +344,41 @@ def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     return _noted(columns)
 
 
-# -- Mass, clearance, stability and grip of a machine with one drive.
-#
-# Checks are made in ``platform_checks``; here they are put together with the figures that have no limit, and what
-# was assumed.
+def platform_figures(s: PlatformOnFloor) -> tuple[Figure, ...]:
+    """Figures of room, footing and grip that have no limit."""
+    section, p, known, found = s.section, s.d.platform, s.section.height_known, list[Figure]()
 
+    def figure(name: str, title: str, value: float, kind: str, unit: str, time: float | None = None) -> None:
+        found.append(Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=time))
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MechanicalBudget:
-    """Mass, room, footing and grip of a machine with one drive."""
-
-    mass: MassBudget | None  # None without a budget section
-    status: Status
-    checks: tuple[Check, ...]
-    figures: tuple[Figure, ...]
-    assumptions: tuple[str, ...]
-
-
-def mass_part(mass: MassBudget, sized_for: float | None = None) -> MechanicalBudget:
-    """Mass of a machine against its limits."""
-    checks, counted = mass_checks(mass, sized_for), "known or estimated" if mass.estimated else "known"
-    figures = [_figure("mass_known", f"Mass, sum of what is {counted}", mass.known, "mass", "kg")]
-    if mass.limit == mass.limit:
-        figures.append(_figure("mass_left", "Mass left of what is allowed", mass.left, "mass", "kg"))
-    without = ", ".join(dict.fromkeys(mass.unknown))
-    return MechanicalBudget(
-        mass=mass, status=verdict(checks), checks=checks, figures=tuple(figures),
-        assumptions=(f"The machine's mass is without {without}: unknown.",) if without else (),
-    )  # fmt: skip
-
-
-def worst_case_budget(spec: RobotSpec) -> MechanicalBudget:
-    """Requirements of a machine, and room, footing and grip of its platform."""
-    checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
-    if spec.platform is None:
-        return MechanicalBudget(mass=None, status=verdict(checks), checks=checks, figures=(), assumptions=())
-    found = [(name, platform_part(_floor_budget(case, spec.margins.torque))) for name, case in spec.load_cases]
-    checks += worst_of_cases([(name, part.checks) for name, part in found])
-    return replace(found[0][1], checks=checks, status=verdict(checks))
-
-
-def _floor_budget(case: RobotSpec, needed: float) -> PlatformOnFloor:
-    assert case.platform is not None and isinstance(case.load, WheeledVehicle)
-    trajectory, gains = trajectory_of(case), None
-    if trajectory is None:
-        cycle = load_cycle(case)
-        gains = cycle.radius * float(np.abs(cycle.acceleration).max())
-    return PlatformOnFloor(
-        case.platform, case.load, dynamics_of(case), case.environment.gravity, needed, trajectory, gains
-    )
-
-
-def platform_part(s: PlatformOnFloor) -> MechanicalBudget:
-    """Room, footing and grip of a platform, whatever drives it."""
-    checks = envelope_checks(s.section, s.trajectory) + stability_checks(s) + grip_checks(s)
-    figures = (*_envelope_checks(s.section), *_footing_checks(s), *_grip_checks(s))
-    assumptions = [
-        *platform_assumptions(s.section, s.load),
-        "Wheels and casters are equally stiff on a stiff frame.",
-        "The motors share torque by least squares, not as would suit the floor best.",
-    ]
-    if s.load.friction_coefficient is not None:
-        assumptions.append("Friction is the same in all directions, at rest and slow.")
-    return MechanicalBudget(
-        mass=None, status=verdict(checks), checks=checks, figures=figures, assumptions=tuple(assumptions)
-    )
-
-
-# --- figures that have no limit ---------------------------------------------------------------------------------------
-
-
-def _figure(name: str, title: str, value: float, kind: str, unit: str, time: float | None = None) -> Figure:
-    return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=time)
-
-
-def _envelope_checks(section: Platform) -> Iterator[Figure]:
-    if section.size is None:
-        return
-    size = section.size.record
-    yield _figure("turning_circle", "Turning circle, diameter", turning_circle(size), "length", "mm")
-    for p in section.passages:
-        held = heading_tolerance(size, p.width, p.aside)
-        driving = heading_tolerance_driving(size, p.width, p.depth, p.aside)
-        yield _figure("heading_held", f"Heading error in {p.name}, held", held, "angle", "deg")
-        yield _figure("heading_driving", f"Heading error in {p.name}, driving along it", driving, "angle", "deg")
-
-
-def _footing_checks(s: PlatformOnFloor) -> Iterator[Figure]:
-    p = s.d.platform
+    if section.size is not None:
+        size = section.size.record
+        figure("turning_circle", "Turning circle, diameter", envelope.turning_circle(size), "length", "mm")
+        for one in section.passages:
+            held = envelope.heading_tolerance(size, one.width, one.aside)
+            driving = envelope.heading_tolerance_driving(size, one.width, one.depth, one.aside)
+            figure("heading_held", f"Heading error in {one.name}, held", held, "angle", "deg")
+            figure("heading_driving", f"Heading error in {one.name}, driving along it", driving, "angle", "deg")
     if not s.upright:
-        return
-    known = s.section.height_known
-    edge = tipping_edges(p)[0]
-    braking = min(lift_off_acceleration(p, direction, s.gravity) for direction in s.directions)
-    yield _figure("tipping_distance", "Centre of mass from the nearest tipping edge", edge.distance, "length", "mm")
-    yield _figure("lift_off_slope", "Slope that lifts a wheel", lift_off_slope(p) if known else nan, "angle", "deg")
-    yield _figure("tipping_slope", "Slope that tips it over", tipping_slope(p) if known else nan, "angle", "deg")
-    value = braking if known else nan
-    yield _figure("lift_off_acceleration", "Braking that lifts a wheel", value, "acceleration", "m/s^2")
+        return tuple(found)
+    distance = stability.tipping_edges(p)[0].distance
+    lifts, tips = (f(p) if known else nan for f in (stability.lift_off_slope, stability.tipping_slope))
+    brakes = min(stability.lift_off_acceleration(p, way, s.gravity) for way in s.directions) if known else nan
+    figure("tipping_distance", "Centre of mass from the nearest tipping edge", distance, "length", "mm")
+    figure("lift_off_slope", "Slope that lifts a wheel", lifts, "angle", "deg")
+    figure("tipping_slope", "Slope that tips it over", tips, "angle", "deg")
+    figure("lift_off_acceleration", "Braking that lifts a wheel", brakes, "acceleration", "m/s^2")
     if s.trajectory is not None and known:
-        load, margin = (f(p, s.trajectory, s.ground) for f in (least_load, least_margin))
-        yield _figure("wheel_load", "Least load of a wheel on the path", load.value, "force", "N", load.time)
-        yield _figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
-
-
-def _grip_checks(s: PlatformOnFloor) -> Iterator[Figure]:
-    if s.load.friction_coefficient is None or not s.upright:
-        return
-    friction, known = s.load.friction_coefficient, s.section.height_known
-    slope = grip_slope(s.d, friction) if known else nan
-    faster = (
-        min(grip_acceleration(s.d, friction, direction, gravity=s.gravity) for direction in s.directions)
-        if known
-        else nan
-    )
-    yield _figure("grip_slope", "Slope that the floor's grip holds, worst direction", slope, "angle", "deg")
-    yield _figure(
-        "grip_acceleration",
-        "Acceleration that the floor transmits, level, worst direction",
-        faster,
-        "acceleration",
-        "m/s^2",
-    )
+        load, margin = (f(p, s.trajectory, s.ground) for f in (stability.least_load, stability.least_margin))
+        figure("wheel_load", "Least load of a wheel on the path", load.value, "force", "N", load.time)
+        figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
+    if s.load.friction_coefficient is not None:
+        slope = gains = nan
+        if known:
+            friction = s.load.friction_coefficient
+            slope = grip.grip_slope(s.d, friction)
+            gains = min(grip.grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.directions)
+        figure("grip_slope", "Slope that the floor's grip holds, worst direction", slope, "angle", "deg")
+        title = "Acceleration that the floor transmits, level, worst direction"
+        figure("grip_acceleration", title, gains, "acceleration", "m/s^2")
+    return tuple(found)

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import OneRow, one_row
+from drivesizer.kernel.cycle import HEAT, POWER
 from drivesizer.kernel.drives import drives_of
-from drivesizer.kernel.evaluate import HEAT, POWER, evaluate, pieces
+from drivesizer.kernel.evaluate import evaluate, pieces
 from drivesizer.kernel.records import Drive, Figures, Piece
 from drivesizer.kernel.supply import mean_square
 from drivesizer.load_cases import load_cycle
@@ -33,8 +34,6 @@ from drivesizer.physics.winding import Heat, heat
 from drivesizer.results.drive_set import DriveParts, MotorPiece
 from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
-
-__all__ = ["SetCycle", "WarmUp", "driven", "motor_pieces", "set_cycle", "torque_above", "turned", "warm_up"]
 
 Array = NDArray[np.float64]
 

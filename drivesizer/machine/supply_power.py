@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf, isfinite, isnan, nan
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +28,6 @@ from drivesizer.physics.stepper import copper_loss, electrical_energy, idle_loss
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
-
-__all__ = [
-    "Burnt", "DrivePower", "EnergyFlow", "OnTheBus", "Regenerated", "drive_power", "energy_flow", "raised_voltage",
-    "regenerated", "regenerated_of", "side_by_side", "together",
-]  # fmt: skip
-
 
 # -- Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
 #
@@ -73,31 +70,29 @@ class DrivePower(NamedTuple):
 
     def times(self, factor: float) -> DrivePower:
         """All powers times a factor; NaN makes them unknown."""
-        columns = {n: factor * getattr(self, n) for n in self._fields if n not in ("duration", "distance")}
-        return self._replace(**columns)
+        return self._replace(**{name: factor * getattr(self, name) for name in _POWERS})
 
     def slipping(self, slip: float) -> DrivePower:
         """The same where wheels slip: for a travel they turn by 1 / (1 - slip) more, at the same torque.
 
         Losses of the current stay the same: what is drawn is no more than that, and no more is regenerated.
         """
-        more = {name: getattr(self, name) / (1.0 - slip) for name in _DRAWN}
-        return self._replace(**more)
+        names = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
+        return self._replace(**{name: getattr(self, name) / (1.0 - slip) for name in names})
 
     def at(self, duration: Array, pieces: Any) -> DrivePower:
         """Some of its pieces in an order, with other durations [s]."""
-        columns = {name: getattr(self, name)[pieces] for name in self._fields if name not in ("duration", "distance")}
-        return self._replace(duration=duration, **columns)
+        return self._replace(duration=duration, **{name: getattr(self, name)[pieces] for name in _POWERS})
 
 
-_DRAWN = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
+_POWERS = tuple(name for name in DrivePower._fields if name not in ("duration", "distance"))
 
 
 def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, merged: bool = False) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is."""
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
     if drive_set.steps:
-        return _stepper_power(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)
+        return _stepper_power(spec, one_row(drive_set.motor), *turned(spec, drive_set, base), feed)[0]
     drive, cycle, demand, _ = driven(spec, drive_set, base)
     return _of_a_servo(spec, drive, cycle, demand, feed, merged)
 
@@ -106,61 +101,53 @@ def _of_a_servo(
     spec: RobotSpec, drive: Drive, cycle: AtGearhead, demand: Demands, feed: Feed, merged: bool
 ) -> DrivePower:
     """The same by the kernel."""
-    sets = spec.load.alike if demand.complete.all() else nan  # an incomplete demand is only a lower bound
     count = number_of_pieces(drive, cycle.load_cycle)
     cuts = 0 if merged and count > _MOST else max(1, min(_FINEST, _MOST // count))
     _, found = pieces(drive, cycle.load_cycle, cuts)
     t, standby = found.duration, feed.stage.standby
     bus_drawn, heat = found.drawn / t + standby, found.source_heat / t
-    return DrivePower(
+    one = DrivePower(
         duration=t,
-        drawn=sets * (bus_drawn + heat),
-        bus_drawn=sets * bus_drawn,
-        returned=sets * found.returned / t,
-        peak=sets * of_the_source(np.maximum(found.most, 0.0) + standby, feed),
-        returned_peak=sets * np.maximum(-found.least, 0.0),
-        motor_drawn=sets * found.motor_drawn / t,
-        motor_returned=sets * found.motor_returned / t,
-        resisted=sets * heat,
-        most=sets * (found.most + standby),
-        least=sets * (found.least + standby),
+        drawn=bus_drawn + heat,
+        bus_drawn=bus_drawn,
+        returned=found.returned / t,
+        peak=of_the_source(np.maximum(found.most, 0.0) + standby, feed),
+        returned_peak=np.maximum(-found.least, 0.0),
+        motor_drawn=found.motor_drawn / t,
+        motor_returned=found.motor_returned / t,
+        resisted=heat,
+        most=found.most + standby,
+        least=found.least + standby,
         distance=distance_of(spec, cycle.load_cycle),
     )
+    return one.times(spec.load.alike if demand.complete.all() else nan)  # an incomplete demand is only a lower bound
 
 
-def _stepper_power(spec: RobotSpec, motor: Figures, cycle: AtGearhead, demand: Demands, feed: Feed) -> DrivePower:
-    """The same of steppers: torque times speed and the loss of their rated current, which flows at any time."""
-    torque, speed = cycle.line(demand.coefficients[0])[:, None], _motor_speed(cycle, demand)[:, None]
-    loss = _stepper_loss(spec, motor, speed[:, 0])
-    piece = np.ones(1)  # every piece a motor of its own
-    drawn, returned, most, least = electrical_energy(piece, torque, speed, loss + feed.stage.standby)
-    own_drawn, own_returned, _, _ = electrical_energy(piece, torque, speed, loss)
-    sets = spec.load.alike if demand.complete.all() else nan
-    return DrivePower(
-        duration=cycle.load_cycle.duration,
-        drawn=sets * drawn,
-        bus_drawn=sets * drawn,
-        returned=sets * returned,
-        peak=sets * np.maximum(most, 0.0),
-        returned_peak=sets * np.maximum(-least, 0.0),
-        motor_drawn=sets * own_drawn,
-        motor_returned=sets * own_returned,
-        resisted=np.zeros_like(drawn),
-        most=sets * most,
-        least=sets * least,
-        distance=distance_of(spec, cycle.load_cycle),
-    )
-
-
-def _motor_speed(cycle: AtGearhead, demand: Demands) -> Array:
-    """Speed of the motor at both ends of each segment [rad/s]."""
-    return np.asarray(cycle.load_cycle.speed * cycle.belt * demand.total_ratio[0])
-
-
-def _stepper_loss(spec: RobotSpec, motor: Figures, speed: Array) -> Array:
-    """Loss of a stepper's windings in each segment [W]."""
+def _stepper_power(
+    spec: RobotSpec, motor: Figures, cycle: AtGearhead, demand: Demands, feed: Feed
+) -> tuple[DrivePower, Array]:
+    """The same of steppers: torque times speed and the loss of their rated current, which flows at any time [W]."""
+    speed = np.asarray(cycle.load_cycle.speed * cycle.belt * demand.total_ratio[0])
     rated = copper_loss(motor["nominal_current"][0], motor["resistance"][0])
-    return np.asarray(rated * idle_loss(speed, spec.control.idle_current))
+    loss = np.asarray(rated * idle_loss(speed, spec.control.idle_current))  # in each segment
+    torque, piece = cycle.line(demand.coefficients[0])[:, None], np.ones(1)  # every piece a motor of its own
+    drawn, returned, most, least = electrical_energy(piece, torque, speed[:, None], loss + feed.stage.standby)
+    own_drawn, own_returned, _, _ = electrical_energy(piece, torque, speed[:, None], loss)
+    found = DrivePower(
+        duration=cycle.load_cycle.duration,
+        drawn=drawn,
+        bus_drawn=drawn,
+        returned=returned,
+        peak=np.maximum(most, 0.0),
+        returned_peak=np.maximum(-least, 0.0),
+        motor_drawn=own_drawn,
+        motor_returned=own_returned,
+        resisted=np.zeros_like(drawn),
+        most=most,
+        least=least,
+        distance=distance_of(spec, cycle.load_cycle),
+    )
+    return found.times(spec.load.alike if demand.complete.all() else nan), loss
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
@@ -171,11 +158,7 @@ def together(powers: Sequence[DrivePower]) -> DrivePower:
     if len(powers) == 1:
         return powers[0]
     cut = side_by_side(powers)
-    summed = {
-        name: np.sum([getattr(p, name) for p in cut], axis=0)
-        for name in DrivePower._fields
-        if name not in ("duration", "distance")
-    }
+    summed = {name: np.sum([getattr(p, name) for p in cut], axis=0) for name in _POWERS}
     return DrivePower(duration=cut[0].duration, distance=powers[0].distance, **summed)
 
 
@@ -239,8 +222,7 @@ def energy_flow(found: SetCycle) -> EnergyFlow:
     spec, at, demand, total = found.spec, found.cycle, found.demands, found.cycle.load_cycle.total
     stepper = bool(found.motor["kind"][0] == "stepper")
     if stepper:
-        power = _stepper_power(spec, found.motor, at, demand, found.feed)
-        loss = _stepper_loss(spec, found.motor, _motor_speed(at, demand))
+        power, loss = _stepper_power(spec, found.motor, at, demand, found.feed)
         copper, coulomb, unlike = float(loss @ at.load_cycle.duration) / total, 0.0, 0.0  # of friction: in its pull-out
     else:
         power = _of_a_servo(spec, found.drive, at, demand, found.feed, False)
@@ -285,44 +267,53 @@ class Burnt(NamedTuple):
     pulse: float  # J, of the largest uninterrupted braking
 
 
-class OnTheBus(Protocol):
+class OnTheBus(ABC):
     """Energies to and from a bus that limits are held against: of one course over time, or of courses at any phase."""
 
-    @property
-    def case(self) -> str:
-        """Name of the load case."""
+    case: str  # name of the load case
+    spec: RobotSpec  # the machine in it, with its supply
 
     @property
-    def spec(self) -> RobotSpec:
-        """The machine in it, with its supply."""
-
-    @property
+    @abstractmethod
     def known(self) -> bool:
         """Whether the energies are."""
 
     @property
+    @abstractmethod
     def energy(self) -> float:
         """Regenerated energy per cycle that the supply does not store [J]."""
 
     @property
+    @abstractmethod
     def stored(self) -> float:
-        """Largest energy that is regenerated and not drawn again [J]."""
+        """Largest energy that is regenerated and not drawn again [J]; infinite where more with every cycle."""
 
     @property
+    @abstractmethod
     def mean_drawn(self) -> float:
         """Mean power out of the source [W]."""
 
     def highest_voltage(self, more: float = 0.0) -> float:
-        """Highest voltage of the bus without a brake resistor [V]."""
+        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.
 
+        ``more`` is capacitance beside that of the supply [F].
+        """
+        supply = self.spec.supply
+        if self.stored == 0.0:
+            return supply.highest
+        return float(bus_voltage(supply.highest, self.stored, (supply.capacitance or nan) + more))
+
+    @abstractmethod
     def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
         """Load of a brake resistor beside a bus that stores so much."""
 
+    @abstractmethod
     def longest_above(self, power: float) -> float:
         """Longest uninterrupted time in which the power out of the source exceeds one [s]."""
 
 
-class Regenerated(NamedTuple):
+@dataclass(frozen=True)
+class Regenerated(OnTheBus):
     """Energies of a load case, piece by piece; unknown where the drive's demand is."""
 
     case: str
@@ -332,19 +323,24 @@ class Regenerated(NamedTuple):
     returned: Array  # J, to the bus, without what the supply stores
     returned_peak: Array  # W, largest in each piece
     drawn_peak: Array  # W, largest out of the source in each piece
-    mean_drawn: float  # W out of the source
+    mean: float  # W, out of the source
 
     @property
-    def known(self) -> bool:
-        """Whether the energies are."""
-        return not isnan(float(self.returned.sum() + self.drawn.sum()))
+    def mean_drawn(self) -> float:
+        """Mean power out of the source [W]."""
+        return self.mean
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """Regenerated energy per cycle that the supply does not store [J]."""
         return float(self.returned.sum())
 
-    @property
+    @cached_property
+    def known(self) -> bool:
+        """Whether the energies are."""
+        return not isnan(float(self.returned.sum() + self.drawn.sum()))
+
+    @cached_property
     def stored(self) -> float:
         """Largest energy that is regenerated and not drawn again [J]; infinite where more with every cycle."""
         if not self.known:
@@ -352,13 +348,6 @@ class Regenerated(NamedTuple):
         if self.energy > float(self.drawn.sum()):
             return inf
         return most_stored(np.stack([-self.drawn, self.returned], axis=1).ravel())
-
-    def highest_voltage(self, more: float = 0.0) -> float:
-        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.
-
-        ``more``: capacitance beside that of the spec [F].
-        """
-        return raised_voltage(self.spec, self.stored, more)
 
     def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
         """Load of a brake resistor beside a bus that stores so much."""
@@ -377,33 +366,21 @@ class Regenerated(NamedTuple):
         return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
 
 
-def raised_voltage(spec: RobotSpec, stored: float, more: float = 0.0) -> float:
-    """Voltage to which a bus rises by an energy."""
-    if stored == 0.0:
-        return spec.supply.highest
-    capacitance = (spec.supply.capacitance or nan) + more
-    return float(bus_voltage(spec.supply.highest, stored, capacitance))
-
-
 def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
     """Energies to and from the bus in each load case of a machine."""
     found = []
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
         name, spec = problem.name_of(numbers), some[0].spec
-        if len(some) == 1:
-            timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
-            found.append(regenerated_of(name, spec, drive_power(spec, one, some[0].at_belt, merged=not timed)))
-        else:
-            found.append(_of_several(name, spec, [drive_power(case.spec, one, case.at_belt) for case in some]))
+        timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
+        merged = len(some) == 1 and not timed
+        power = together([drive_power(case.spec, one, case.at_belt, merged=merged) for case in some])
+        own = regenerated_of(name, spec, power)
+        if len(some) > 1:  # drives that act at the same time: what one draws of another's return goes no further
+            net: Any = own.drawn - own.returned
+            own = replace(own, drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
+        found.append(own)
     return found
-
-
-def _of_several(case: str, spec: RobotSpec, powers: Sequence[DrivePower]) -> Regenerated:
-    """Sum of drives that act at the same time; what one draws of another's return goes no further."""
-    found = regenerated_of(case, spec, together(powers))
-    net: Any = found.drawn - found.returned
-    return found._replace(drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
 
 
 def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated:
@@ -417,5 +394,5 @@ def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated
         returned=share * power.returned * power.duration,
         returned_peak=share * power.returned_peak,
         drawn_peak=power.peak,
-        mean_drawn=power.mean(power.drawn),
+        mean=power.mean(power.drawn),
     )

@@ -177,13 +177,13 @@ class AxisSizings:
         """
         found: dict[float, SizingResult] = {}
 
-        def rounds(ranking: Ranking | None, own: float) -> tuple[float, str] | None:
+        def rounds(ranking: Ranking | None, own: float) -> float | None:
             self.own[axis, masses] = own
             if ranking is None:
                 result = found[own] = self._in_full(axis, masses)
             else:
                 result = self._sized(self.laden(axis, masses), 1, ranking)
-            return next(((riding_mass(result.problem, one), one.label) for one in result.sets[:1]), None)
+            return next((riding_mass(result.problem, one) for one in result.sets[:1]), None)
 
         def fitting(drives: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
             return tuple(one for one in drives if self.fits(axis, masses, riding_mass(result.problem, one)))
@@ -191,7 +191,7 @@ class AxisSizings:
         settled = settle(partial(rounds, None), 0.0, tolerance=_SAME)
         if not settled.carries_itself:
             settled = settle(partial(rounds, "mass"), 0.0, tolerance=_SAME)
-        self.own[axis, masses] = own = settled.total if settled.carries_itself else settled.steps[-1].total
+        self.own[axis, masses] = own = settled.total
         spec, result = self.laden(axis, masses), found[own] if own in found else self._in_full(axis, masses)
         sets = fitting(result.sets)
         if not sets and settled.carries_itself:

@@ -14,7 +14,7 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import motion_of
 from drivesizer.load_cases.profile import rest_left, static_torque, with_rest
-from drivesizer.machine.problem import quickest_winding, with_cycle
+from drivesizer.machine.problem import load_case, quickest_winding
 from drivesizer.machine.supply_power import DrivePower, OnTheBus, drive_power, regenerated_of, together
 from drivesizer.multi_axis.phases import (
     MOST_PIECES,
@@ -129,7 +129,7 @@ def moving_alone(problem: Problem) -> Problem:
     if all(case.spec.waits_until is None for case in problem.cases):
         return problem
     quickest = quickest_winding(problem.catalog)
-    cases = tuple(with_cycle(case, case.spec.waiting({}), quickest) for case in problem.cases)
+    cases = tuple(load_case(case.name, case.number, case.spec.waiting({}), quickest) for case in problem.cases)
     return replace(problem, machine=problem.machine.waiting({}), cases=cases)
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import Path_
+from drivesizer.machine.battery import budget_of_consumers, consumers_of
 from drivesizer.machine.braking import bus_budget, with_parts_of_supply
-from drivesizer.machine.energy_budget import budget_of_consumers, consumers_of
 from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, unknown_at_rest
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
@@ -137,7 +137,7 @@ def common_supply(
     checks = worst_of_cases([(name, _supplied(bus)) for name, bus in buses.items()])
     braking, energy = None, dict[str, EnergyBudget]()
     if shared.battery is None and shared.supply.kind != "battery":
-        braking = bus_budget(shared, catalog, [bus.on_bus for bus in buses.values()], withstood, worst_of_cases)
+        braking = bus_budget(shared, catalog, [bus.on_bus for bus in buses.values()], withstood)
     voltage = worst_of_cases([(name, (_voltage(bus, braking, axes),)) for name, bus in buses.items()])
     checks = (*checks, *voltage, *(braking.checks if braking else ()))
     if shared.battery is not None:

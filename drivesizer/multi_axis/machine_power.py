@@ -11,8 +11,7 @@ from drivesizer.errors import FieldError, InputError
 from drivesizer.machine.battery import pack_of
 from drivesizer.machine.braking import with_parts_of_supply
 from drivesizer.machine.budgets import rows_of_drive
-from drivesizer.machine.mass_budget import of_drives, of_supply, price_check
-from drivesizer.machine.platform_budget import machine_mass, mass_checks
+from drivesizer.machine.mass_budget import machine_mass, of_drives, of_supply, price_check
 from drivesizer.multi_axis.common_bus import moving_alone
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply, shared_sections
 from drivesizer.results.check import Check, worst_of_cases
@@ -92,7 +91,7 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
     if budget.weighs:
         battery = pack_of(machine.battery, catalog).mass if machine.battery else None
         rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
-        found += mass_checks(machine_mass(budget, rows, battery=battery))
+        found += machine_mass(budget, rows, battery=battery).checks()
     if budget.price is not None:
         resistor = power.braking.resistor if power and power.braking else None
         items = [item for problem, one in drives for item in of_drives(problem, one)]

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import fsum, gcd, inf, isnan, lcm, nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.machine.supply_power import Burnt, DrivePower, Regenerated, raised_voltage, side_by_side
+from drivesizer.machine.supply_power import Burnt, DrivePower, OnTheBus, Regenerated, side_by_side
 from drivesizer.physics.braking import largest_mean, largest_pulse
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.spec.robot import RobotSpec
@@ -175,7 +177,8 @@ _STEPS = 512  # of the phases of two courses
 _ROUNDING = 1e-9  # of a cell
 
 
-class AtAnyPhase(NamedTuple):
+@dataclass(frozen=True)
+class AtAnyPhase(OnTheBus):
     """Energies to and from a bus whose axes run at any phase: no phase makes more of them."""
 
     case: str
@@ -184,7 +187,7 @@ class AtAnyPhase(NamedTuple):
     singles: tuple[Regenerated, ...]  # the same
     feed: Feed
 
-    @property
+    @cached_property
     def known(self) -> bool:
         """Whether the energies are."""
         return all(one.known for one in self.singles)
@@ -194,7 +197,7 @@ class AtAnyPhase(NamedTuple):
         """Longest of the periods [s]."""
         return max(power.total for power in self.powers)
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """Regenerated energy in the longest period that is not stored and that no axis draws [J], (3).
 
@@ -210,12 +213,12 @@ class AtAnyPhase(NamedTuple):
                 mean = min(mean, share * returned_over_phases(*courses)[0])
         return mean * self.longest
 
-    @property
+    @cached_property
     def stored(self) -> float:
         """Largest energy that is regenerated and not drawn again [J], (4)."""
         return fsum(one.stored for one in self.singles) if self.known else nan
 
-    @property
+    @cached_property
     def mean_drawn(self) -> float:
         """Mean power out of the source [W]: straight up to the largest, for its losses grow with the square."""
         mean = fsum(power.mean(power.bus_drawn) for power in self.powers)
@@ -223,10 +226,6 @@ class AtAnyPhase(NamedTuple):
         if not np.any(self.feed.resistance) or not most > 0.0:
             return mean
         return mean * float(of_the_source(np.asarray(most), self.feed)) / most
-
-    def highest_voltage(self, more: float = 0.0) -> float:
-        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown."""
-        return raised_voltage(self.spec, self.stored, more)
 
     def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
         """Load of a brake resistor, as of ``Regenerated.burnt``; no phase makes more of it."""

@@ -2,7 +2,3 @@
 
 May import: errors, ranges, units, files.
 """
-
-from __future__ import annotations
-
-__all__: list[str] = []

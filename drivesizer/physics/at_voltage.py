@@ -16,8 +16,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Winding", "coast_down_time", "operating_point", "step_peak_current", "step_time"]
-
 Array = NDArray[np.float64]
 _INSTANT = 1e-6  # of the mechanical time constant: an electrical one that is as good as none
 _HALVINGS = 60

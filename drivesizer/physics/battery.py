@@ -20,11 +20,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "capacity_for", "current_of_power", "largest_power", "peukert_time",
-    "polarised_voltage", "state_of_charge", "table_draw", "table_time", "terminal_voltage",
-]  # fmt: skip
-
 Array = NDArray[np.float64]
 
 

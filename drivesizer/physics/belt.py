@@ -12,12 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = [
-    "LEAST_IN_MESH", "belt_length", "centre_distance", "pitch_diameter", "resonance", "shortest_recommended",
-    "teeth_in_mesh", "wrap_angle",
-]  # fmt: skip
-
-
 LEAST_IN_MESH = 6.0  # teeth, from where a belt's rating counts in full: SDP/SI handbook, section 13.3
 _STEPS = 30  # of Newton's method, at most: five do for pulleys that nearly touch, 8 teeth beside 200
 _NEAR_ENOUGH = 1e-12  # of the centre distance

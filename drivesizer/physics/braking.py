@@ -9,13 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "SLIPPING", "Stop", "burning", "burnt_energy", "derated_power", "held_by_brake", "held_by_friction", "largest_mean",
-    "largest_pulse", "largest_resistance", "least_bus_capacitance", "power_while_on", "preferred_resistance",
-    "released_power", "smallest_resistance", "stop", "storable_energy",
-]  # fmt: skip
-
-
 # -- Holding a load by a brake, and stopping it: on figures or columns.
 #
 # Held at rest, friction helps: the load would have to turn gears and belt backward, so that of its torque T

@@ -20,8 +20,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["COUNT_SHARE", "MOST_PERIODS", "Counts", "answer", "lags", "most_gain", "shortest", "speed_quantum"]
-
 Array = NDArray[np.float64]
 
 COUNT_SHARE = 0.1  # of voltage and peak current: a larger answer to one encoder count is heard (our convention)

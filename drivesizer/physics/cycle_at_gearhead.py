@@ -25,11 +25,6 @@ from drivesizer.physics.figures import product
 from drivesizer.physics.gear_life import turned_load
 from drivesizer.physics.load_cycle import Figure
 
-__all__ = [
-    "ACCELERATION", "AT_REST", "BRAKING", "DIRECTION", "DRIVING", "ROUNDING", "SPEED", "AtGearhead", "CycleAtBelt",
-    "Peak", "Scalars", "bounded", "lacking",
-]  # fmt: skip
-
 _FEW = 16  # points, of which the largest of each is found quicker column by column
 _PART = 1 << 16  # segments of a long cycle whose functions are there at a time
 ROUNDING = 1e-9  # share of a function's largest value that is 0 but for rounding

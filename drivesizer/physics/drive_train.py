@@ -24,11 +24,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.figures import Figures, once_per_part
 
-__all__ = [
-    "DRY_SHARE", "ELECTRONICS", "SLOTLESS", "MotorAndGears", "back_emf_constant", "drive_inertia", "friction",
-    "gear_loss", "lost_in_gearhead", "motor_and_gears", "nominal_friction", "through_gears",
-]  # fmt: skip
-
 Array = NDArray[np.float64]
 Column = TypeVar("Column")  # of candidates, or one figure
 SLOTLESS = "slotless"  # a winding without iron teeth

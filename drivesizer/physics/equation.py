@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError, quoted
 from drivesizer.units import KINDS, kind_of_unit, noun
 
-__all__ = ["COMPANIONS", "EQUATIONS", "Equation", "Term", "Value", "equation", "terms"]
-
 Value = float | NDArray[np.float64]
 
 EQUATIONS: dict[int, Equation] = {}  # the paper's, by number

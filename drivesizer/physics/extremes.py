@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Extremes", "distinct", "extremes", "first_largest", "undominated"]
-
 Array = NDArray[np.float64]
 
 _FRONT = 300  # points that may be left of a group before its convex hull is computed

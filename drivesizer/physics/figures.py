@@ -13,8 +13,6 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Figures", "Range", "no_less", "once_per_part", "product"]
-
 Array = NDArray[np.float64]
 Result = TypeVar("Result")
 _MULTIPLIED = 1 << 17  # products of figures at a time
@@ -32,7 +30,7 @@ class Figures(Protocol):
 
 
 class Range(NamedTuple):
-    """What is known of a figure: it lies between two ends, floats or columns; NaN where nobody knows an end."""
+    """Ends between which a figure lies, floats or columns; NaN where nobody knows one."""
 
     low: Any
     high: Any

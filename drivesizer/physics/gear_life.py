@@ -8,12 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "FIVE", "ROLLER", "SIX", "bearing_life", "bevel_share", "dynamic_load", "gear_life", "mean_load",
-    "permissible_radial", "pulley_load", "static_load", "tooth_shares", "turned_load",
-]  # fmt: skip
-
-
 # -- Gauss and Legendre's rules, as ``np.polynomial.legendre.leggauss`` has them: loading that takes milliseconds.
 #
 # Nodes lie between -1 and 1; the weights are of an interval of length 2.

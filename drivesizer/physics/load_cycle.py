@@ -12,12 +12,6 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 
-__all__ = [
-    "CYCLE_COLUMNS", "Ends", "Figure", "LoadCycle", "OwnLimit", "cut_points", "end_times", "exceeded", "integral",
-    "lasting_speeds", "mean_product", "mean_running", "middle", "places", "rms",
-]  # fmt: skip
-
-
 # -- The load cycle: speed, acceleration and torque of the shaft that one drive turns, whatever the machine.
 #
 # Segments over time, each with its values at the left and the right end and straight lines between. Segments, not

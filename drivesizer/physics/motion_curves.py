@@ -8,8 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["fastest_ramp", "local_parabola"]
-
 Column = NDArray[np.float64]
 _PART = 1 << 16  # samples of a long recording at a time
 _SLACK = 1e-9  # of a window: a sample on its edge is in it, whatever rounding makes of its time

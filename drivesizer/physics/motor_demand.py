@@ -26,8 +26,6 @@ from drivesizer.physics.cycle_at_gearhead import (
 from drivesizer.physics.drive_train import drive_inertia, lost_in_gearhead, motor_and_gears, through_gears
 from drivesizer.physics.figures import Figures
 
-__all__ = ["Coefficients", "Demands", "coefficients", "demands", "flange_loss", "mean_gear_loss"]
-
 Array = NDArray[np.float64]
 _APART = 1e-9  # functions of time that are less apart are one function, but for a factor
 

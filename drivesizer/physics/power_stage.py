@@ -25,20 +25,6 @@ from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.figures import Figures, Range
 from drivesizer.physics.gear_life import SIX
 
-__all__ = [
-    "ASSUMED_BAND",
-    "ASSUMED_LOSS",
-    "STAGE_FIGURES",
-    "Feed",
-    "PowerStage",
-    "bus_voltage",
-    "least_capacitance",
-    "of_the_source",
-    "power_stage",
-    "usable_voltage",
-    "with_stage_losses",
-]
-
 Array = NDArray[np.float64]
 # V per ampere, of a controller of which nothing is printed: makers print a drop of 0.5 V (Technosoft iPOS) to 1 V
 # (maxon EPOS2, EPOS4, ESCON) at the rated current, or 98 % at 48 to 50 V, which is 1 V; a bridge was measured at 1.1 V

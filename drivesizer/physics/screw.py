@@ -20,12 +20,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.gear_life import FIVE
 
-__all__ = [
-    "DESIGNS", "ENDS", "Design", "Fixity", "MeanLoad", "back_driving_efficiency", "buckling_load", "core_load",
-    "critical_speed", "life_turns", "mean_load", "preload_torque", "shaft_inertia", "shaft_mass", "thread_efficiency",
-]  # fmt: skip
-
-
 Fixity = Literal["fixed-fixed", "fixed-supported", "supported-supported", "fixed-free"]
 Design = Literal["beam", "THK", "HIWIN", "Rexroth", "NBS", "Thomson"]
 ENDS: tuple[str, ...] = get_args(Fixity)

@@ -7,12 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "PULL_OUT_SHARE", "START_BAND", "amplitude", "copper_loss", "electrical_energy", "idle_loss", "natural_frequency",
-    "pull_out_torque", "rescaled_torque", "rotor_teeth", "start_speed", "start_speed_with",
-]  # fmt: skip
-
-
 # -- Power and energy that steppers draw: torque times speed, and the loss of a current that always flows.
 
 

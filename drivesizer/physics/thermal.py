@@ -16,12 +16,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.figures import Figures, once_per_part
 
-__all__ = [
-    "COPPER", "DATA_TEMPERATURE", "TwoBodies", "Value", "continuous_current", "continuous_torque", "current_derating",
-    "data_temperature", "derating_at_most", "nominal_current", "rated_ambient", "resistance_25", "resistance_at",
-    "settled", "steady_winding", "steady_winding_temperature", "two_bodies", "with_plate",
-]  # fmt: skip
-
 Value = float | NDArray[np.float64]
 
 COPPER = 0.0039  # 1/K, of the resistance at 25 degC [1]; the handbook's 0.00393 belongs to 20 degC

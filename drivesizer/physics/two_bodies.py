@@ -29,8 +29,6 @@ from drivesizer.physics.thermal import (
     steady_winding_temperature,
 )
 
-__all__ = ["State", "after", "overload_time", "steady_state"]
-
 Array = NDArray[np.float64]
 _MOST = 80.0  # of an exponent, of what has run away long before
 _EARLIEST, _LATEST = 1e-9, 1e5  # time constants, of winding and housing, between which an overload ends

@@ -15,12 +15,6 @@ from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
 
-__all__ = [
-    "Heat", "Parts", "Stress", "belts_of", "heat", "housing_loss", "on", "put", "replaced",
-    "stress", "temperature_at_most", "volts_of",
-]  # fmt: skip
-
-
 # -- Heat and electrical stress of motors over a load cycle, on columns: losses, warm resistance, current, voltage.
 
 

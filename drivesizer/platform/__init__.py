@@ -2,5 +2,3 @@
 
 May import: files, physics.
 """
-
-__all__: list[str] = []

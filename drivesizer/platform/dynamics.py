@@ -17,13 +17,6 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import Platform
 
-__all__ = [
-    "LEVEL", "Dynamics", "Ground", "Motion", "acceleration", "allowed", "blocks", "centre_acceleration",
-    "contact_loads", "dynamics", "energy", "largest", "motion", "own_rolling", "required_force", "resistance", "seen",
-    "signs", "weight_along", "wheel_space", "wheel_torques",
-]  # fmt: skip
-
-
 # -- Forces of the floor on a platform: its slope pulls, and its wheels share the weight.
 #
 # The floor is a plane with a slope; uphill has a direction in the world. Wheels and casters are taken as equally

@@ -11,12 +11,6 @@ import numpy as np
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, control_points, halves
 
-__all__ = [
-    "Clearance", "Passage", "Size", "clearances", "corner_width", "heading_tolerance", "heading_tolerance_driving",
-    "turning_circle", "width_at",
-]  # fmt: skip
-
-
 # -- Room that a platform needs: doors, corridors, turning on the spot, a corner between two corridors.
 #
 # Seen from above the platform is a rectangle, length L along its heading and width W across. At a heading error t

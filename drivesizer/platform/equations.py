@@ -8,18 +8,6 @@ import numpy as np
 
 from drivesizer.platform.matrix_equation import Array, matrix_equation
 
-__all__ = [
-    "configuration_velocity", "contact_velocity", "coriolis_matrix", "generalised_force", "half_mass_matrix",
-    "half_wheel_inertias", "inertia_matrix", "joint_form", "kinetic_energy", "kinetic_energy_form",
-    "lagrange_operator", "mass_matrix", "motor_torques", "operational_force", "paper_velocity_map",
-    "paper_wheel_map", "platform_constraint", "platform_force", "platform_inertia_force", "posture",
-    "robot_velocity", "roller_frame_rows", "roller_frame_velocity", "rolling_constraint", "rolling_rows",
-    "turning_speed", "velocity", "wheel_acceleration", "wheel_inertia_torque", "wheel_inertias", "wheel_map",
-    "wheel_matrix", "wheel_space_coriolis", "wheel_space_inertia", "wheel_space_torque", "wheel_speeds",
-    "wheel_velocities", "world_acceleration", "world_velocity",
-]  # fmt: skip
-
-
 # -- The platform's kinematics, equations (21)-(33) and (53)-(56), each once.
 #
 # C. Prados Sesmero, L. R. Buonocore, M. Di Castro, *Omnidirectional Robotic Platform for Surveillance of Particle

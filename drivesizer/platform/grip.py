@@ -30,12 +30,6 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.stability import Moment, lift_off_acceleration, of_centre
 from drivesizer.platform.trajectory import Trajectory, finer
 
-__all__ = [
-    "effective_inertia", "floor_forces", "grip_acceleration", "grip_slope", "needed_friction", "translations",
-    "wheel_cycles", "worst_friction",
-]  # fmt: skip
-
-
 # -- Force that the floor must transmit at each wheel, and its limit.
 #
 # A wheel's torque reaches the floor as a force along its roller's axis, :math:`F = (τ - J \ddot ϕ - C_{rr} N_0 r -

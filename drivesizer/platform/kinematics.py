@@ -25,11 +25,6 @@ from drivesizer.platform import equations as eq
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Wheel
 
-__all__ = [
-    "Kinematics", "check_allowed", "columns", "kinematics", "map_columns", "row_sizes", "to_robot", "to_world",
-    "velocity", "wheel_speeds",
-]  # fmt: skip
-
 _ROUNDING = 1e-12  # of what a row makes of a motion in any direction: an entry below it is 0
 _NOTHING = 1e-9  # a singular value below it, with lengths in units of the platform, is rounding
 _LEAST = 1e-6  # of the largest: below it a motion takes a million times the wheel speed or torque of another

@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 from drivesizer.physics import equation
 from drivesizer.physics.equation import Term
 
-__all__ = ["PLATFORM", "Array", "MatrixEquation", "Notation", "computed", "matrix_equation", "symbol", "text"]
-
 Array = NDArray[np.float64]
 
 _GREEK = {

@@ -35,9 +35,6 @@ from drivesizer.platform.trajectory import (
     thinned,
 )  # fmt: skip
 
-__all__ = ["Limits", "Waypoint", "plan", "read_track"]
-
-
 # -- From waypoints to a trajectory: straight in the posture from one to the next, as fast as all limits allow.
 #
 # Between two waypoints place and heading change together, in proportion to one path coordinate s from 0 to 1, from

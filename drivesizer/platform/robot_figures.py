@@ -27,12 +27,6 @@ from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation,
 from drivesizer.platform.wheels import Platform, table_wheel
 from drivesizer.units import registry
 
-__all__ = [
-    "SOURCE", "Instant", "Numbers", "figures", "find", "finding", "matrices", "mobility", "numbers_of",
-    "robot_at_instant", "rows", "sample", "wheel_table",
-]  # fmt: skip
-
-
 # -- Figures of one robot at one instant, by the names of equations (21)-(59), and as labelled matrices with units.
 
 

@@ -15,13 +15,6 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, finer
 from drivesizer.platform.wheels import Platform
 
-__all__ = [
-    "Moment", "carrying", "edge_distances", "least_load", "least_margin", "lift_off_acceleration", "lift_off_slope",
-    "of_centre", "support_polygon", "tipping_acceleration", "tipping_edges", "tipping_slope", "used_footing",
-    "zero_moment_point",
-]  # fmt: skip
-
-
 # -- Distance of a platform from tipping over, and from lifting a wheel.
 #
 # It tips about an edge of the hull of its contact points, casters among them, when the line of weight and inertia

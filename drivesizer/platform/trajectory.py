@@ -16,12 +16,6 @@ from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.platform.kinematics import to_robot
 from drivesizer.platform.matrix_equation import Array
 
-__all__ = [
-    "Trajectory", "control_points", "curve_at_rest", "finer", "halves", "joined", "last_digit", "path_coordinate",
-    "refuse_few_digits", "rest", "speed_at_end", "spline", "thinned",
-]  # fmt: skip
-
-
 # -- Motion of a platform through the world, as pieces of time.
 
 

@@ -9,12 +9,6 @@ from typing import Any, Literal
 
 from drivesizer.errors import InputError
 
-__all__ = [
-    "EXACT", "Caster", "Misjudged", "Payload", "Platform", "Wheel", "actual", "loaded", "per_wheel", "table_wheel",
-    "without_motor",
-]  # fmt: skip
-
-
 # -- Wheels, casters and the platform on them, as records; all lengths in the robot's frame.
 #
 # The frame's x points forward, y to the left; its origin, the reference point, is where the posture is counted. A

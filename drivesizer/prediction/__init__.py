@@ -2,7 +2,3 @@
 
 May import: physics, catalog, results, search; not output.
 """
-
-from __future__ import annotations
-
-__all__: list[str] = []

@@ -13,8 +13,6 @@ from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions, Prediction
 from drivesizer.units import to_si
 
-__all__ = ["predict_set"]
-
 _LONGEST = 10_080.0  # minutes: a week
 _KINDS = {
     "voltage": "voltage", "resistance": "resistance", "ambient": "temperature", "load": "torque", "hold": "torque",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import fields
 from math import isnan, nan
 from typing import Any
 
@@ -13,24 +14,22 @@ from drivesizer.catalog.query import Hit
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.thermal import TwoBodies, resistance_at
-from drivesizer.physics.two_bodies import State
+from drivesizer.physics.two_bodies import State, steady_state
 from drivesizer.prediction.set_at_voltage import (
     Heating,
     SampledParts,
     SetAtVoltage,
+    hold_current,
     hottest_phase,
     in_the_long_run,
     over_time,
     sampled_parts,
     set_at_voltage,
-    static_hold,
     time_to_limit,
 )
 from drivesizer.results.check_kinds import figure_words
 from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
-
-__all__ = ["completed", "predict"]
 
 Array = NDArray[np.float64]
 _POWER = 9  # of two: samples
@@ -116,9 +115,9 @@ def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Con
         one = set_at_voltage(parts, given)
         given = given._replace(warm=_warm(one, given))
         columns, courses = _mechanical(one, given), list[WarmingCourse]()
-        held = static_hold(one, parts, given.hold)
-        columns |= {"hold_current": held.current, "hold_heat": resistance_at(one.R_25, given.ambient) * held.current**2}
-        heated = _heated(one, parts, given, held.current)
+        held = hold_current(one, parts, given.hold)
+        columns |= {"hold_current": held, "hold_heat": resistance_at(one.bodies.R_25, given.ambient) * held**2}
+        heated = _heated(one, parts, given, held)
         for name, heating in heated.items():
             more, ways = _thermal(name, heating, one, given)
             columns, courses = columns | more, [*courses, *ways]
@@ -156,21 +155,21 @@ def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
     ambient, winding = given.ambient, one.winding(given.ambient)
     free, idle = one.running(0.0, ambient)
     stall = one.stall_current(ambient)
-    torque = np.maximum(one.k_t * stall - one.coulomb, 0.0) * one.ratio * one.efficiency
+    torque = np.maximum(one.drive.k_t * stall - one.coulomb, 0.0) * one.drive.ratio * one.drive.efficiency
     speed, current = one.running(given.load, ambient)
-    power = given.load * speed / one.ratio
+    power = given.load * speed / one.drive.ratio
     drawn = one.source_power(given.voltage, given.resistance, current)
-    e = one.efficiency if given.inertia else 1.0  # that of the gear has no say without a load
-    driving = one.inertia + given.inertia / (one.ratio**2 * e)
-    driven = one.inertia + given.inertia * e / one.ratio**2
-    stepped = (winding, one.voltage, one.coulomb, one.viscous, driving)
-    coasted = (driven, one.coulomb, one.viscous, free)
+    e = one.drive.efficiency if given.inertia else 1.0  # that of the gear has no say without a load
+    driving = one.drive.inertia + given.inertia / (one.drive.ratio**2 * e)
+    driven = one.drive.inertia + given.inertia * e / one.drive.ratio**2
+    stepped = (winding, one.voltage, one.coulomb, one.drive.viscous, driving)
+    coasted = (driven, one.coulomb, one.drive.viscous, free)
     return {
-        "free_speed": free / one.ratio,
+        "free_speed": free / one.drive.ratio,
         "no_load_current": idle,
         "stall_torque": torque,
         "stall_current": stall,
-        "load_speed": speed / one.ratio,
+        "load_speed": speed / one.drive.ratio,
         "load_current": current,
         "load_power": power,
         "load_electrical_power": drawn,
@@ -188,12 +187,10 @@ def _warm(one: SetAtVoltage, given: Conditions) -> float:
     if not isnan(given.warm):
         return given.warm
     current, speed = (one.motor[name][0] for name in ("nominal_current", "nominal_speed"))
-    nominal = TwoBodies(
-        **{name: getattr(one.bodies, name)[:1] for name in ("R_25", "R_th1", "R_th2", "tau_w", "tau_h")}
-    )
-    lost = one.losses[0][:1] * speed + one.losses[1][:1] * speed**2
-    heating = Heating(nominal, given.ambient, lambda winding: (current + 0.0 * winding, lost))
-    return float(in_the_long_run(heating)[1][0]) if heating.known else nan
+    loss = one.losses[0][0] * speed + one.losses[1][0] * speed**2
+    names = (field.name for field in fields(TwoBodies))
+    nominal = TwoBodies(**{name: float(getattr(one.bodies, name)[0]) for name in names})
+    return steady_state(nominal, given.ambient, current, loss).housing if not isnan(current + loss) else nan
 
 
 def _heated(one: SetAtVoltage, parts: SampledParts, given: Conditions, held: Array) -> dict[str, Heating]:
@@ -234,7 +231,7 @@ def _thermal(
         if at == "cold":
             columns |= {f"{name}_winding": winding[-1], f"{name}_housing": housing[-1]}
             if name == "work":
-                columns["work_speed"] = one.running(given.load, winding[-1])[0] / one.ratio
+                columns["work_speed"] = one.running(given.load, winding[-1])[0] / one.drive.ratio
         title = f"{'holding' if name == 'hold' else 'at the load'}, from {at}"
         courses.append(WarmingCourse(f"{name}_from_{at}", title, times, _band(winding), _band(housing)))
     return columns, courses
@@ -243,7 +240,7 @@ def _thermal(
 def _line(one: SetAtVoltage, stall: Array, given: Conditions) -> tuple[Array, Band]:
     """Speed over torque at the output, winding at ambient temperature."""
     torque = np.linspace(0.0, float(np.nan_to_num(stall).max()), _POINTS)
-    speed = np.array([one.running(x, given.ambient)[0] / one.ratio for x in torque])
+    speed = np.array([one.running(x, given.ambient)[0] / one.drive.ratio for x in torque])
     return torque, _band(speed)
 
 

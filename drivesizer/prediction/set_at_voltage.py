@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,9 +19,9 @@ from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances import Class, lognormal
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.drive_train import ELECTRONICS, motor_and_gears
+from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, motor_and_gears
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
-from drivesizer.physics.thermal import TwoBodies, resistance_25, resistance_at, two_bodies
+from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.two_bodies import State, after
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import EstimatedFigure
@@ -28,12 +29,6 @@ from drivesizer.results.prediction import Conditions
 from drivesizer.search.uncertainty.sampled_parts import gearhead_times, motor_times
 from drivesizer.search.uncertainty.sampling import sobol
 from drivesizer.search.uncertainty.uncertain_figures import holding
-
-__all__ = [
-    "Heating", "SampledParts", "SetAtVoltage", "hottest_phase", "in_the_long_run", "over_time", "sampled_parts",
-    "set_at_voltage", "static_hold", "time_to_limit",
-]  # fmt: skip
-
 
 # -- The parts of a set over samples: figures times tolerances, estimated figures within their bands.
 #
@@ -266,26 +261,24 @@ class SetAtVoltage(NamedTuple):
     """Columns over samples; the first row is nominal."""
 
     motor: Figures
+    drive: MotorAndGears[Array]  # motor and gear, seen at the motor
     voltage: Array  # V, that reaches the leads of the winding
     duty: Array  # share of the supply's voltage at full command
     leads: Array  # ohm, in series with the winding
     feed: Feed | None  # of the controller; None without one
     most_current: Array  # A, of the controller; infinite without one
-    R_25: Array
-    k_t: Array
-    k_e: Array
-    coulomb: Array  # N*m at the motor, of motor and gear without load
-    viscous: Array  # N*m*s/rad
-    ratio: Array
-    efficiency: Array
-    inertia: Array  # kg*m^2, of rotor and gear at the motor
     bodies: TwoBodies
     losses: tuple[Array, Array]  # at the housing, per speed and per square of it
 
+    @property
+    def coulomb(self) -> Array:
+        """Dry friction of motor and gear without load, at the motor [N*m]."""
+        return self.drive.coulomb + self.drive.idle
+
     def winding(self, temperature: Any) -> Winding:
         """Electrical side with the winding at a temperature [K], leads included."""
-        R = np.asarray(resistance_at(self.R_25, temperature) + self.leads)
-        return Winding(R, self.motor["inductance"], self.k_t, self.k_e)
+        R = np.asarray(resistance_at(self.bodies.R_25, temperature) + self.leads)
+        return Winding(R, self.motor["inductance"], self.drive.k_t, self.drive.k_e)
 
     def stall_current(self, temperature: Any) -> Array:
         """Current at standstill and full voltage [A]."""
@@ -302,58 +295,44 @@ class SetAtVoltage(NamedTuple):
 
     def motor_torque(self, torque_out: Any) -> Array:
         """Torque at the motor that drives one at the output, dry friction included [N*m]; none needs no efficiency."""
-        driving = 0.0 if np.all(torque_out == 0.0) else torque_out / (self.ratio * self.efficiency)
+        driving = 0.0 if np.all(torque_out == 0.0) else torque_out / (self.drive.ratio * self.drive.efficiency)
         return np.asarray(driving + self.coulomb)
 
     def running(self, torque_out: Any, temperature: Any) -> tuple[Array, Array]:
         """Speed of the motor [rad/s] and current [A] under a torque at the output; stalled where that is too much."""
         winding = self.winding(temperature)
-        speed, current = operating_point(winding, self.voltage, self.motor_torque(torque_out), self.viscous)
+        speed, current = operating_point(winding, self.voltage, self.motor_torque(torque_out), self.drive.viscous)
         stuck = (speed <= 0.0) | (current > self.most_current)
         return np.where(stuck, 0.0, speed), np.where(stuck, self.stall_current(temperature), current)
 
 
-class HeldAtRest(NamedTuple):
-    """A torque that is held at rest."""
-
-    current: Array  # A
-    bodies: TwoBodies  # of the hottest phase
-
-
 def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     """A set at a supply."""
-    motor, controller = parts.motor, parts.controller
-    whole = np.ones(len(motor["part"]))
-    own, duty, voltage, feed = motor_and_gears(motor, parts.gearhead), whole, given.voltage * whole, None
+    motor, controller, whole = parts.motor, parts.controller, np.ones(len(parts.motor["part"]))
+    duty, voltage, feed = whole, given.voltage * whole, None
     if controller is not None:
-        duty, feed = (
-            controller["max_duty"],
-            Feed(power_stage(controller, given.voltage), given.voltage, given.resistance, 1),
-        )
+        stage = power_stage(controller, given.voltage)
+        duty, feed = controller["max_duty"], Feed(stage, given.voltage, given.resistance, 1)
         voltage, most = feed.usable, np.asarray(controller["peak_current"], float)
     else:  # of one inside an actuator its stall's current, where the winding would take more
         stall, of_winding = motor["stall_current"][0], motor["nominal_voltage"][0] / motor["resistance"][0]
         limited = motor["commutation"][0] == ELECTRONICS and stall < _LIMITED * of_winding
         most = np.asarray((stall if limited else np.inf) * whole)
-    return SetAtVoltage(
-        motor=motor, voltage=voltage, duty=duty, leads=duty**2 * given.resistance, feed=feed, most_current=most,
-        R_25=np.asarray(resistance_25(motor)), k_t=own.k_t, k_e=motor["back_emf_constant"],
-        coulomb=own.coulomb + own.idle, viscous=own.viscous, ratio=own.ratio, efficiency=own.efficiency,
-        inertia=own.inertia, bodies=two_bodies(motor), losses=housing_loss(motor, whole),
-    )  # fmt: skip
+    drive = motor_and_gears(motor, parts.gearhead)._replace(k_e=motor["back_emf_constant"])
+    leads, losses = duty**2 * given.resistance, housing_loss(motor, whole)
+    return SetAtVoltage(motor, drive, voltage, duty, leads, feed, most, two_bodies(motor), losses)
 
 
-def static_hold(one: SetAtVoltage, parts: SampledParts, torque_out: Any) -> HeldAtRest:
-    r"""Current that holds a torque at rest, and the hottest phase as winding.
+def hold_current(one: SetAtVoltage, parts: SampledParts, torque_out: float) -> Array:
+    r"""Current that holds a torque at rest.
 
     Friction carries any part between :math:`M e / i - M_f` (it helps) and :math:`M / (i e) + M_f` (it has just been
     overcome): uniform between the two over the samples, M/i in the nominal row.
     """
-    helped = np.maximum(torque_out * one.efficiency / one.ratio - one.coulomb, 0.0)
-    overcome = one.motor_torque(torque_out)
-    torque = helped + parts.free[:, 0] * (overcome - helped)
-    torque[0] = np.where(np.isnan(torque[0]), np.nan, torque_out / one.ratio[0])
-    return HeldAtRest(torque / one.k_t, hottest_phase(one, parts))
+    helped = np.maximum(torque_out * one.drive.efficiency / one.drive.ratio - one.coulomb, 0.0)
+    torque = helped + parts.free[:, 0] * (one.motor_torque(torque_out) - helped)
+    torque[0] = np.where(np.isnan(torque[0]), np.nan, torque_out / one.drive.ratio[0])
+    return np.asarray(torque / one.drive.k_t)
 
 
 def hottest_phase(one: SetAtVoltage, parts: SampledParts) -> TwoBodies:
@@ -367,5 +346,4 @@ def hottest_phase(one: SetAtVoltage, parts: SampledParts) -> TwoBodies:
         return one.bodies
     alone = 2.0 * np.cos(_HALF_STEP * parts.free[:, 1]) ** 2
     more = 1.0 + (alone - 1.0) * parts.free[:, 2]
-    return TwoBodies(R_25=one.bodies.R_25, R_th1=one.bodies.R_th1 * more, R_th2=one.bodies.R_th2,
-                     tau_w=one.bodies.tau_w, tau_h=one.bodies.tau_h)  # fmt: skip
+    return replace(one.bodies, R_th1=one.bodies.R_th1 * more)

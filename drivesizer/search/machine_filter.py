@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,7 @@ from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import Load, Pack, accepted, charging, pack_of, raised_voltage
 from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
-from drivesizer.machine.mass_budget import BELT, BY_PIECES
+from drivesizer.machine.mass_budget import BELT, BY_PIECES, machine_mass, mass_columns
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.figures import no_less
 from drivesizer.physics.motor_demand import demands
@@ -40,9 +39,6 @@ from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, f
 from drivesizer.spec.drive import BOUGHT
 from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
-
-if TYPE_CHECKING:
-    from drivesizer.machine.platform_budget import MechanicalBudget
 
 __all__ = [
     "Weigh", "any_in_machine", "best_in_machine", "divided", "least_power", "machine_filter", "passes_budgets",
@@ -142,8 +138,6 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
     spec, sets = whole.spec, whole.candidates
     if spec.budget is None or not spec.budget.weighs:
         return []
-    from drivesizer.machine.platform_budget import machine_mass, mass_columns
-
     catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
     parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
     of_drive = bought(catalog, sets, parts, "mass", BOUGHT, 1 if whole.catalog.ends else None)
@@ -229,7 +223,7 @@ _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
-def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool = False) -> Weigh:
+def weighing(problem: Problem, machine: MachineBudget | None, *, brief: bool = False) -> Weigh:
     """A function that gives the budgets of the machine with a drive in it, of each drive once."""
     made: dict[tuple[int, int, float], MachineBudget] = {}
 
@@ -245,7 +239,7 @@ def weighing(problem: Problem, machine: MechanicalBudget | None, *, brief: bool 
 
 def machine_filter(
     problem: Problem,
-    machine: MechanicalBudget | None,
+    machine: MachineBudget | None,
     weigh: Weigh,
     aside: frozenset[str] = frozenset(),
     *,

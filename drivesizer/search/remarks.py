@@ -11,7 +11,7 @@ import numpy as np
 
 from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
 from drivesizer.loads.recorded import ComputedLoad, Recorded
-from drivesizer.machine import problem as pulleys
+from drivesizer.machine import belts as pulleys
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check_kinds import unknown_figures

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.catalog.parts import one_row
-from drivesizer.machine.budgets import MachineBudget, regeneration
+from drivesizer.machine.braking import braking_budget
+from drivesizer.machine.budgets import MachineBudget
 from drivesizer.machine.part_curves import curves_of, torque_of_part
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
@@ -214,7 +215,7 @@ def _regenerated(evaluation: Evaluation, index: int, parts: DriveParts) -> Braki
     problem, returned = evaluation.problem, evaluation.figures.get("returned")
     if problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0:
         return None
-    return regeneration(problem, parts)
+    return braking_budget(problem, parts)
 
 
 _CASES = 4  # whose pieces are listed

@@ -359,14 +359,15 @@ def problem_with_drive_mass(spec: RobotSpec, catalog: Catalog) -> tuple[Problem,
     def weighing(mass: float) -> RobotSpec:
         return spec.model_copy(update={"load": load.model_copy(update={"mass": mass})})
 
-    def sized(mass: float) -> tuple[float, str] | None:
+    def sized(mass: float) -> float | None:
         heavy = problem(weighing(mass), catalog)
         best = best_in_machine(heavy, _ITERATED)
-        return (drive_mass(heavy, best), best.label) if best else None
+        return drive_mass(heavy, best) if best else None
 
     settled = settle(sized, mass_without_drive(spec, catalog), tolerance=_SAME)
-    mass = settled.total if settled.carries_itself else settled.steps[-1].total
-    return problem(weighing(mass), catalog), (f"the drive's own mass counts, as far as it is known: {settled.words}",)
+    return problem(weighing(settled.total), catalog), (
+        f"the drive's own mass counts, as far as it is known: {settled.words}",
+    )
 
 
 # -- From a spec to the best drives: with the drive's mass, by search, by the machine's budgets, by probability.

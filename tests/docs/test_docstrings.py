@@ -13,17 +13,9 @@ import drivesizer
 PACKAGE = Path(drivesizer.__file__).parent
 ROOMS = sorted(p.name for p in PACKAGE.iterdir() if (p.is_dir() and p.name != "__pycache__") or p.suffix == ".py")
 WORDY = re.compile(r"(What|How|Which|Where|When|Why|That|As)\b")
-FORMULAS = ("equations.py", "errors.py", "kernel", "loads", "physics", "platform", "units")  # each function by itself
+FORMULAS = ("equations.py", "errors.py", "loads", "physics", "platform")  # each public function
 MANUAL = "\n".join(path.read_text(encoding="utf-8") for path in (PACKAGE.parent / "docs").rglob("*.md"))
 IN_MANUAL = set(re.findall(r"^::: (drivesizer[\w.]+)", MANUAL, re.MULTILINE))
-
-
-def public(tree: ast.Module) -> set[str]:
-    """Names in a module's ``__all__``."""
-    for node in tree.body:
-        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "__all__":
-            return {e.value for e in getattr(node.value, "elts", []) if isinstance(e, ast.Constant)}
-    return set()
 
 
 def lacking(path: Path) -> list[str]:
@@ -32,9 +24,11 @@ def lacking(path: Path) -> list[str]:
     place = path.relative_to(PACKAGE)
     module = ".".join(("drivesizer", *place.with_suffix("").parts)).removesuffix(".__init__")
     named = {name.rpartition(".")[2] for name in IN_MANUAL if name.rpartition(".")[0] == module}
-    offered, found = public(tree) if place.parts[0] in FORMULAS else named, []
+    found, formulas = [], place.parts[0] in FORMULAS
     for function in tree.body:
-        if not isinstance(function, ast.FunctionDef) or function.name not in offered:
+        if not isinstance(function, ast.FunctionDef):
+            continue
+        if function.name not in named and (not formulas or function.name.startswith("_")):
             continue
         arguments = function.args
         if len([*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]) < 2:

@@ -6,7 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from drivesizer.kernel.evaluate import HEAT, evaluate
+from drivesizer.kernel.cycle import HEAT
+from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics import thermal
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from drivesizer.kernel.evaluate import ACCOUNT, ENERGY, HEAT, evaluate, pieces
+from drivesizer.kernel.cycle import ACCOUNT, ENERGY, HEAT
+from drivesizer.kernel.evaluate import evaluate, pieces
 from drivesizer.kernel.heat import Law, added, change_of, periodic, phi_2, spread, top_within
 from drivesizer.kernel.records import Drive, Figures
 

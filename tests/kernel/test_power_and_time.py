@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivesizer.kernel.evaluate import ACCOUNT, evaluate
+from drivesizer.kernel.cycle import ACCOUNT
+from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 
 FINE = 4000  # samples of a segment

@@ -13,8 +13,7 @@ from specs import HEAT, estimates_off, without
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery import pack_of, run_time
-from drivesizer.machine.energy_budget import charge_over_mission, energy_budget
+from drivesizer.machine.battery import charge_over_mission, energy_budget, pack_of, run_time
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.physics.battery import peukert_time
 from drivesizer.results.drive_set import DriveSet, EnergyBudget

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
-from drivesizer.machine import problem as pulleys
+from drivesizer.machine import belts as pulleys
 from drivesizer.machine.problem import problem
 from drivesizer.physics.belt import (
     belt_length,

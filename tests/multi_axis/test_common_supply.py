@@ -13,7 +13,7 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.profile import static_torque
-from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.machine.battery import energy_budget
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import drive_power

@@ -15,7 +15,8 @@ from drivesizer.control.engine.sample_loop import available_voltage
 from drivesizer.control.engine.start import table
 from drivesizer.control.engine.task import Drive, Supply
 from drivesizer.kernel import records
-from drivesizer.kernel.evaluate import ENERGY, evaluate
+from drivesizer.kernel.cycle import ENERGY
+from drivesizer.kernel.evaluate import evaluate
 from drivesizer.physics.power_stage import (
     Feed,
     PowerStage,

@@ -13,7 +13,7 @@ from scipy import stats
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.energy_budget import energy_budget
+from drivesizer.machine.battery import energy_budget
 from drivesizer.machine.problem import problem
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.physics.load_cycle import integral

@@ -8,8 +8,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.kernel.cycle import ENERGY, POWER
 from drivesizer.kernel.drives import drives_of, held
-from drivesizer.kernel.evaluate import ENERGY, POWER, evaluate
+from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
 from drivesizer.physics.figures import Range

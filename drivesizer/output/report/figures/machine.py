@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.control.path_following.following import Followed, deviation
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import trajectory_of
-from drivesizer.machine.energy_budget import charge_over_mission
+from drivesizer.machine.battery import charge_over_mission
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.platform import failed_motors_text
 from drivesizer.output.report.figures import style

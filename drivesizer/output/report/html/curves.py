@@ -372,7 +372,7 @@ def _lasts(draw: Array, time: Array, name: str, number: int, unit: str) -> Plot:
 def _run_time_rule(hit: Hit) -> Made:
     """Run time of one cell or block at constant current, where no table is printed."""
     pack = pack_of(Battery(part=hit.part), hit.catalog)
-    if not pack.by_charge:
+    if pack.law is None:
         return
     most = hit["continuous_current"] if hit["continuous_current"] > 0.0 else 2.0 * pack.capacity / 3600.0
     current = np.geomspace(pack.capacity / (20.0 * 3600.0), most, 41)

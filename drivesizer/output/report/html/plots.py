@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.validation import Loop, Validation
-from drivesizer.machine.energy_budget import charge_over_mission
+from drivesizer.machine.battery import charge_over_mission
 from drivesizer.machine.operating_field import OperatingField, hot_winding
 from drivesizer.output.loop_table import cell, loop_figures, loop_name, settled
 from drivesizer.output.report.figures.cycle import LINEAR, closed_loop_rows, platform_motion, speed_required, stretches
