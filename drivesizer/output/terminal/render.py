@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from rich.console import Console
 from rich.padding import Padding
@@ -95,6 +96,13 @@ def _table(console: Console, block: Table) -> None:
     columns = [c for c in block.columns if c.media in TERMINAL and c.form not in ("bar", "share")]
     columns = [c for c in columns if any(row.cells.get(c.key, "") != "" for row in block.rows)]
     made = _made(block, columns)
+    if width_of(made) > console.width and columns[-1].form == "small":  # below the first column, which has more room
+        first, last = columns[0].key, columns.pop().key
+        rows = [replace(row, cells={**row.cells, first: (text_of(row.cells[first]), Small(text_of(row.cells[last])))})
+                for row in block.rows]  # fmt: skip
+        columns[0] = replace(columns[0], form="text")
+        block = replace(block, rows=rows)
+        made = _made(block, columns)
     while (over := width_of(made) - console.width) > 0 and any(c.yields for c in columns):
         columns.remove([c for c in columns if c.yields][-1])
         made = _made(block, columns)
