@@ -131,7 +131,7 @@ def test_a_brake_that_is_needed_and_not_listed_is_a_line_to_buy(capsys, monkeypa
     out = " ".join(told(result, capsys, monkeypatch).split())
     torque = 2 * 40 * 9.80665 * 0.04 * best.gearhead.efficiency / best.gearhead.ratio
     assert f"to hold {1000 * torque:.4g} mN·m" in out.replace("unknown unknown ", "")
-    assert "without the price of brake, encoder, controller" in out
+    assert "no price of brake, encoder, controller" in out
     lines = machine_parts(best, result.problem)
     assert [x.role for x in lines] == ["motor", "gearhead", "brake", "encoder", "controller"]
     assert "brake" in next(t for t in totals(lines) if t.name == "mass").lacks
