@@ -101,7 +101,7 @@ def test_a_recording_of_rest(tmp_path, run, column):
     rows = "".join(f"{t},{0 if column == 'speed' else 5},{T}\n" for t, T in ((0, 4), (1, 4), (2, 6), (3, 4)))
     (tmp_path / "run.csv").write_text(f"time,{column},torque\ns,{unit},N*m\n{rows}", encoding="utf-8")
     data = {"name": "press", "load": {"kind": "recorded", "file": "run.csv"}, "supply": {"nominal": "24 V"},
-            "select": {"catalogs": ["maxon"], "objective": "margin"}}  # fmt: skip
+            "select": {"catalogs": ["maxon"], "objective": "margin", "motor": {"family": "RE 40"}}}  # fmt: skip
     (tmp_path / "robot.yaml").write_text(yaml.safe_dump(data), encoding="utf-8")
     status, out, _ = run("size", tmp_path / "robot.yaml", "--json")
     best = json.loads(out)["sets"][0]

@@ -6,7 +6,6 @@ null spaces or E is in it. Its step h is of first order: half of it, and the dif
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,13 +88,3 @@ def test_torques_of_a_differential_drive():
     fine, coarse = np.abs(theirs - ours).max(), np.abs(np.subtract(*compared(2e-4)[:2])).max()
     assert fine < 0.006  # N*m, of 2.08: 0.3 %
     assert coarse / fine == pytest.approx(2.0, abs=0.3)  # half its step, half the difference: ours has no part
-
-
-def test_what_the_comparison_can_see():
-    """Without the Coriolis force, or with the centre of mass on the axle, the torques would be off by far more."""
-    theirs, _, motion = compared(4e-4)
-    d, plain = dynamics(platform()), dynamics(replace(platform(), x=0.0, y=0.0))
-    assert np.abs(d.distribution @ (motion[2] * (d.C @ motion))).max() > 0.1  # N*m
-    rate = np.gradient(motion, 4e-4, axis=1)
-    assert np.abs(wheel_torques(d, motion, rate) - wheel_torques(plain, motion, rate)).max() > 0.1
-    assert np.abs(theirs).max() < 2.2

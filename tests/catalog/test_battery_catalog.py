@@ -43,16 +43,6 @@ def test_as_printed(maker: str, part: str, held: str, volts: float, hours: float
     assert getattr(own, held)[near].tolist() == pytest.approx([draw])
 
 
-@pytest.mark.parametrize("maker", sorted(COUNTS))
-def test_how_many(maker: str) -> None:
-    catalog = load([maker])
-    found = catalog.discharges
-    assert len(found.time) == COUNTS[maker]
-    assert (np.isnan(found.current) != np.isnan(found.power)).all()
-    sheets = {catalog.sources[number].confidence for number in found.source}
-    assert sheets == {"quoted"}
-
-
 # --- reading ---------------------------------------------------------------------------------------------------------
 
 TEXT = """\
@@ -123,15 +113,10 @@ def test_an_overriding_catalogue_brings_its_own_table(tmp_path: Path) -> None:
         ("held: current (mA)", "held: current", 'discharges[1].held: "current" is not known'),
         ("cells: 6", "cells: 0", 'discharges[2].cells: "0" is not a number of cells in series'),
         ("cutoff_voltage (V), 30 min, 1 h, 20 h]", "cutoff_voltage (V), 30, 1 h, 20 h]", "discharges[1].columns[2]: "),
-        ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[cutoff_voltage (V), 0 s, 1 h, 20 h]",
-         'discharges[1].columns[2]: "0 s" is not above 0 s'),
         ("[cutoff_voltage (V), 30 min, 1 h, 20 h]", "[30 min, 1 h, 20 h, 30 h]",
          "discharges[1].columns: expected cutoff_voltage (V) and then times"),
         ("7000, 4200, 350", "7000, 4200", "discharges[1].rows[1]: expected 4 cells as in `columns`, found 3"),
-        ("7000, 4200, 350", "7000, -4, 350", 'discharges[1].rows[1][3]: "-4" is not a number above 0; unknown is'),
-        ("7000, 4200, 350", "7000, true, 350", 'discharges[1].rows[1][3]: "True" is not a number above 0'),
         ("- [10.8, ~", "- [10.5, ~", "discharges[1].rows[2][3]: this end voltage and time are given twice"),
-        ("  held: power (W)", "  hold: power (W)", "discharges[2].hold: unknown key"),
     ],
 )  # fmt: skip
 def test_a_wrong_table_is_one_line(tmp_path: Path, old: str, new: str, said: str) -> None:

@@ -101,56 +101,6 @@ def test_allied_rows_as_in_the_source(allied: Catalog, part: str) -> None:
         assert getattr(motor, field) == pytest.approx(figure, rel=rounding), field
 
 
-ABOVE_THE_VOLTAGE = {"HT02001-A00": 0.009, "HT02005-A00": 0.040, "HT05002-A00": 0.016, "HT02504-A00": 0.0}
-
-
-def _bodies(catalog: Catalog) -> dict[str, list[int]]:
-    """Rows of the MF motors by body: three windings each."""
-    found: dict[str, list[int]] = {}
-    for part, row in catalog.motors.rows.items():
-        if part.startswith("MF"):
-            found.setdefault(part.partition("_")[0], []).append(row)
-    return found
-
-
-def test_windings_of_one_body_share_rotor_and_cooling(allied: Catalog) -> None:
-    """The source has the rotor of a longer body in 21 rows; here they follow the 48 V winding, and say so."""
-    bodies = _bodies(allied)
-    assert {len(rows) for rows in bodies.values()} == {3}
-    assert len(bodies) == 35
-    for field in ("rotor_inertia", "thermal_resistance_housing"):
-        assert all(len(set(allied.motors[field][rows].tolist())) == 1 for rows in bodies.values()), field
-    taken_over = {
-        part
-        for part in allied.motors.rows
-        if allied.confidence("motors", allied.motors.rows[part])["rotor_inertia"] == "derived"
-    }
-    first, fourth = ("008", "010"), ("044", "075")
-    assert taken_over == {
-        body + winding
-        for body in bodies
-        for winding in ("_150V", "_300V")
-        if body[6:] in first or (body[6:] in fourth and winding == "_150V")
-    }
-    assert len(taken_over) == 21
-
-
-def test_no_load_current_is_derived_or_unknown(allied: Catalog) -> None:
-    motors = allied.motors
-    known = np.isfinite(motors["no_load_current"])
-    assert known.sum() == 39
-    lacks = motors["nominal_voltage"] - motors["torque_constant"] * motors["no_load_speed"]
-    says = lacks / motors["resistance"]
-    assert motors["no_load_current"][known] == pytest.approx(says[known], rel=0.06)  # two digits of a difference
-    share = lacks / motors["nominal_voltage"]
-    assert ((share > 0.001) & (share < 0.15))[known].all()
-    assert (motors["no_load_current"] <= 0.5 * motors["nominal_current"])[known].all()
-    for row in np.flatnonzero(known):
-        assert allied.confidence("motors", int(row))["no_load_current"] == "derived"
-    assert np.isnan(motors["no_load_current"][[motors.rows[part] for part in ABOVE_THE_VOLTAGE]]).all()
-    assert np.isnan(motors["no_load_current"][motors.rows["MF0150025_300V"]])  # 14.9 A of a nominal current of 8.2 A
-
-
 # --- T-Motor -------------------------------------------------------------------------------------------------------
 
 TMOTOR = {

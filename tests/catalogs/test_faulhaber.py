@@ -26,15 +26,6 @@ def motors(faulhaber: Catalog) -> Table[Motor]:
 # --- how much there is ---------------------------------------------------------------------------------------------
 
 
-def test_counts(faulhaber: Catalog, motors: Table[Motor]) -> None:
-    assert [len(faulhaber.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [240, 644, 6, 0]
-    documents = [faulhaber.sources[s].document for s in motors.source]
-    assert sum(d.startswith("Motor-Gearbox Database") for d in documents) == 224
-    assert (motors["kind"] == "brushed").sum() == 161
-    assert not motors.excluded.any()
-    assert not faulhaber.gearheads.excluded.any()
-
-
 def test_pairs(faulhaber: Catalog, motors: Table[Motor]) -> None:
     """Without the 470 gearheads of all sizes that the source lists for each 2214 BXT H and 1509 B."""
     pairs = faulhaber.motor_gearhead

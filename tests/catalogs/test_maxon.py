@@ -53,24 +53,6 @@ def test_excluded_gearheads_are_those_without_figures(catalog: Catalog) -> None:
         assert any(note.exclude and note.text for note in catalog.notes_on("gearheads", str(part)))
 
 
-# --- how much there is ---------------------------------------------------------------------------------------------
-
-
-def _per_source(catalog: Catalog, sources: NDArray[np.int32], starts_with: str) -> int:
-    return sum(catalog.sources[s].document.startswith(starts_with) for s in sources.tolist())
-
-
-def test_counts(catalog: Catalog) -> None:
-    assert [len(catalog.table(s)) for s in ("motors", "gearheads", "encoders", "controllers")] == [647, 2265, 51, 45]
-    assert _per_source(catalog, catalog.motors.source, "maxon online shop") == 640
-    assert _per_source(catalog, catalog.gearheads.source, "maxon online shop") == 2191
-    assert _per_source(catalog, catalog.gearheads.source, "Motor-Gearbox Database") == 74
-    assert _per_source(catalog, catalog.motor_gearhead.source, "Motor-Gearbox Database") == 60143
-    assert _per_source(catalog, catalog.motor_gearhead.source, "public GitHub file, number 25465484559") == 45 + 17 + 17
-    koaxdrives, papers, same_housing = 4 * 24, 9, 9
-    assert len(catalog.motor_gearhead.left) == 60143 + papers + same_housing + koaxdrives + 45 + 17 + 17
-
-
 # --- rows as printed -----------------------------------------------------------------------------------------------
 
 PRINTED = {

@@ -57,30 +57,3 @@ def test_a_library_that_is_old_or_missing(version, monkeypatch):
     found = by_subject(doctor.examined())["typst"]
     assert (found.works, found.found) == (False, version or "missing")
     assert found.remedy.startswith("pip install 'typst>=")
-
-
-@pytest.mark.parametrize(("version", "works"), [(None, True), ("0.0.9", False)])
-def test_a_library_of_an_extra_may_be_missing_but_not_old(version, works, monkeypatch):
-    named = ["pyarrow>=18.0; extra == 'study'", "pyarrow>=18.0; extra == 'dev'", "lxml>=5.2; extra == 'dev'"]
-
-    def version_of(name):
-        if version is None:
-            raise metadata.PackageNotFoundError(name)
-        return version
-
-    monkeypatch.setattr(doctor.metadata, "requires", lambda name: named)
-    monkeypatch.setattr(doctor.metadata, "version", version_of)
-    (found,) = doctor._libraries()
-    assert (found.subject, found.works) == ("pyarrow", works)
-    assert found.found == (version or "not installed, optional: pip install drivesizer[study]")
-
-
-def test_an_error_during_the_checks_is_a_finding(monkeypatch):
-    from drivesizer.output.report.figures import style
-
-    def broken(*_):
-        raise OSError("no fonts")
-
-    monkeypatch.setattr(style, "Drawing", broken)
-    found = by_subject(doctor.examined())["report"]
-    assert not found.works and "no fonts" in found.found

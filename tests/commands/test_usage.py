@@ -3,13 +3,9 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
-from typing import get_args, get_type_hints
 
 import pytest
 from small_catalogue import CATALOGUE
-
-from drivesizer import cli
 
 # the command line, the beginning of what is said of it, and the end
 SAID = [
@@ -49,23 +45,6 @@ def test_a_command_line_that_cannot_be_parsed_is_one_line(run, words, begins, en
     assert err.startswith(f"drivesizer: {begins}")
     assert err.endswith(f"{ends}\n")
     assert "; expected " in err and "e.g. " in err
-
-
-def commands():
-    """All commands, those of groups too, by their functions."""
-    groups = [cli.app, *(group.typer_instance for group in cli.app.registered_groups)]
-    return [info.callback for group in groups for info in group.registered_commands]
-
-
-@pytest.mark.parametrize("command", commands(), ids=lambda command: command.__name__)
-def test_typer_judges_no_number_and_no_file(command):
-    """It has words of its own for them, and refuses a file to write where it may not be read."""
-    hints = get_type_hints(command, include_extras=True)
-    for name in hints.keys() - {"return"}:
-        kind, given = get_args(hints[name])  # annotated
-        kinds = {kind, *get_args(kind), *(one for part in get_args(kind) for one in get_args(part))}
-        assert not kinds & {int, float} or given.parser is not None, name
-        assert Path not in kinds or not given.readable, name
 
 
 def test_what_a_terminal_obeys_is_written_out(run):

@@ -102,16 +102,13 @@ def test_a_tolerance_of_a_dimension_moves_the_inertia():
         ({"diameter": "40 mm", "length": "1 m"}, "load.inertia: give material or density or mass, exactly one of them"),
         ({"diamter": "40 mm", "mass": "1 kg"}, 'load.inertia.diamter: unknown key; did you mean "diameter"?'),
         ({"mass": "1 kg"}, "load.inertia: give diameter of the cylinder, e.g. diameter: 40 mm"),
-        ({"diameter": "4 kg", "mass": "1 kg"}, "load.inertia.diameter: .*unit of mass, not of length"),
         ({"diameter": "4 mm", "inner_diameter": "5 mm", "mass": "1 kg"}, "inner_diameter must be below diameter"),
         ({"diameter": "4 mm", "material": "steel"}, "load.inertia: give length of the cylinder"),
         ({"diameter": "4 mm", "length": "1 m", "material": "gold"}, "load.inertia.material: .*expected 'steel'"),
         ({"shape": "block", "diameter": "3 mm", "mass": "1 kg"}, "expected shape: block without diameter"),
         ({"shape": "point", "mass": "1 kg", "offset": "3 mm", "inner_diameter": "1 mm"}, "without inner_diameter"),
-        ([{"diameter": "3 mm", "mas": "1 kg"}], r'load.inertia\[1\].mas: unknown key; did you mean "mass"?'),
         ([[]], r'load.inertia\[1\]: .* is not a quantity; expected inertia'),
         ([], "load.inertia: .*too short; expected at least 1"),
-        ("3", 'load.inertia: "3" has no unit; expected inertia'),
     ],
 )  # fmt: skip
 def test_refused_in_one_line(given, line):

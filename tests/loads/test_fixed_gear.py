@@ -162,8 +162,6 @@ def test_a_tolerance_of_its_efficiency_moves_the_load_cycle():
         ([WORM, WORM], "transmission must be a gearhead or direct, or one of them and then a belt, a gear"),
         ([BELT, {"kind": "gearhead"}], "transmission must be a gearhead or direct"),
         ([{"kind": "gear", "ratio": 2}], r"transmission\[2\].efficiency: is missing; expected plain number"),
-        ([WORM | {"back_efficiency": 1.2}], r"back_efficiency: 1.2 must be at most 1|must be at most 1"),
-        ([WORM | {"ratio": -20}], r"transmission\[2\].ratio: .*must be above 0"),
         ([WORM | {"pinion_inertia": "1 kg*cm^2"}, {"kind": "belt", "ratios": [1, 2], "efficiency": 0.95}],
          "inertia and friction of a worm before a belt need the one ratio of the belt"),
         ([WORM, {"kind": "belt", "efficiency": 0.95, "max_tension": "1 kN", "pulleys": {

@@ -6,7 +6,6 @@ from math import nan, sqrt
 import by_hand
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from specs import poorer
 from starters import BODIES, starter
 
@@ -142,47 +141,6 @@ def _on_and_off(tmp_path, catalog, **motion):
             "winding_time_constant": BODIES.tau_w, "motor_time_constant": BODIES.tau_h}  # fmt: skip
     spec = spec.model_copy(update={"motion": spec.motion.model_copy(update=motion)})
     return set_cycle(spec, replace(one, motor=replace(one.motor, **heat)))
-
-
-def _simulated(found, cycles: int):
-    """Rises of the two bodies by SciPy's integrator, piece by piece from cold: time, winding, housing."""
-    d, p, state, now, rows = found.drive, found.pieces, np.zeros(2), 0.0, [(0.0, 0.0, 0.0)]
-    d = d._replace(**{name: float(np.squeeze(x)) for name, x in d._asdict().items()})
-    for _ in range(cycles):
-        for t, I_0, I_1, w_0, w_1 in zip(*p[:5], strict=True):
-            square = (I_0 * I_0 + I_0 * I_1 + I_1 * I_1) / 3.0
-            loss = d.friction * (abs(w_0) + abs(w_1)) / 2.0 + d.iron * (w_0 * w_0 + w_0 * w_1 + w_1 * w_1) / 3.0
-
-            def slope(_, T, square=square, loss=loss):
-                through = (T[0] - T[1]) / d.R_th1
-                return [((d.R + d.R_rise * T[0]) * square - through) / d.C_w, (loss + through - T[1] / d.R_th2) / d.C_h]
-
-            done = solve_ivp(slope, (0.0, t), state, rtol=1e-10, atol=1e-10, max_step=t / 20)
-            rows += list(zip(now + done.t[1:], *done.y[:, 1:], strict=True))
-            state, now = done.y[:, -1], now + t
-    return np.array(rows)
-
-
-def test_the_way_from_cold_is_that_of_an_integrator(tmp_path, catalog):
-    found = _on_and_off(tmp_path, catalog)
-    way, ambient = warm_up(found), found.spec.environment.ambient
-    assert way is not None and len(way.time) <= 61 and way.time[0] == 0.0
-    total = float(found.pieces.duration.sum())
-    rows = _simulated(found, 12) + np.array([0.0, ambient, ambient])
-    numbers = np.round(way.time[1:] / total).astype(int) - 1
-    assert len([n for n in numbers if n < 12]) >= 4
-    for number in (n for n in numbers if n < 12):
-        place = int(np.flatnonzero(numbers == number)[0])
-        cycle = rows[(rows[:, 0] >= total * number - 1e-9) & (rows[:, 0] <= total * (number + 1) + 1e-9)]
-        assert way.housing[1:][place] == pytest.approx(cycle[-1, 2], abs=1e-4)
-        assert way.highest[place] == pytest.approx(cycle[:, 1].max(), abs=0.05)
-        assert way.lowest[place] == pytest.approx(cycle[:, 1].min(), abs=0.05)
-    assert way.housing[0] == ambient and (np.diff(way.housing) > 0.0).all()
-    left = (way.housing_in_cycle[-1] - way.housing[-1]) / (way.housing_in_cycle[-1] - ambient)
-    assert 0.0 < left < 0.011
-    assert way.winding_in_cycle[-1] == pytest.approx(way.winding_in_cycle[0], abs=1e-9)
-    assert way.winding_in_cycle.max() == pytest.approx(way.peak, abs=0.05) and way.winding_in_cycle.max() <= way.peak
-    assert (np.diff(way.in_cycle) > 0.0).all() and way.in_cycle[-1] == pytest.approx(total)
 
 
 def test_a_runaway_and_an_unknown_figure_have_no_way(tmp_path, catalog):

@@ -15,8 +15,6 @@ from drivesizer.multi_axis.phases import (
     AtAnyPhase,
     exchanged,
     from_start,
-    longest_run_of_two,
-    returned_over_phases,
     share_above,
     summed_up,
     worst_start,
@@ -49,13 +47,6 @@ def _shares(a: float, b: float) -> tuple[float, float]:
         return max((a + b) / 2, 0.0), max(-(a + b) / 2, 0.0)
     above = max(a, b) ** 2 / (2 * abs(b - a))
     return above, above - (a + b) / 2
-
-
-def trapezoid(start: float, ramp: float, power: float, back: float, total: float) -> DrivePower:
-    """Acceleration to a power from a moment on, and at once braking from another one: two triangles."""
-    done = start + 2 * ramp
-    points = [(0.0, 0.0), (start, 0.0), (start + ramp, power), (start + ramp, -back), (done, 0.0), (total, 0.0)]
-    return course([p for k, p in enumerate(points) if k == 0 or p != points[k - 1]])
 
 
 def at_random(seed: int, total: float = 0.0) -> list[tuple[float, float]]:
@@ -101,20 +92,6 @@ def test_one_axis_accelerates_with_what_another_regenerates():
     assert energy(summed_up([one, other], STIFF)) == pytest.approx((50.0, 30.0))
     apart = exchanged([one, from_start(other, 1.0)], STIFF)
     assert energy(apart) == pytest.approx((50.0, 30.0)) and float(apart.peak.max()) == pytest.approx(100.0)
-
-
-def test_offsets_decide_the_peak():
-    """Two trapezoidal moves of 80 W at their peak, braking with 30 W: started together 160 W, a ramp apart 50 W."""
-    move = trapezoid(0.0, 0.5, 80.0, 30.0, 2.0)
-    both = exchanged([move, move], STIFF)
-    assert float(both.peak.max()) == pytest.approx(160.0)
-    assert energy(both) == pytest.approx((40.0, 15.0))  # 0.5 s · 80 W / 2 and 0.5 s · 30 W / 2, of two
-    # the second rises from 0 to 80 W while the first falls from -30 W to 0: they cross at 30 t/0.5 = 80 (0.5 - t)/0.5
-    later = exchanged([move, from_start(move, 0.5)], STIFF)
-    at = 0.5 * 30.0 / 110.0
-    left = 30.0 * at / 2
-    assert energy(later)[1] == pytest.approx(left + 7.5, rel=0.01) and energy(later)[1] >= left + 7.5 - 1e-9
-    assert float(later.peak.max()) == pytest.approx(80.0)
 
 
 # --- walked through time ----------------------------------------------------------------------------------------------
@@ -177,12 +154,6 @@ def machine() -> RobotSpec:
     return read_spec(YamlSource(MACHINE, "x.yaml"))
 
 
-def even(points) -> tuple[np.ndarray, np.ndarray]:
-    """A course as even pieces, for what is exact of these."""
-    one = course(points)
-    return one.duration, one.bus_drawn - one.returned
-
-
 def test_the_share_of_time_above_a_limit_is_that_of_counting():
     """Sawtooths from 0 to 1: the sum of three exceeds x with the probability of Irwin and Hall."""
     tooth = (np.full(1000, 1e-3), (np.arange(1000) + 0.5) / 1000)
@@ -192,34 +163,6 @@ def test_the_share_of_time_above_a_limit_is_that_of_counting():
         assert next(both) <= share + 1e-3 and share - 1e-3 <= next(both) <= share + 3e-3
     assert share_above([tooth] * 3, 3.0) == 0.0 and share_above([tooth] * 3, -0.1) == pytest.approx(1.0)
     assert math.isnan(share_above([(np.ones(1), np.full(1, math.nan)), tooth], 1.0))
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_the_share_of_time_is_that_of_random_phases(seed):
-    of = np.random.default_rng(seed)
-    courses = [even(at_random(7 * seed + k)) for k in range(2 + seed % 3)]
-    phases = of.uniform(0.0, 1.0, (len(courses), 40_000))
-    found = np.zeros(phases.shape[1])
-    for (duration, values), phase in zip(courses, phases, strict=True):
-        found += values[np.searchsorted(np.cumsum(duration), phase * duration.sum() * (1 - 1e-12))]
-    for limit in np.quantile(found, [0.2, 0.7, 0.99]):
-        counted = float((found > limit).mean())
-        least, most = (share_above(courses, limit, up=up) for up in (False, True))
-        assert least - 0.01 <= counted <= most + 0.01 and most - least < 0.02
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_what_two_courses_return_at_each_phase_lies_between_worst_and_best(seed):
-    first, second = even(at_random(seed, 2.0)), even(at_random(90 + seed, 2.0))
-    worst, best = returned_over_phases(first, second)
-    found = []
-    for phase in np.linspace(0.0, 2.0, 101):
-        at = (np.arange(4000) + 0.5) / 2000.0
-        net = sum(values[np.minimum(np.searchsorted(np.cumsum(duration), (at + shift) % 2.0), len(values) - 1)]
-                  for (duration, values), shift in ((first, 0.0), (second, phase)))  # fmt: skip
-        found.append(float(np.maximum(-net, 0.0).mean()))
-    assert best - 0.05 <= min(found) and max(found) <= worst + 0.05
-    assert max(found) >= worst - 0.3 and min(found) <= best + 0.3  # a hundred phases come close to both
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -246,11 +189,3 @@ def test_no_phase_exceeds_the_bounds(seed):
     aligned = exchanged([from_start(p, worst_start(p)) for p in powers], STIFF)
     assert worst <= float(aligned.peak.max()) + 1e-9
     assert float(aligned.peak.max()) == pytest.approx(sum(float(p.most.max()) for p in powers))
-
-
-def test_the_longest_time_above_a_limit_of_two_courses_is_found():
-    """Each has 10 W for 1 s of 4 s; 15 W are passed for 1 s at most, 5 W for 2 s, one after the other."""
-    one = np.array([1.0, 3.0]), np.array([10.0, 0.0])
-    assert longest_run_of_two([one, one], 15.0) == pytest.approx(1.0, abs=0.02)
-    assert longest_run_of_two([one, one], 5.0) == pytest.approx(2.0, abs=0.03)
-    assert longest_run_of_two([one, one], 25.0) == 0.0 and longest_run_of_two([one, one], -1.0) == math.inf

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
 from drivesizer.multi_axis.axis_sizings import as_chosen
 from drivesizer.multi_axis.sizing import laden, size_machine
 from drivesizer.results.machine import MachineSizing
@@ -99,15 +98,6 @@ def test_axes_wait_until_the_last_is_done_or_as_long_as_the_cycle_is_given() -> 
         laden(load_machine({**ROW, "cycle_time": "2 s"}), "ramps")
 
 
-def test_an_axis_that_repeats_keeps_its_own_cycle() -> None:
-    turning = {"load": {"kind": "flywheel", "inertia": "1 kg*cm^2"},
-               "motion": {"profile": "harmonic", "amplitude": "1 rad", "period": "0.5 s"}}  # fmt: skip
-    for fields, waits in (
-        ({"repeats": True}, None), (turning, None), ({**turning, "repeats": False}, 5.0), ({"repeats": False}, 5.0),
-    ):  # fmt: skip
-        assert until(changed(ramps=fields)) == {"long": None, "ramps": waits, "curve": pytest.approx(5.0)}
-
-
 def test_a_motion_that_does_not_end_at_rest_cannot_wait(tmp_path: Path) -> None:
     (tmp_path / "on.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,50,0.02\n1,50,0.02\n", encoding="utf-8")
     given = copy.deepcopy(ROW)
@@ -116,28 +106,3 @@ def test_a_motion_that_does_not_end_at_rest_cannot_wait(tmp_path: Path) -> None:
     given["axes"]["ramps"]["repeats"] = False
     with pytest.raises(InputError, match=r"axes.ramps.repeats: its motion is not at rest at both ends; expected true"):
         until(given)
-
-
-def test_each_load_case_waits_for_its_own_cycle() -> None:
-    cases = [{"name": "slow", "motion": {**TRAPEZOID, "rest_time": "9.3 s"}}]
-    spec = laden(load_machine(changed(long={"cases": cases})), "long")
-    assert [case.waits_until for _, case in spec.load_cases] == [None, None]
-    again = [{"name": "slow", "load": {"mass": "5 kg"}}]
-    spec = laden(load_machine(changed(long={"cases": cases}, ramps={"cases": again})), "ramps")
-    assert [case.waits_until for _, case in spec.load_cases] == pytest.approx([5.0, 10.0])
-    spec = laden(load_machine(changed(long={"cases": cases})), "curve")  # has its first case alone
-    assert spec.waits_until == pytest.approx(5.0)
-
-
-def test_a_recording_waits_as_its_last_moment_says_and_not_where_that_is_unknown(tmp_path: Path) -> None:
-    for name, end in (("rests", "1,0,0.02\n1.2,0,0.02"), ("stops", "1,0,-0.04")):
-        text = f"time,speed,torque\ns,rpm,N*m\n0,0,0.02\n0.5,100,0.05\n{end}\n"
-        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8")
-    given = copy.deepcopy(ROW)
-    del given["axes"]["curve"], given["axes"]["ramps"]
-    for name in ("rests", "stops"):
-        given["axes"][name] = {"load": {"kind": "recorded", "file": str(tmp_path / f"{name}.csv")}}
-    machine = load_machine(given)
-    rests, stops = (load_cycle(laden(machine, name)) for name in ("rests", "stops"))
-    assert rests.total == pytest.approx(5.0) and rests.torque[-1] == pytest.approx(0.02)
-    assert stops.total == pytest.approx(1.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from copy import deepcopy
-from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -398,30 +397,6 @@ def test_the_mass_is_the_one_that_it_was_sized_for(made):
     parts = explain(spec, "m1", "g0")[0].parts
     drives = 2 * sum(parts[role].mass for role in ("motor", "gearhead", "controller"))
     assert spec.load.mass == 30.0 and model_of(of).body_mass.sum() == pytest.approx(23.0 + drives)
-
-
-def test_what_is_unknown_or_not_driven_is_said(made):
-    places = [{"kind": "fixed", "x": "-50 mm", "y": f"{y} mm"} for y in (200, -200)]
-    passive = {"kind": "omni", "x": "300 mm", "y": "0 mm", "driven": False}
-    _, of = made({
-        "load": {"friction_coefficient": None},
-        "platform": {"layout": None, "casters": [], "wheels": [*places, passive], "centre_of_mass": {"x": "-50 mm"}},
-    })  # fmt: skip
-    text = rendered(of, "mjcf").decode()
-    for said in (
-        "The height of the centre of mass is unknown: it is on the floor",
-        "friction between wheel and floor is unknown; 1 is assumed",
-        "It has no drive. Friction has the 0 N*m",
-        "A wheel without a drive has the inertia of one with",
-    ):
-        assert said in text
-    assert model_of(of).nu == 6
-    controllers = rendered(of, "ros2_control", True).decode()
-    assert "odometry is that of the axle's middle, -0.05 m ahead of base_footprint" in controllers
-    assert "left_wheel_names: [velocity_controller/wheel_1]" in controllers
-    blunt = replace(of, drives={k: replace(d, of=replace(d.of, controller=None)) for k, d in of.drives.items()})
-    with pytest.raises(InputError, match=r"rotor's inertia is not in the catalogue.*expected --format urdf"):
-        model_of(blunt)
 
 
 def test_one_wheel_has_its_own_motion(mecanum):

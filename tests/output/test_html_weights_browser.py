@@ -128,32 +128,6 @@ def test_what_is_unknown_goes_below_while_it_counts(page, weighed):
     assert len(names(page)) in (20, 21)
 
 
-@pytest.mark.parametrize("hash", ["#weights:mass=x,oracle=3", "#weights:", "#weights:%E0%A4%A", "#weights:mass=-1"])
-def test_an_address_without_known_weights_changes_nothing(page, hash):
-    page.get_by_role("button", name="As the spec").click()
-    before = names(page)
-    page.evaluate("(hash) => { location.hash = hash }", hash)
-    page.wait_for_timeout(50)
-    assert names(page) == before and page.heard.console == []
-
-
-@pytest.mark.parametrize("width", [1400, 768, 390])
-def test_it_fits_its_window(page, width):
-    page.set_viewport_size({"width": width, "height": 900})
-    assert page.evaluate("document.documentElement.scrollWidth") <= width
-    over = page.evaluate("""() => [...document.querySelectorAll("main *")].filter((e) => !e.closest(".scroll")
-        && e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.outerHTML.slice(0, 80))""")
-    assert over == []
-    page.set_viewport_size({"width": 1400, "height": 1000})
-
-
-def test_without_a_script_the_table_is_there_in_the_order_of_the_spec(browser, path):
-    still = browser.new_page(java_script_enabled=False)
-    still.goto(path.as_uri())
-    assert still.locator("#by-weights tbody tr").count() == COUNT and not still.locator("fieldset").is_visible()
-    still.close()
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_the_section_has_no_serious_finding(page, scheme):
     page.emulate_media(color_scheme=scheme)

@@ -63,15 +63,6 @@ def test_the_best_efficiency_is_the_printed_one():
     assert abs(np.median(off)) < 0.005 and np.quantile(np.abs(off), 0.95) < 0.015
 
 
-def test_above_the_permitted_speed_the_voltage_is_less_and_nothing_is_said(tmp_path):
-    hit = own(tmp_path, "motors", **IDEAL, max_speed="4000 rpm")
-    plot = part_plots(hit)["speed-torque"]
-    torque, efficiency = trace(plot, "efficiency")
-    rpm = (V - R * I_0) / K * (1.0 - torque / 1e3 / (K * (V / R - I_0))) * 30 / pi
-    assert (np.isnan(efficiency) == (rpm > 4000.0)).all() and np.isnan(efficiency).any()
-    assert trace(plot, "at 24 V")[1].tolist() == [4000.0, 4000.0, 0.0]
-
-
 def test_what_is_unknown_or_contradicts_itself_is_not_drawn(tmp_path):
     assert part_plots(own(tmp_path, "motors", kind="brushed")) == {}
     figures = IDEAL | {"no_load_speed": "9500 rpm", "stall_torque": "288 mN*m"}
@@ -97,17 +88,6 @@ def test_a_gearhead_has_its_printed_efficiency_at_its_rated_torque():
     half = rated / 2 / ratio
     assert found[1] == pytest.approx(half / (half + lost / 2 + idle))
     assert part_plots(hit)["efficiency"]["data"][0]["y"][-1] > 95.0  # at the intermittent torque
-
-
-def test_a_familys_torques_are_those_of_the_catalogue():
-    (hit,) = find(open_catalogs(["maxon"]), "110313")
-    plot = part_plots(hit)["torque-ratio"]
-    table = hit.table
-    family = [row for row in range(len(table)) if table["family"][row] == hit["family"] and not table.excluded[row]]
-    x, y = trace(plot, "continuous")
-    assert sorted(x.tolist()) == pytest.approx(sorted(table["ratio"][family].tolist()), rel=1e-5)
-    assert set(y.tolist()) == {float(f"{torque:.6g}") for torque in table["continuous_torque"][family]}
-    assert trace(plot, "110313, continuous")[0][0] == pytest.approx(hit["ratio"])
 
 
 # -- steppers and batteries

@@ -13,7 +13,7 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.files.writing import write_files
-from drivesizer.output.report import KNOWN, write
+from drivesizer.output.report import KNOWN
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec
 
@@ -101,20 +101,6 @@ def test_an_interrupted_report_leaves_the_older_one_and_nothing_else(example, tm
         assert run.wait(60) == 0
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
-def test_a_killed_report_leaves_the_older_one_and_does_not_hinder_the_next(example, tmp_path, result):
-    target = tmp_path / "report.xlsx"
-    target.write_bytes(b"older")
-    with writer(example, target) as run:
-        assert half_written(run, tmp_path)
-        run.kill()
-        assert run.wait(60) == -signal.SIGKILL
-    assert target.read_bytes() == b"older"
-    write(result, None, [target])
-    assert target.read_bytes().startswith(b"PK")
-
-
 def test_a_name_that_a_killed_run_left_is_passed_over(tmp_path):
     left = tmp_path / f".drivesizer-{os.getpid()}-0.part"
     left.write_bytes(b"half of an older one")
@@ -173,17 +159,3 @@ def test_files_of_one_report_are_all_of_one_run(at, content, tmp_path, monkeypat
     monkeypatch.undo()
     assert {path.read_bytes() for path in tmp_path.iterdir()} == {content}
     assert names(tmp_path) == ["a.csv", "b.csv"]
-
-
-@pytest.mark.slow
-def test_two_runs_at_once_do_not_meet(tmp_path):
-    from threading import Thread
-
-    target = tmp_path / "report.csv"
-    runs = [Thread(target=write_files, args=({target: bytes([65 + n]) * 200_000},)) for n in range(8)]
-    for run in runs:
-        run.start()
-    for run in runs:
-        run.join()
-    assert len(set(target.read_bytes())) == 1 and target.stat().st_size == 200_000
-    assert names(tmp_path) == [target.name]

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import combinations
-from math import inf, nan, sqrt
+from math import nan, sqrt
 from xml.etree import ElementTree
 
 import numpy as np
@@ -10,11 +10,10 @@ import pytest
 from starters import starter
 from synthetic_validation import labels
 
-from drivesizer.machine.set_cycle import WarmUp, set_cycle
+from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
-from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.sizing import Check, SizingResult
 from drivesizer.sizing import size
@@ -137,52 +136,6 @@ def test_the_best_of_the_map_is_no_better_than_the_handbook_allows(result):
     limit = (1.0 - sqrt(motor.no_load_current * hot(found) / 18.9)) ** 2
     best = np.nanmax(np.where(shown.field.voltage[:, shown.torque > 0.0] <= 18.9, share, 0.0))
     assert 0.97 * limit < best / result.sets[0].gearhead.efficiency <= limit * (1.0 + 1e-9)
-
-
-# -- current and voltage
-
-
-def test_current_and_voltage_are_drawn_with_the_limits_in_sight(canvas, result):
-    does = Behaviour(result.problem, result.sets[0])
-    figure = canvas(cycle.current_and_voltage, does.cycles,
-                    [("nominal", 1.16), ("peak", 15.0), ("no", nan), ("none", inf)], [("usable", 18.9)])  # fmt: skip
-    told = {c.name: c.demand for c in result.sets[0].beside}
-    currents, voltages = figure.axes[:1], figure.axes[1:]
-    assert max(
-        np.abs(line.get_ydata()).max() for axes in currents for line in axes.lines if len(line.get_ydata()) > 2
-    ) == (pytest.approx(told["controller_peak_current"]))
-    assert max(
-        np.abs(line.get_ydata()).max() for axes in voltages for line in axes.lines if len(line.get_ydata()) > 2
-    ) == (pytest.approx(told["supply_voltage"]))
-    across = [{line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2} for axes in figure.axes]
-    assert all(1.16 in some and 15.0 not in some for some in across[:1]) and all(18.9 in some for some in across[1:])
-    said = labels(cycle.current_and_voltage(does.cycles, [("nominal", 1.16), ("peak", 15.0)], [("usable", 18.9)]))
-    assert {"nominal 1.16 A", "beyond: peak 15 A", "usable 18.9 V", "current (A)", "voltage (V)", "time (s)"} <= said
-
-
-# -- heat
-
-
-def test_temperatures_are_drawn_with_their_limits(canvas):
-    rises = np.array([20.0, 30.0, 20.0])
-    found = WarmUp(time=np.array([0.0, 30.0, 60.0, 90.0]), lowest=rises + 298.15, highest=rises + 303.15,
-                   housing=np.append(298.15, rises + 290.0), in_cycle=np.array([0.0, 5.0, 30.0]),
-                   winding_in_cycle=rises + 298.15, housing_in_cycle=rises + 290.0, peak=328.15,
-                   peak_time=5.0)  # fmt: skip
-    figure = canvas(cycle.temperatures, found, 298.15, 373.15)
-    way, repeats = figure.axes
-    for axes in (way, repeats):
-        across = {line.get_ydata()[0] for line in axes.lines if len(line.get_ydata()) == 2}
-        assert {25.0, 100.0} <= {round(y, 9) for y in across}
-    (peak,) = [line for line in repeats.lines if line.get_marker() == "o"]
-    assert peak.get_ydata()[0] == pytest.approx(55.0)
-    assert peak.get_xdata()[0] == pytest.approx(5.0)  # the end of the pulse
-    (housing,) = [line for line in way.lines if len(line.get_ydata()) > 2]
-    assert housing.get_ydata()[0] == pytest.approx(25.0)
-    assert housing.get_ydata()[-1] == pytest.approx(rises[-1] + 290.0 - 273.15)
-    said = labels(cycle.temperatures(found, 298.15, 373.15))
-    assert {"temperature (°C)", "time in the cycle (s)", "permitted 100 °C", "ambient 25 °C", "from cold"} <= said
-    assert "permitted" not in " ".join(labels(cycle.temperatures(found, 298.15, nan)))
 
 
 # -- front

@@ -149,30 +149,6 @@ def test_a_falling_power_is_burnt_as_its_closed_form_says(pieces):
     assert found.duration.sum() == pytest.approx(0.5) and found.energy.sum() == pytest.approx(burnt.sum())
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_the_course_of_burning_is_that_of_fine_steps(seed):
-    """Straight pieces of any power, the store looked at 20 000 times a cycle."""
-    of = np.random.default_rng(seed)
-    knots = np.where(of.uniform(size=9) < 0.3, 0.0, of.uniform(0.0, 100.0, 9))
-    knots[0] = knots[-1] = 0.0  # the drive draws between the cycles
-    n, k = 400, len(knots) - 1
-    ends = np.interp(np.linspace(0.0, k, n * k + 1), np.arange(k + 1), knots)
-    duration = np.append(np.full(n * k, 1.0 / n), 1.0)
-    returned = np.append((ends[1:] + ends[:-1]) / 2 / n, 0.0)
-    drawn, capacity, power = np.append(np.zeros(n * k), 1e3), of.uniform(5.0, 120.0), of.uniform(10.0, 80.0)
-    fine = burnt_energy(drawn, returned, capacity)
-    coarse = [
-        np.append(np.add.reduceat(x[:-1], np.arange(0, n * k, n // 8)), x[-1]) for x in (duration, returned, drawn)
-    ]
-    highest = np.append(np.maximum(ends[:-1], ends[1:]).reshape(-1, n // 8).max(axis=1), 0.0)
-    found = burning(*coarse[:2], highest, burnt_energy(coarse[2], coarse[1], capacity), power)
-    rate = fine * n
-    assert found.peak == pytest.approx(float(rate[:-1].max()), abs=1.0)
-    assert found.energy.sum() == pytest.approx(float(fine.sum()), abs=1e-6)
-    pulse = largest_pulse(duration, np.where(rate > power, fine, 0.0))
-    assert largest_pulse(found.duration, found.energy, power) == pytest.approx(pulse, abs=1.0)
-
-
 # --- laws and edges -------------------------------------------------------------------------------------------------
 
 

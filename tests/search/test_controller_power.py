@@ -6,8 +6,7 @@ import pytest
 import yaml
 
 from drivesizer.results.ratings import controller_power_limit
-from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.sizing import explain, size
+from drivesizer.sizing import explain
 from drivesizer.spec.robot import load_spec
 
 X1 = {
@@ -76,26 +75,3 @@ def test_a_drive_is_judged_by_its_power(tmp_path, volts, status):
     assert checks["limited"]["controller_power"].status == status
     assert checks["limited"]["controller_power"].demand == pytest.approx(445.0, rel=0.03)  # the winding warms
     assert "controller_power" not in checks["free"]
-
-
-def test_where_the_first_is_too_weak_the_next_is_taken(tmp_path):
-    """Both are of the same currents; the one that comes first by its name permits 400 W at 44 V, 445 W are needed."""
-    (tmp_path / "own.yaml").write_text(CATALOG.replace("1.0, 20, 0.01", "2.0, 40, 0.01").replace("[free", "[unlimited"))
-    spec = SPEC | {"supply": {"nominal": "44 V"}, "select": {"catalogs": ["own.yaml"]}}
-    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(spec), encoding="utf-8")
-    (found,) = explain(load_spec(tmp_path / "robot.yaml"), "M1", "direct")
-    assert found.controller.part == "unlimited" and found.status != "fail"
-
-
-def test_samples_have_the_power_where_a_controller_alone_limits_it(tmp_path):
-    """No limit of the supply, which takes back all that returns: nothing else needs the power."""
-    (tmp_path / "own.yaml").write_text(CATALOG.replace("1.0, 20, 0.01", "2.0, 40, 0.01"), encoding="utf-8")
-    spec = SPEC | {
-        "load": SPEC["load"] | {"torque": "0.9 N*m +- 5 %"},
-        "supply": {"nominal": "28 V", "regeneration": 1},
-    }
-    spec |= {"select": {"catalogs": ["own.yaml"], "controller": {"part": ["limited"]}}}
-    (tmp_path / "robot.yaml").write_text(yaml.safe_dump(spec), encoding="utf-8")
-    (found,) = size(load_spec(tmp_path / "robot.yaml"), top=1, sampling=Sampling(64, 1, None)).sets
-    (power,) = (one for one in found.reliability.checks if one.name == "controller_power")
-    assert power.passes == 1.0 and 0.5 < power.low < power.high < 1.5

@@ -301,10 +301,7 @@ def test_a_toleranced_distance_gives_the_share_that_its_range_says(no_further_se
     ("sections", "said"),
     [
         ({"shaft": {"distance": "-1 mm"}}, "must be at least 0 m"),
-        ({"needs": {"life": "-5 h"}}, "must be above 0 s"),
-        ({"needs": {"shock_torque": "0 N*m"}}, "must be above 0 N"),
         ({"shaft": {"distance": "9 mm"}}, "nothing acts on it"),
-        ({"shaft": {"carries_load": True, "helix_angle": "50 deg"}}, "must be at most"),
         ({"shaft": {"carries_load": True}, "transmission": [{"kind": "gearhead"}, {"kind": "chain", "ratio": 2,
           "efficiency": 0.9}]}, "the chain is on this shaft"),
         ({"transmission": [{"kind": "gearhead"}, {"kind": "worm", "ratio": 20, "efficiency": 0.6,

@@ -304,43 +304,6 @@ def test_a_fresh_beginning_takes_away_no_input(name, run, tmp_path):
     assert {path: path.read_bytes() for path in before} == before
 
 
-@pytest.mark.parametrize(
-    ("target", "said"),
-    [
-        ("robot.yaml", "robot.yaml: is a file; expected a folder"),
-        ("nowhere/study", "cannot be made, there is no folder nowhere"),
-        ("full", "full: holds other files, such as mine.txt"),
-        ("x" * 300, "cannot be read (file name too long)"),
-    ],
-)
-def test_a_folder_that_cannot_be_is_refused_before_anything_is_done(run, tmp_path, target, said):
-    laid(tmp_path, FEW)
-    (tmp_path / "full").mkdir()
-    (tmp_path / "full" / "mine.txt").write_text("mine")
-    before = sorted(tmp_path.rglob("*"))
-    status, out, err = run("-o", target)
-    assert (status, out, err.count("\n")) == (2, "", 1)
-    assert said in err
-    assert sorted(tmp_path.rglob("*")) == before
-
-
-@pytest.mark.usefixtures("here")
-def test_a_table_that_cannot_be_written_is_one_line_and_the_rows_are_kept(run, tmp_path):
-    laid(tmp_path, FEW)
-    assert run("--no-maps")[0] == 0
-    (tmp_path / "study" / "results.csv").unlink()
-    (tmp_path / "study" / "results.csv").mkdir()
-    status, _, err = run("--no-maps")
-    assert (status, err) == (2, "drivesizer: study/results.csv: cannot be written, it is a folder\n")
-    (tmp_path / "study" / "results.csv").rmdir()
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "study" / "results.csv").symlink_to(tmp_path / "pipe")
-    status, _, err = run("--no-maps")
-    assert status == 2 and err.startswith("drivesizer: study/results.csv: cannot be written, it is no file;")
-    assert (tmp_path / "pipe").is_fifo()
-    assert len(chunks(tmp_path)) == 4
-
-
 def test_wrong_studies_are_one_line_at_the_command(run, tmp_path):
     status, _, err = run()
     assert (status, err) == (2, "drivesizer: study.yaml: cannot be read (no such file or directory)\n")
