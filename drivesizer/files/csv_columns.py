@@ -5,8 +5,7 @@ from __future__ import annotations
 import codecs
 import csv
 import math
-from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from itertools import islice
 from pathlib import Path
@@ -20,8 +19,8 @@ from drivesizer.units import KINDS, noun, possible, scale
 from drivesizer.units.kinds import RANGES
 
 __all__ = [
-    "columns", "factors_of", "miscount", "number_of", "path_from_spec", "plain_columns", "plain_number",
-    "refuse_impossible", "rows_of", "values_of",
+    "columns", "factors_of", "miscount", "number_of", "path_from_spec", "plain_columns", "refuse_impossible", "rows_of",
+    "values_of",
 ]  # fmt: skip
 
 
@@ -81,10 +80,8 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, NDAr
     rising = "time" if "time" in form else next(iter(form))
     found = plain_columns(raw, below, header.index(rising), factors, most) if plain else None
     if found is None:
-        whole = decoded(raw, path)
-        rows = islice(rows_of(path, whole, len(forms[0])), 2, None)
-        convert = float if whole.isascii() and "_" not in whole else plain_number
-        found = [column.copy() for column in values_of(path, rows, header, factors, convert, rising, most).T]
+        rows = islice(rows_of(path, decoded(raw, path), len(forms[0])), 2, None)
+        found = [column.copy() for column in values_of(path, rows, header, factors, rising, most).T]
     refuse_impossible(path, found, header, form, factors)
     return {name: found[header.index(name)] for name in form}
 
@@ -151,49 +148,37 @@ def factors_of(path: Path, header: list[str], form: Form, row: tuple[int, list[s
     return factors
 
 
-def plain_number(cell: str) -> float:
-    """The number in a cell; NaN for underscores and digits of other scripts, which float() accepts."""
-    return float(cell) if cell.isascii() and "_" not in cell else math.nan
-
-
 def values_of(
     path: Path,
     rows: Iterator[tuple[int, list[str]]],
     header: list[str],
     factors: list[float],
-    convert: Callable[[str], float],
     rising: str = "time",
-    most: int | None = None,
+    most: int = _MOST_ROWS,
 ) -> NDArray[np.float64]:
     """Numbers in SI, those of one column rising."""
-    width, time, most = len(header), header.index(rising), _MOST_ROWS if most is None else most
-    found, before = array("d"), -math.inf
-    for count, (line, cells) in enumerate(rows):
+    width, time = len(header), header.index(rising)
+    found, before = list[list[float]](), -math.inf
+    for line, cells in rows:
         if len(cells) != width:
             raise InputError(f"{path}:{line}: row: {miscount(cells, header)}, e.g. {_example(width)}")
-        try:
-            values = [convert(cell) * factor for cell, factor in zip(cells, factors, strict=True)]
-        except ValueError:
-            values = [math.nan]
-        if not math.isfinite(sum(values)):  # a finite sum has finite parts
-            values = [number_of(path, line, *cell) for cell in zip(header, cells, factors, strict=True)]
-        if not values[time] > before:
+        found.append([number_of(path, line, *cell) for cell in zip(header, cells, factors, strict=True)])
+        if not found[-1][time] > before:
             shown = quoted(cells[time])
             raise InputError(f"{path}:{line}: {rising}: {shown} is not after the row before; expected rising {rising}s")
-        if count == most:
+        if len(found) > most:
             raise InputError(f"{path}:{line}: row: more than {most} rows; expected a thinned recording")
-        before = values[time]
-        found.extend(values)
-    if len(found) < 2 * width:
-        few = f"{len(found) // width} found; expected at least 2 below the units, e.g. {_example(width)}"
+        before = found[-1][time]
+    if len(found) < 2:
+        few = f"{len(found)} found; expected at least 2 below the units, e.g. {_example(width)}"
         raise InputError(f"{path}: rows: {few}")
-    return np.frombuffer(found).reshape(-1, width)
+    return np.array(found)
 
 
 def number_of(path: Path, line: int, column: str, cell: str, factor: float) -> float:
-    """The finite number in a cell, in SI."""
+    """The finite number in a cell, in SI; float() would take underscores and digits of other scripts too."""
     try:
-        value = plain_number(cell) * factor
+        value = float(cell) * factor if cell.isascii() and "_" not in cell else math.nan
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import re
 from itertools import islice
@@ -16,63 +15,6 @@ from drivesizer.files.yaml_source import LOADER, Path_, YamlSource
 __all__ = ["Edit", "edited"]
 
 
-# -- Whether a document reads as another one with one field changed: what an edit of its text is held against.
-
-
-def reads_as(after: Any, before: Any, path: Path_, value: Any, *, text: bool) -> bool:
-    """Whether only one field differs."""
-    if value is None:
-        return bool(_same_data(after, _without_value(before, path)))
-    try:
-        found = after
-        for step in path:
-            found = found[step]
-        expected = _with_value(before, path, found)
-    except (KeyError, IndexError, TypeError):
-        return False
-    return bool(_same_data(after, expected)) and (not text or not isinstance(value, str) or found == value)
-
-
-def _same_data(one: Any, other: Any) -> bool:
-    return bool((one or None) == (other or None))  # without a field, a document is none, or an empty group
-
-
-def _with_value(data: Any, path: Path_, value: Any) -> Any:
-    """Data with a field, and the groups that it is in."""
-    if not path:
-        return value
-    step, *rest = path
-    if isinstance(step, int):
-        entries = list(data or ())
-        entries[step : step + 1] = [_with_value(entries[step] if step < len(entries) else None, tuple(rest), value)]
-        return entries
-    return {**(data or {}), step: _with_value((data or {}).get(step), tuple(rest), value)}
-
-
-def _without_value(data: Any, path: Path_) -> Any:
-    """Data without a field, and without groups that are empty then."""
-    left = copy.deepcopy(data)
-    places = [left]
-    for step in path[:-1]:
-        places.append(_below(places[-1], step))
-    for place, step in zip(reversed(places), reversed(path), strict=True):
-        if _below(place, step) is _NOTHING:
-            return data
-        if len(place) > 1 or place is left:
-            del place[step]
-            return left
-    return left
-
-
-_NOTHING = object()
-
-
-def _below(place: Any, step: str | int) -> Any:
-    known = isinstance(place, list) and isinstance(step, int) and 0 <= step < len(place)
-    known = known or (isinstance(place, dict) and step in place)
-    return place[step] if known else _NOTHING
-
-
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _STEP = 2  # blanks by which a new group of fields is indented
 
@@ -81,18 +23,16 @@ class Edit(NamedTuple):
     """A change of one field."""
 
     path: Path_
-    value: (
-        Any  # what the file says afterwards: a text as one types it, a number, a list, a dict; None removes the field
-    )
+    value: Any  # afterwards: a text as one types it, a number, a list, a dict; None removes the field
     text: bool = False  # whether the field is a text, so that "5" is to be read as one
 
 
 class _Place(NamedTuple):
-    """Place of a node of the document in the text."""
+    """A node of the document, with the one that it is in and its key."""
 
     node: yaml.Node
-    parent: yaml.Node | None
-    key: yaml.Node | None
+    parent: yaml.Node | None = None
+    key: yaml.Node | None = None
 
 
 def edited(text: str, edits: list[Edit], name: str = "spec") -> str:
@@ -101,15 +41,48 @@ def edited(text: str, edits: list[Edit], name: str = "spec") -> str:
     data = YamlSource(text, name).data  # refused in its own words before it is changed
     for edit in edits:
         changed = _changed(text, edit, name)
+        if edit.value is None and changed == text:
+            continue
         try:
             after = YamlSource(changed, name).data
         except InputError:
             after = None
-        if not reads_as(after, data, edit.path, edit.value, text=edit.text):
+        if not _reads_as(after, data, edit):
             place = ".".join(map(str, edit.path))
             raise InputError(f"{name}: {quoted(place)} cannot be changed in this text; edit it as YAML")
         text, data = changed, after
     return text
+
+
+def _reads_as(after: Any, before: Any, edit: Edit) -> bool:
+    """Whether only the one field differs."""
+    try:
+        found = after
+        for step in edit.path if edit.value is not None else ():
+            found = found[step]
+        expected = _with(before, edit.path, None if edit.value is None else found)
+    except (KeyError, IndexError, TypeError, ValueError):
+        return False
+    same = (after or None) == (expected or None)  # without a field a document is none, or an empty group
+    return bool(same) and (not edit.text or not isinstance(edit.value, str) or found == edit.value)
+
+
+def _with(data: Any, path: Path_, value: Any) -> Any:
+    """Data with a field and the groups that it is in; None removes it, and groups that are empty then."""
+    if not path:
+        return value
+    step = path[0]
+    made: Any = list(data or ()) if isinstance(step, int) else dict(data or {})
+    known = step < len(made) if isinstance(step, int) else step in made
+    below = _with(made[step] if known else None, path[1:], value)
+    if value is None and not below:
+        if known:
+            del made[step]
+    elif isinstance(step, int):
+        made[step : step + 1] = [below]
+    else:
+        made[step] = below
+    return made
 
 
 def _changed(text: str, edit: Edit, name: str) -> str:
@@ -117,24 +90,24 @@ def _changed(text: str, edit: Edit, name: str) -> str:
         raise InputError(f"{name}: a change names no field")
     root = yaml.compose(text, Loader=LOADER)
     if root is None:
-        return text if edit.value is None else f"{text}{_end(text)}{_block(edit.path, edit, 0)}\n"
+        end = "" if not text or text.endswith("\n") else "\n"
+        return text if edit.value is None else f"{text}{end}{_block(edit.path, edit.value, edit.text, 0)}\n"
     place, rest = _deepest_node(root, edit.path)
+    node = place.node
     if not rest:
-        return _removed(text, root, edit.path) if edit.value is None else _replaced(text, place, edit)
+        return _removed(text, root, edit.path) if edit.value is None else _replaced(text, place, edit.value, edit.text)
     if edit.value is None:
         return text
-    if isinstance(place.node, yaml.ScalarNode) and not place.node.value and place.key is not None:  # `needs:` alone
-        return _replaced(text, place, Edit((), _nested(rest, edit.value), edit.text))
-    if isinstance(place.node, yaml.SequenceNode) is not isinstance(rest[0], int) and _has_fields(place.node):
-        found = "a list" if isinstance(place.node, yaml.SequenceNode) else "a group of fields"
-        raise InputError(f"{name}: {'.'.join(map(str, edit.path))}: {quoted(rest[0])} is no place of {found}")
-    if not _has_fields(place.node):
-        raise InputError(f"{name}: {'.'.join(map(str, edit.path))}: {quoted(place.node.value)} is no group of fields")
-    return _added(text, place, rest, edit)
-
-
-def _has_fields(node: yaml.Node) -> bool:
-    return isinstance(node, yaml.CollectionNode)
+    if isinstance(node, yaml.ScalarNode) and not node.value and place.key is not None:  # `needs:` alone
+        return _replaced(text, place, _nested(rest, edit.value), edit.text)
+    where = f"{name}: {'.'.join(map(str, edit.path))}"
+    if not isinstance(node, yaml.CollectionNode):
+        raise InputError(f"{where}: {quoted(node.value)} is no group of fields")
+    listed = isinstance(node, yaml.SequenceNode)
+    if listed is not isinstance(rest[0], int):
+        found = "a list" if listed else "a group of fields"
+        raise InputError(f"{where}: {quoted(rest[0])} is no place of {found}")
+    return _added(text, node, rest, edit)
 
 
 def _nested(path: Path_, value: Any) -> Any:
@@ -145,27 +118,23 @@ def _nested(path: Path_, value: Any) -> Any:
 
 def _deepest_node(root: yaml.Node, path: Path_) -> tuple[_Place, Path_]:
     """The deepest node of a path that is there, and the rest of the path."""
-    place = _Place(root, None, None)
+    place = _Place(root)
     for n, step in enumerate(path):
-        below = _child(place.node, step)
+        node, below = place.node, None
+        if isinstance(node, yaml.SequenceNode) and isinstance(step, int) and 0 <= step < len(node.value):
+            below = _Place(node.value[step], node)
+        elif isinstance(node, yaml.MappingNode):
+            below = next((_Place(value, node, key) for key, value in node.value if key.value == step), None)
         if below is None:
             return place, path[n:]
-        place = _Place(below[1], place.node, below[0])
+        place = below
     return place, ()
-
-
-def _child(node: yaml.Node, step: str | int) -> tuple[yaml.Node | None, yaml.Node] | None:
-    if isinstance(node, yaml.SequenceNode) and isinstance(step, int) and 0 <= step < len(node.value):
-        return None, node.value[step]
-    if isinstance(node, yaml.MappingNode):
-        return next(((key, value) for key, value in node.value if key.value == step), None)
-    return None
 
 
 # -- places in the text
 
 
-def _offset(text: str, mark: yaml.Mark) -> int:
+def _offset(text: str, mark: Any) -> int:
     """Place of a mark; marks of libyaml know line and column for certain, of lines that end as YAML 1.1 has it."""
     *_, at = (0, *(found.end() for found in islice(_LINE_END.finditer(text), mark.line)))
     return at + int(mark.column)
@@ -182,10 +151,6 @@ def _last(text: str, node: yaml.Node) -> int:
     return end
 
 
-def _end(text: str) -> str:
-    return "" if not text or text.endswith("\n") else "\n"
-
-
 def _line_end(text: str, at: int) -> tuple[int, int]:
     """End of the line of a place, and the beginning of the next."""
     found = _LINE_END.search(text, at)
@@ -195,61 +160,49 @@ def _line_end(text: str, at: int) -> tuple[int, int]:
 # -- changes
 
 
-def _replaced(text: str, place: _Place, edit: Edit) -> str:
+def _replaced(text: str, place: _Place, value: Any, as_text: bool) -> str:
     node = place.node
     start, stop = _offset(text, node.start_mark), _last(text, node)
-    inside = bool(isinstance(place.parent, yaml.CollectionNode) and place.parent.flow_style)
+    inside = isinstance(place.parent, yaml.CollectionNode) and place.parent.flow_style
     if place.key is not None and not inside:  # a block begins on a line of its own: from behind the colon on
         indent, start = int(place.key.start_mark.column) + _STEP, text.index(":", _offset(text, place.key.end_mark)) + 1
-        over_lines = isinstance(edit.value, dict | list) and edit.value
-        new = f"\n{_lines(edit, indent)}" if over_lines else f" {_flow(edit)}"
-        return f"{text[:start]}{new}{text[max(stop, start) :]}"
-    return f"{text[:start]}{' ' if text[start - 1 : start] == '-' else ''}{_flow(edit)}{text[stop:]}"
+        return f"{text[:start]}{_behind_colon(value, as_text, indent)}{text[max(stop, start) :]}"
+    blank = " " if text[start - 1 : start] == "-" else ""
+    return f"{text[:start]}{blank}{_flow(value, as_text)}{text[stop:]}"
 
 
-def _added(text: str, place: _Place, rest: Path_, edit: Edit) -> str:
-    node = place.node
-    assert isinstance(node, yaml.CollectionNode)
-    new = Edit((), _nested(rest[1:], edit.value), edit.text)
-    listed = isinstance(node, yaml.SequenceNode)
+def _added(text: str, node: yaml.CollectionNode, rest: Path_, edit: Edit) -> str:
+    listed, last = isinstance(node, yaml.SequenceNode), _last(text, node)
     if node.flow_style or not node.value:
-        at = _last(text, node) - 1
+        at = last - 1
         head = "" if listed else f"{_scalar(str(rest[0]), True)}: "
         before = text[:at].rstrip() if node.value else text[:at]
         comma = "" if not node.value else " " if before.endswith(",") else ", "
-        return f"{before}{comma}{head}{_flow(new)}{text[at:]}"
-    at, _ = _line_end(text, _last(text, node))
+        return f"{before}{comma}{head}{_flow(_nested(rest[1:], edit.value), edit.text)}{text[at:]}"
+    at, _ = _line_end(text, last)
     indent = int(node.start_mark.column)
-    line = f"{' ' * indent}- {_flow(new)}" if listed else _block((rest[0],), new, indent)
-    return f"{text[:at]}\n{line}{text[at:]}"
+    entry = f"{' ' * indent}- {_flow(_nested(rest[1:], edit.value), edit.text)}"
+    return f"{text[:at]}\n{entry if listed else _block(rest, edit.value, edit.text, indent)}{text[at:]}"
 
 
 def _removed(text: str, root: yaml.Node, path: Path_) -> str:
     """The text without a field; a group that would be empty goes with it."""
-    above, _ = _deepest_node(root, path[:-1])
-    assert isinstance(above.node, yaml.CollectionNode)
-    if len(above.node.value) == 1 and len(path) > 1:
+    above, (place, _) = _deepest_node(root, path[:-1])[0].node, _deepest_node(root, path)
+    assert isinstance(above, yaml.CollectionNode)
+    if len(above.value) == 1 and len(path) > 1:
         return _removed(text, root, path[:-1])
-    place, _ = _deepest_node(root, path)
-    entries = [entry[0] if isinstance(entry, tuple) else entry for entry in above.node.value]
+    entries = [entry[0] if isinstance(entry, tuple) else entry for entry in above.value]
     first = place.key or place.node
-    number = entries.index(first)
-    start, stop = _offset(text, first.start_mark), _last(text, place.node)
-    if above.node.flow_style:
-        return _without_entry(text, entries, number, start, stop)
+    number, start, stop = entries.index(first), _offset(text, first.start_mark), _last(text, place.node)
     line = start - int(first.start_mark.column)
     head = text[line:start].strip()
-    if head and not (head == "-" and place.key is None):  # first behind a dash: the next takes its place
+    first_behind_dash = not above.flow_style and head and not (head == "-" and place.key is None)
+    if first_behind_dash or (above.flow_style and number + 1 < len(entries)):  # the next takes its place
         return text[:start] + text[_offset(text, entries[number + 1].start_mark) :]
-    _, rest = _line_end(text, max(stop, start))
-    return text[:line] + text[rest:]
-
-
-def _without_entry(text: str, entries: list[yaml.Node], number: int, start: int, stop: int) -> str:
-    if number + 1 < len(entries):
-        return text[:start] + text[_offset(text, entries[number + 1].start_mark) :]
-    comma = text.rfind(",", 0, start) if number else -1
-    return text[: comma if comma >= 0 else start] + text[stop:]
+    if above.flow_style:
+        comma = text.rfind(",", 0, start) if number else -1
+        return text[: comma if comma >= 0 else start] + text[stop:]
+    return text[:line] + text[_line_end(text, max(stop, start))[1] :]
 
 
 # -- values as they are written
@@ -269,32 +222,28 @@ def _scalar(value: Any, key: bool = False, text: bool = True) -> str:
     return str(value) if plain and same else json.dumps(value, ensure_ascii=False)
 
 
-def _flow(edit: Edit) -> str:
+def _flow(value: Any, text: bool) -> str:
     """A value in one line."""
-    value = edit.value
     if isinstance(value, dict):
-        return f"{{{', '.join(_entries(value, edit.text))}}}"
+        return f"{{{', '.join(_entries(value, text))}}}"
     if isinstance(value, list):
-        return f"[{', '.join(_flow(Edit((), below, edit.text)) for below in value)}]"
-    return _scalar(value, text=edit.text)
+        return f"[{', '.join(_flow(below, text) for below in value)}]"
+    return _scalar(value, text=text)
 
 
 def _entries(value: dict[Any, Any], text: bool) -> list[str]:
-    return [f"{_scalar(str(key), True)}: {_flow(Edit((), below, text))}" for key, below in value.items()]
+    return [f"{_scalar(str(key), True)}: {_flow(below, text)}" for key, below in value.items()]
 
 
-def _lines(edit: Edit, indent: int) -> str:
-    """A group or a list over lines; what is inside is in one line each."""
-    blanks = " " * indent
-    if isinstance(edit.value, dict):
-        return "\n".join(f"{blanks}{entry}" for entry in _entries(edit.value, edit.text))
-    return "\n".join(f"{blanks}- {_flow(Edit((), below, edit.text))}" for below in edit.value)
+def _behind_colon(value: Any, text: bool, indent: int) -> str:
+    """A value in the line, or a group or list over lines; what is inside is in one line each."""
+    if not (isinstance(value, dict | list) and value):
+        return f" {_flow(value, text)}"
+    entries = _entries(value, text) if isinstance(value, dict) else [f"- {_flow(below, text)}" for below in value]
+    return "".join(f"\n{' ' * indent}{entry}" for entry in entries)
 
 
-def _block(path: Path_, edit: Edit, indent: int) -> str:
+def _block(path: Path_, value: Any, text: bool, indent: int) -> str:
     """A field that is not there yet, in lines of its own."""
-    value = _nested(path[1:], edit.value)
     head = f"{' ' * indent}{_scalar(str(path[0]), True)}:"
-    if isinstance(value, dict | list) and value:
-        return f"{head}\n{_lines(Edit((), value, edit.text), indent + _STEP)}"
-    return f"{head} {_flow(Edit((), value, edit.text))}"
+    return head + _behind_colon(_nested(path[1:], value), text, indent + _STEP)

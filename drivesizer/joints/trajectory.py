@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import factors_of, plain_number, refuse_impossible, rows_of, values_of
+from drivesizer.files.csv_columns import factors_of, refuse_impossible, rows_of, values_of
 from drivesizer.files.text import read_text
 from drivesizer.joints.inverse_dynamics import Array, JointMotion
 from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
@@ -52,8 +52,7 @@ def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
     header = [cell.strip() for cell in cells]
     form = {_TIME: "time"} | {joint.name: "angle" if joint.turns else "length" for joint in joints}
     factors = factors_of(path, header, form, next(rows, None))
-    convert = float if text.isascii() and "_" not in text else plain_number
-    values = values_of(path, rows, header, factors, convert)
+    values = values_of(path, rows, header, factors)
     refuse_impossible(path, [*values.T], header, form, factors)
     if len(values) < _FEWEST:
         raise InputError(f"{path}: rows: {len(values)} found; expected at least {_FEWEST} below the units")

@@ -16,7 +16,6 @@ from drivesizer.files.csv_columns import (
     factors_of,
     miscount,
     number_of,
-    plain_number,
     refuse_impossible,
     rows_of,
     values_of,
@@ -313,8 +312,7 @@ def read_track(
             return plan(waypoints, limits)
         except InputError as error:
             raise InputError(f"{file}: {error}") from None
-    convert = float if text.isascii() and "_" not in text else plain_number
-    found = values_of(file, rows, header, factors, convert)
+    found = values_of(file, rows, header, factors)
     refuse_impossible(file, [*found.T], header, _KINDS, factors)
     time, *posture = (found[:, header.index(name)] for name in _KINDS if name in _TIMED)
     if len(time) < _FEWEST:
