@@ -5,12 +5,13 @@ from __future__ import annotations
 import difflib
 import re
 from types import UnionType
-from typing import Any, Union, get_args, get_origin
+from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -187,6 +188,10 @@ def explained(
     # A word where words or a list may stand is no list, either: that it is not known is said.
     words = {path for path, fault in faults if fault["type"] == "literal_error"}
     faults = [(path, fault) for path, fault in faults if fault["type"] != "list_type" or path not in words]
+    # Without a known kind of load it is not known whether it turns: units of the motion are not judged.
+    if any(path == ("load", "kind") or (path, fault["type"]) == (("load",), "union_tag_not_found")
+           for path, fault in faults):  # fmt: skip
+        faults = [(path, fault) for path, fault in faults if path[:1] != ("motion",) or fault["type"] != "value_error"]
     faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
     lines = []
     for path, fault in faults:
@@ -255,7 +260,7 @@ _MESSAGES = dict.fromkeys(("int_type", "int_from_float"), "{found} is not a whol
     "greater_than_equal": "{found} must be at least {ge}", "less_than_equal": "{found} must be at most {le}",
     "too_short": "{found} is too short; expected at least {min_length}{default}",
     "too_long": "{found} is too long; expected at most {max_length} entries",
-    "string_too_short": "is empty; expected text", "union_tag_not_found": "kind is missing",
+    "string_too_short": "is empty; expected text",
     "string_too_long": "{found} is too long; expected at most {max_length} characters",
 }  # fmt: skip
 
@@ -270,17 +275,25 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
         return _MESSAGES[fault["type"]].format(found=found, default=default, **rule)
     match fault["type"]:
         case "missing":
-            return f"is missing; expected {_example(field)}"
+            return f"is missing; expected {_expected(field)}"
+        case "string_type" if fault["input"] is None:
+            return "is empty; expected text"
         case "string_type":
-            return "is empty; expected text" if fault["input"] is None else f"{found} is not text; put it in quotes"
+            grouped = isinstance(fault["input"], dict | list)
+            return f"{found} is not text; {'expected text' if grouped else 'put it in quotes'}"
         case "extra_forbidden":
             return f"unknown key; {meant(model, path, data)}"
         case "value_error":
-            return _validator_text(str(rule["error"]), fault["input"], path)
+            return _validator_text(_with_own_example(str(rule["error"]), field), fault["input"], path)
         case "literal_error":
             return _not_known(fault.get("input"), rule["expected"])
         case "union_tag_invalid":
             return _not_known(rule["tag"], rule["expected_tags"])
+        case "union_tag_not_found":
+            key = rule["discriminator"].strip("'")
+            kinds = dict.fromkeys(str(kind) for one in models_at(model, path, data) if key in one.model_fields
+                                  for kind in get_args(one.model_fields[key].annotation))  # fmt: skip
+            return f"{key} is missing; expected {key}: {' or '.join(kinds)}"
         case "model_type" | "model_attributes_type" | "dict_type":
             some = ", ".join(known_keys(model, path, None)[:4])
             return f"{found} is not a group of fields; expected fields such as {some}"
@@ -319,14 +332,41 @@ def _brief(value: Any) -> Any:
     return "nothing" if value is None else value
 
 
-def _example(field: FieldInfo | None) -> str:
-    """Example for a missing field."""
+def _expected(field: FieldInfo | None) -> str:
+    """What a missing field takes, with an example."""
     if field is None:
         return "a value"
-    kinds, inner = [part.kind for part in field.metadata if hasattr(part, "kind")], models_of(field)
-    if inner:
+    if inner := models_of(field):
         return f"fields such as {', '.join(list(inner[0].model_fields)[:4])}"
-    return f"{noun(kinds[0])}, e.g. {KINDS[kinds[0]].example}" if kinds else field.description or "a value"
+    if get_origin(field.annotation) is Literal:
+        return " or ".join(map(str, get_args(field.annotation)))
+    quantity = _quantity_of(field)
+    if quantity is None:
+        return field.description or "a value"
+    return f"{noun(quantity.kind)}, e.g. {_example_of(field, quantity)}"
+
+
+def _quantity_of(field: FieldInfo) -> fields.Quantity | None:
+    waiting = [field.annotation, *field.metadata]
+    for one in waiting:  # grows by what types are made of
+        if isinstance(one, fields.Quantity):
+            return one
+        waiting += get_args(one)
+    return None
+
+
+def _example_of(field: FieldInfo, quantity: fields.Quantity) -> str:
+    """The field's own example or default, else one of its kind of quantity."""
+    default = field.default if isinstance(field.default, str) and not field.default.startswith("0 ") else ""
+    return str(field.examples[0] if field.examples else default or KINDS[quantity.kind].example)
+
+
+def _with_own_example(text: str, field: FieldInfo | None) -> str:
+    """Words of the reader of a quantity, with the field's example in place of that of the kind."""
+    quantity = _quantity_of(field) if field else None
+    if field is None or quantity is None:
+        return text
+    return text.replace(f"e.g. {KINDS[quantity.kind].example}", f"e.g. {_example_of(field, quantity)}")
 
 
 # -- Sections of a spec that contradict each other: what is refused where each of them by itself is right.
