@@ -41,6 +41,8 @@ from drivesizer.catalog.tables import (
     Note,
     Source,
     Table,
+    empty,
+    filled,
     unique_pairs,
     with_no_gearhead,
 )
@@ -189,26 +191,18 @@ def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
 
 def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
-    columns, shape = columns_of(section), schema.table(section)
-    parts: dict[str, list[NDArray[Any]]] = {
-        name: [np.array([], str if column.kind == "text" else float)] for name, column in columns.items()
-    }
-    source = [np.zeros(0, np.int32)]
-    places: list[Path_] = []  # of every row, for messages
+    shape, found_tables, places = schema.table(section), [empty(section)], list[Path_]()  # of every row, for messages
     for index, entry in enumerate(reader.sequence(given, (section,))):
         path: Path_ = (section, index)
         entry = reader.fields(entry, path, shape)
         found = _table(reader, section, entry, path)
         count = len(found["part"])
-        found["manufacturer"] = np.full(count, maker)
-        found["family"] = np.full(count, reader.plain_text(entry["family"], (*path, "family")))
-        for name, column in columns.items():
-            unknown: Any = "" if column.kind == "text" else np.nan
-            parts[name].append(found.get(name, np.full(count, unknown)))
+        found |= {"manufacturer": maker, "family": reader.plain_text(entry["family"], (*path, "family"))}
         places += [(*path, "rows", row) for row in range(count)]
-        source.append(np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32))
+        source = np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32)
+        found_tables.append(Table(section, filled(section, found, count), source, np.zeros(count, bool)))
         _read_notes(reader, section, entry, path, found)
-    whole = {name: np.concatenate(some) for name, some in parts.items()}
+    whole = {name: np.concatenate([one[name] for one in found_tables]) for name in columns_of(section)}
     numbers = whole["part"].tolist()
     first: dict[str, int] = {}
     for row, part in enumerate(numbers):
@@ -217,7 +211,7 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
     _at_several_voltages(reader, whole, places)
     out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
     excluded = np.array([part in out for part in numbers], bool)
-    return Table(section, whole, np.concatenate(source), excluded)
+    return Table(section, whole, np.concatenate([one.source for one in found_tables]), excluded)
 
 
 def _at_several_voltages(reader: _Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:

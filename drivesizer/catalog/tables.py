@@ -22,8 +22,8 @@ from drivesizer.files.cache import CacheWarning, arrays_kept, keep
 
 __all__ = [
     "CONFIDENCE", "ESTIMATED", "NO_GEARHEAD_SOURCE", "OTHER_NAMES", "Across", "Catalog", "Estimates", "Note", "Pairs",
-    "PartEstimate", "Source", "Table", "as_printed", "empty", "joined", "recall", "spelling", "store", "unique_pairs",
-    "with_no_gearhead",
+    "PartEstimate", "Source", "Table", "as_printed", "empty", "filled", "joined", "recall", "spelling", "store",
+    "unique_pairs", "with_no_gearhead", "with_pairs", "with_rows",
 ]  # fmt: skip
 
 _KEPT = 256  # results of a catalogue for specs of late
@@ -66,6 +66,11 @@ class Pairs(NamedTuple):
     left: NDArray[np.int32]
     right: NDArray[np.int32]
     source: NDArray[np.int32]  # index into Catalog.sources
+
+
+def with_pairs(pairs: Pairs, *more: NDArray[Any]) -> Pairs:
+    """Pairs with further ones, each once with the first source that states it."""
+    return unique_pairs(*(np.concatenate(both) for both in zip(pairs, more, strict=True)))
 
 
 def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
@@ -200,12 +205,25 @@ def spelling(name: str) -> str:
     return name.translate(_BETWEEN).casefold()
 
 
+def filled(section: str, figures: Mapping[str, Any], count: int) -> dict[str, NDArray[Any]]:
+    """The columns of a section for some parts: figures of all or of each as given, what is not given unknown."""
+    columns = columns_of(section).items()
+    return {name: np.array(np.broadcast_to(figures.get(name, "" if column.kind == "text" else np.nan), (count,)))
+            for name, column in columns}  # fmt: skip
+
+
 def empty(section: str) -> Table[Any]:
     """A table without rows."""
-    columns: dict[str, NDArray[Any]] = {
-        name: np.array([], str if column.kind == "text" else float) for name, column in columns_of(section).items()
-    }
-    return Table(section, columns, np.zeros(0, np.int32), np.zeros(0, bool))
+    return Table(section, filled(section, {}, 0), np.zeros(0, np.int32), np.zeros(0, bool))
+
+
+def with_rows(
+    table: Table[Any], columns: Mapping[str, NDArray[Any]], source: NDArray[Any], excluded: NDArray[Any]
+) -> Table[Any]:
+    """A table with further rows below its own."""
+    both = {name: np.concatenate([table[name], columns[name]]) for name in table.columns}
+    sources = np.concatenate([table.source, source]).astype(np.int32)
+    return Table(table.section, both, sources, np.concatenate([table.excluded, excluded]))
 
 
 @dataclass(frozen=True)
@@ -314,9 +332,8 @@ NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "qu
 
 def with_no_gearhead(gearheads: Table[parts.Gearhead], source: int) -> Table[parts.Gearhead]:
     """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last."""
-    columns = {name: np.append(gearheads[name], getattr(parts.NO_GEARHEAD, name)) for name in gearheads.columns}
-    sources = np.append(gearheads.source, source).astype(np.int32)
-    return Table(gearheads.section, columns, sources, np.append(gearheads.excluded, False))
+    row = {name: np.array([getattr(parts.NO_GEARHEAD, name)]) for name in gearheads.columns}
+    return with_rows(gearheads, row, np.array([source]), np.array([False]))
 
 
 def as_printed(catalog: Catalog) -> Catalog:

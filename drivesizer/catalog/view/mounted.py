@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.estimate import MOUNTED, estimates, estimates_of_catalog
-from drivesizer.catalog.estimates.estimate import estimates as estimates_of
-from drivesizer.catalog.parts import DIRECT, columns_of
-from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, unique_pairs
+from drivesizer.catalog.parts import DIRECT
+from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, filled, with_pairs, with_rows
 from drivesizer.catalog.view.search_view import (
     ENDS,
     MIDDLE,
@@ -27,7 +26,7 @@ from drivesizer.physics.thermal import rated_ambient
 from drivesizer.physics.winding import housing_loss
 
 __all__ = [
-    "OWN", "STEPPER", "Housing", "has_steppers", "rating_gain", "stepper_view", "view_for", "with_mounting",
+    "OWN", "STEPPER", "Housing", "has_steppers", "rating_gain", "view_for", "with_mounting",
     "with_own_brake",
 ]  # fmt: skip
 
@@ -122,22 +121,15 @@ OWN = "of the spec"  # family of that brake
 
 def with_own_brake(catalog: Catalog, figures: Mapping[str, float | str]) -> Catalog:
     """The catalogue with a brake of these figures; what is not given is estimated."""
-    given = {"part": "brake", "family": OWN, **figures}
-    columns: dict[str, NDArray[Any]] = {
-        name: np.array([given.get(name, "")], str)
-        if column.kind == "text"
-        else np.array([given.get(name, np.nan)], float)
-        for name, column in columns_of("brakes").items()
-    }
-    one: Table[Any] = Table("brakes", columns, np.array([len(catalog.sources)], np.int32), np.zeros(1, bool))
-    found = estimates(one) if catalog.ends else {}
+    columns = filled("brakes", {"part": "brake", "family": OWN, **figures}, 1)
+    source, offered = np.array([len(catalog.sources)], np.int32), np.zeros(1, bool)
+    found = estimates(Table("brakes", columns, source, offered)) if catalog.ends else {}
     made = []
     for view, place in zip((catalog, *catalog.ends), ("value", "low", "high"), strict=False):
-        known, own = view.brakes, dict(columns) | {name: getattr(each, place) for name, each in found.items()}
-        both = {name: np.concatenate([known[name], own[name]]) for name in known.columns}
-        source, excluded = np.append(known.source, one.source), np.append(known.excluded, one.excluded)
-        table: Table[Any] = Table("brakes", both, source, excluded)
-        made.append(replace(view, brakes=table, sources=(*view.sources, Source("section brake of the spec", "quoted"))))
+        own = columns | {name: getattr(each, place) for name, each in found.items()}
+        brakes = with_rows(view.brakes, own, source, offered)
+        sources = (*view.sources, Source("section brake of the spec", "quoted"))
+        made.append(replace(view, brakes=brakes, sources=sources))
     if not found:
         return made[0]
     together = dict(catalog.estimates.get("brakes", {}))
@@ -168,26 +160,22 @@ _ALIKE = (
 
 
 def has_steppers(catalog: Catalog) -> bool:
-    """Whether the catalogue is one that ``stepper_view`` made."""
+    """Whether the catalogue is one with steppers as motors."""
     return STEPPER in catalog.motors.columns
 
 
-def view_for(catalog: Catalog, kind: str | None, estimates: bool = True, phase_current: float | None = None) -> Catalog:
-    """The catalogue as a search for a kind of motor takes it."""
-    return stepper_view(catalog, estimates, phase_current) if kind == STEPPER else search_view(catalog, estimates)
-
-
-def stepper_view(catalog: Catalog, estimates: bool = True, phase_current: float | None = None) -> Catalog:
-    """The catalogue with its steppers as motors, with clamping hubs and direct drive."""
+def view_for(catalog: Catalog, kind: str | None, estimated: bool = True, phase_current: float | None = None) -> Catalog:
+    """The catalogue as a search for a kind of motor takes it: of steppers these as motors, with clamping hubs."""
+    if kind != STEPPER:
+        return search_view(catalog, estimated)
     if has_steppers(catalog):
         return catalog
-    if not estimates:
+    if not estimated:
         return _viewed(catalog, phase_current)
-    own = estimates_of(catalog.steppers)
+    own = estimates(catalog.steppers)
     if share := own.get("pull_out_share"):  # a printed curve needs none
         keep = ~np.isin(share.rows, catalog.pull_outs.stepper)
-        kept: tuple[Any, ...] = tuple(column[keep] for column in share)
-        own["pull_out_share"] = Estimates(*kept)
+        own["pull_out_share"] = Estimates(share.rows[keep], *(column[keep] for column in share[1:]))
     found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
     middle, *ends = (_viewed(replace(found, **completed(found, end)), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
@@ -205,11 +193,7 @@ def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
         "holding_torque": steppers["holding_torque"] * less, "start_speed": steppers["start_speed"] * np.sqrt(less),
         "pole_pairs": rotor_teeth(steppers["full_steps"]),
     }  # fmt: skip
-    columns: dict[str, NDArray[Any]] = {}
-    for name, column in columns_of("motors").items():  # what a stepper has not is unknown
-        unknown: Any = "" if column.kind == "text" else np.nan
-        columns[name] = np.array(np.broadcast_to(figures.get(name, unknown), (count,)))
-    columns[STEPPER] = np.arange(count)
+    columns = filled("motors", figures, count) | {STEPPER: np.arange(count)}
     others = {s: one for s, one in catalog.estimates.items() if s not in ("motors", "actuators", "steppers")}
     own = {_NAMES.get(name, name): one for name, one in catalog.estimates.get("steppers", {}).items()}
     noted = [note._replace(section="motors", fields=tuple(_NAMES.get(name, name) for name in note.fields))
@@ -223,6 +207,5 @@ def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
         notes=(*noted, *(note for note in catalog.notes if note.section not in ("motors", "steppers"))),
     )  # fmt: skip
     fitted = with_direct_drive(with_clamping_hubs(moved))
-    direct = np.arange(count), np.full(count, fitted.gearheads.rows[DIRECT]), steppers.source
-    pairs = unique_pairs(*(np.concatenate([a, b]) for a, b in zip(fitted.motor_gearhead, direct, strict=True)))
-    return replace(fitted, motor_gearhead=pairs)
+    direct = np.full(count, fitted.gearheads.rows[DIRECT])
+    return replace(fitted, motor_gearhead=with_pairs(fitted.motor_gearhead, np.arange(count), direct, steppers.source))

@@ -9,17 +9,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.catalog import tables
 from drivesizer.catalog.estimates.estimate import UNRATED, estimates_of_catalog
-from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, columns_of, singular
-from drivesizer.catalog.tables import (
-    NO_GEARHEAD_SOURCE,
-    Catalog,
-    Estimates,
-    Pairs,
-    Table,
-    unique_pairs,
-    with_no_gearhead,
-)
+from drivesizer.catalog.parts import DIRECT, EDGES, RELATIONS, singular
+from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Table, filled, with_pairs, with_rows
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.physics.drive_train import ELECTRONICS
 
@@ -199,13 +192,8 @@ def _with_parts_inside(
 ) -> Table[Any]:
     """A table followed by the rows of the parts inside some actuators, or motors."""
     figures = {name: units[name] for name in _NAMES} | {"inside": units["part"]} | dict(columns)
-    both: Columns = {}
-    for name, column in columns_of(table.section).items():
-        unknown: Any = "" if column.kind == "text" else np.nan
-        values: NDArray[Any] = np.broadcast_to(figures.get(name, unknown), (len(units),))[of]
-        both[name] = np.concatenate([table[name], values])
-    source, excluded = np.append(table.source, units.source[of]), np.append(table.excluded, units.excluded[of])
-    return Table(table.section, both, source.astype(np.int32), excluded)
+    inside = {name: values[of] for name, values in filled(table.section, figures, len(units)).items()}
+    return with_rows(table, inside, units.source[of], units.excluded[of])
 
 
 def _motor(actuators: Table[Any]) -> Columns:
@@ -341,14 +329,13 @@ def with_clamping_hubs(catalog: Catalog) -> Catalog:
     if not len(fits[0]):
         return catalog
     left, right = single[fits[0]], hubs[fits[1]]
-    sides: tuple[Any, ...] = (left, right, gearheads.source[right])
-    both = (np.concatenate([a, b]) for a, b in zip(catalog.motor_gearhead, sides, strict=True))
-    return replace(catalog, motor_gearhead=unique_pairs(*both))
+    pairs = with_pairs(catalog.motor_gearhead, left, right, gearheads.source[right])
+    return replace(catalog, motor_gearhead=pairs)
 
 
 def with_direct_drive(catalog: Catalog) -> Catalog:
     """The catalogue with direct drive among its gearheads."""
     if DIRECT in catalog.gearheads.rows:
         return catalog
-    table = with_no_gearhead(catalog.gearheads, len(catalog.sources))
-    return replace(catalog, gearheads=table, sources=(*catalog.sources, NO_GEARHEAD_SOURCE))
+    table = tables.with_no_gearhead(catalog.gearheads, len(catalog.sources))
+    return replace(catalog, gearheads=table, sources=(*catalog.sources, tables.NO_GEARHEAD_SOURCE))
