@@ -23,34 +23,12 @@ from drivesizer.physics.braking import released_power
 from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.power_stage import PowerStage as StageFigures
+from drivesizer.spec import drive, sections
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
-from drivesizer.spec.drive import (
-    DIRECT,
-    BeltStage,
-    Control,
-    DirectStage,
-    GearheadStage,
-    GearStage,
-    Plant,
-    Select,
-    Stage,
-)
 from drivesizer.spec.messages import explained, refuse_contradictions
 from drivesizer.spec.motions import Motion, Trapezoid
 from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
-from drivesizer.spec.sections import (
-    Case,
-    Environment,
-    Margins,
-    Mission,
-    Needs,
-    PaperFactors,
-    PowerStage,
-    Requirements,
-    Supply,
-    TitleBlock,
-)
 from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
 
 __all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
@@ -88,12 +66,14 @@ class OfFile(fields.Section):
 
 
 @lru_cache(maxsize=64)
-def stage_of(controller: Controller | None, volts: float, given: PowerStage, assume: bool) -> StageFigures:
+def stage_of(controller: Controller | None, volts: float, given: sections.PowerStage, assume: bool) -> StageFigures:
     """The power stage of one controller: of those of late as before."""
     return power_stage(controller or Controller(), volts, given, assume=assume)
 
 
-def fed(stage: StageFigures, supply: Supply, motors: int, brake: Figures | None, released: float = 1.0) -> Feed:
+def fed(
+    stage: StageFigures, supply: sections.Supply, motors: int, brake: Figures | None, released: float = 1.0
+) -> Feed:
     """Power stages and what feeds as many as there are motors."""
     if brake is not None:
         stage = stage._replace(standby=stage.standby + released * released_power(brake))
@@ -123,33 +103,35 @@ class RobotSpec(OfFile):
     )
     load: Load
     motion: Motion | None = fields.optional("one cycle, repeated; a recorded load brings its own")
-    transmission: Annotated[list[Stage], Field(min_length=1, max_length=3)] = fields.default(
+    transmission: Annotated[list[drive.Stage], Field(min_length=1, max_length=3)] = fields.default(
         [{"kind": "gearhead"}], "from the motor to the load"
     )
-    paper_factors: PaperFactors = fields.all_defaults()
-    margins: Margins = fields.all_defaults()
-    supply: Supply
+    paper_factors: sections.PaperFactors = fields.all_defaults()
+    margins: sections.Margins = fields.all_defaults()
+    supply: sections.Supply
     brake_resistor: BrakeResistor | None = fields.optional(
         "that burns what is regenerated; none where not given", json_schema_extra=or_any
     )
-    power_stage: PowerStage = fields.all_defaults()
+    power_stage: sections.PowerStage = fields.all_defaults()
     shaft: Shaft | None = fields.optional("output shaft of the gearhead, or motor, and what it carries")
-    environment: Environment = fields.all_defaults()
+    environment: sections.Environment = fields.all_defaults()
     mounting: Mounting | None = fields.optional("of the motor; as printed where not given")
-    needs: Needs = fields.all_defaults()
-    requirements: Requirements | None = fields.optional("of the machine, for a table of its own")
+    needs: sections.Needs = fields.all_defaults()
+    requirements: sections.Requirements | None = fields.optional("of the machine, for a table of its own")
     brake: OwnBrake | None = fields.optional("out of the catalogues where not given")
-    mission: Mission | None = fields.optional("for the closed loop; one cycle where not given")
+    mission: sections.Mission | None = fields.optional("for the closed loop; one cycle where not given")
     battery: Battery | None = fields.optional("that feeds the machine; only the supply where not given")
     equipment: Annotated[list[Consumer], Field(max_length=100)] = fields.no_entries("further consumers on the battery")
     platform: Platform | None = fields.optional("of a wheeled vehicle: wheels, mass, room, limits")
     budget: Budget | None = fields.optional("of the machine's mass")
-    control: Control = fields.all_defaults()
-    plant: Plant = fields.all_defaults()
-    select: Select = fields.all_defaults()
+    control: drive.Control = fields.all_defaults()
+    plant: drive.Plant = fields.all_defaults()
+    select: drive.Select = fields.all_defaults()
     tolerances: Tolerances = fields.all_defaults()
-    report: TitleBlock = fields.all_defaults("for the head of reports")
-    cases: Annotated[list[Case], Field(max_length=100)] = fields.no_entries("further load cases; a drive must pass all")
+    report: sections.TitleBlock = fields.all_defaults("for the head of reports")
+    cases: Annotated[list[sections.Case], Field(max_length=100)] = fields.no_entries(
+        "further load cases; a drive must pass all"
+    )
 
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
@@ -164,7 +146,7 @@ class RobotSpec(OfFile):
 
     @field_validator("cases")
     @classmethod
-    def _named_apart(cls, cases: list[Case]) -> list[Case]:
+    def _named_apart(cls, cases: list[sections.Case]) -> list[sections.Case]:
         names = [case.name for case in cases]
         if len(set(names)) != len(names):
             raise ValueError("expected cases with names of their own")
@@ -280,18 +262,18 @@ class RobotSpec(OfFile):
     @property
     def is_direct(self) -> bool:
         """Whether the transmission is without a gearhead."""
-        return self.transmission[0].kind == DIRECT
+        return self.transmission[0].kind == drive.DIRECT
 
     def behind(self, gearhead: str) -> RobotSpec:
         """The spec with the first stage that a gearhead of that part number is, or the lack of one."""
-        first = DirectStage(kind="direct") if gearhead == DIRECT else GearheadStage(kind="gearhead")
+        first = drive.DirectStage(kind="direct") if gearhead == drive.DIRECT else drive.GearheadStage(kind="gearhead")
         return self.model_copy(update={"transmission": [first, *self.transmission[1:]]})
 
     @property
-    def belt(self) -> BeltStage | None:
+    def belt(self) -> drive.BeltStage | None:
         """The belt stage, where there is one."""
         for stage in self.transmission:
-            if type(stage) is BeltStage:  # quicker than ``isinstance``, which of models is a function of theirs
+            if type(stage) is drive.BeltStage:  # quicker than ``isinstance``, which of models is a function of theirs
                 return stage
         return None
 
@@ -301,14 +283,14 @@ class RobotSpec(OfFile):
         return bool(getattr(self.motion, "carries", False))
 
     @property
-    def gear(self) -> GearStage | None:
+    def gear(self) -> drive.GearStage | None:
         """The further stage of fixed ratio, where there is one."""
-        return next((stage for stage in self.transmission if isinstance(stage, GearStage)), None)
+        return next((stage for stage in self.transmission if isinstance(stage, drive.GearStage)), None)
 
     @property
     def gear_before_belt(self) -> bool:
         """Whether the gear drives the belt, and not the load."""
-        return isinstance(self.transmission[1], GearStage) if len(self.transmission) == 3 else False
+        return isinstance(self.transmission[1], drive.GearStage) if len(self.transmission) == 3 else False
 
     @property
     def belt_stiffness(self) -> float:
@@ -334,7 +316,7 @@ class RobotSpec(OfFile):
         made._cases = tuple((name, change(case)) for name, case in self._cases)
         return made
 
-    def with_select(self, select: Select) -> RobotSpec:
+    def with_select(self, select: drive.Select) -> RobotSpec:
         """The spec with other permitted parts or another objective, in all load cases."""
         return self if select is self.select else self.changed(lambda one: one.model_copy(update={"select": select}))
 
