@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -71,7 +71,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {schema.SCHEMA}")
     _read_sources(reader, data["sources"])
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
-    tables: dict[str, Any] = {s: _section(reader, s, data.get(s) or [], maker) for s in PARTS}
+    tables: dict[str, Any] = {s: _section(reader, s, data.get(s), maker) for s in PARTS}
     if data.get(DATA) is not None:
         for section in ("motors", "actuators"):
             column = tables[section][DATA]
@@ -129,6 +129,19 @@ class _Reader:
         if not isinstance(value, list):
             raise self.fail(path, "expected a list")
         return value
+
+    def entries(self, given: Any, path: Path_, shape: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Path_]]:
+        """Groups of fields of a list that may be left out, each with its place."""
+        for index, entry in enumerate(self.sequence([] if given is None else given, path)):
+            yield self.fields(entry, (*path, index), shape), (*path, index)
+
+    def rows(self, given: Any, path: Path_, width: int) -> Iterator[tuple[list[Any], Path_]]:
+        """Rows of a table, each with its place."""
+        for index, row in enumerate(self.sequence(given, path)):
+            if not isinstance(row, list) or len(row) != width:
+                have = len(row) if isinstance(row, list) else 0
+                raise self.fail((*path, index), f"expected {width} cells as in `columns`, found {have}")
+            yield row, (*path, index)
 
     def source_number(self, name: Any, path: Path_) -> int:
         """The place of a named source among the file's."""
@@ -192,9 +205,7 @@ def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
 def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
     shape, found_tables, places = schema.table(section), [empty(section)], list[Path_]()  # of every row, for messages
-    for index, entry in enumerate(reader.sequence(given, (section,))):
-        path: Path_ = (section, index)
-        entry = reader.fields(entry, path, shape)
+    for entry, path in reader.entries(given, (section,), shape):
         found = _table(reader, section, entry, path)
         count = len(found["part"])
         found |= {"manufacturer": maker, "family": reader.plain_text(entry["family"], (*path, "family"))}
@@ -236,26 +247,22 @@ def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) ->
     """The columns of one table in SI, its common figures repeated for every row."""
     columns = columns_of(section)
     headers = _headers(reader, section, entry["columns"], (*path, "columns"))
-    rows = reader.sequence(entry["rows"], (*path, "rows"))
-    for index, row in enumerate(rows):
-        if not isinstance(row, list) or len(row) != len(headers):
-            have = len(row) if isinstance(row, list) else 0
-            raise reader.fail((*path, "rows", index), f"expected {len(headers)} cells as in `columns`, found {have}")
+    rows = list(reader.rows(entry["rows"], (*path, "rows"), len(headers)))
     found: dict[str, NDArray[Any]] = {}
     for place, (column, factor, offset) in enumerate(headers):
-        each = [(row[place], (*path, "rows", index, place)) for index, row in enumerate(rows)]
+        each = [(row[place], (*at, place)) for row, at in rows]
         if column.kind == "text":
             read = reader.part_number if column.name == "part" else reader.plain_text
             found[column.name] = np.array([read(*cell) for cell in each], str)
             continue
         values = np.array([_cell(reader, column, *cell) for cell in each], float) * factor + offset
         if wrong := _impossible(column, values):
-            cell, at = each[wrong[0]]
-            raise reader.fail(at, f"{column.name} {quoted(cell)} {wrong[1]}")
+            cell, here = each[wrong[0]]
+            raise reader.fail(here, f"{column.name} {quoted(cell)} {wrong[1]}")
         found[column.name] = values
     common = reader.fields(entry.get("common") or {}, (*path, "common"), {"properties": columns})
     for name, value in common.items():
-        here: Path_ = (*path, "common", name)
+        here = (*path, "common", name)
         if name in found:
             raise reader.fail(here, f"{name} is a column of this table as well; give it once")
         if name in _NOT_A_COLUMN:
@@ -268,8 +275,7 @@ def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tup
     """The columns that a table names, each with the factor and offset of its unit."""
     columns, headers = columns_of(section), list[tuple[Column, float, float]]()
     for index, text in enumerate(reader.sequence(given, path)):
-        at, match = (*path, index), _HEADER.fullmatch(str(text).strip())
-        name, unit = (match[1], match[2] or "") if match else (str(text), "")
+        at, (name, unit) = (*path, index), _head(text)
         if name not in columns:
             raise reader.fail(at, f"unknown column {quoted(name)}{_did_you_mean(name, columns)}")
         if name in _NOT_A_COLUMN or name not in printed(section):
@@ -334,9 +340,7 @@ def _read_notes(
     reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
 ) -> None:
     here = {str(part) for part in columns["part"]}
-    for index, given in enumerate(reader.sequence(entry.get("notes") or [], (*path, "notes"))):
-        at: Path_ = (*path, "notes", index)
-        note = reader.fields(given, at, schema.NOTE)
+    for note, at in reader.entries(entry.get("notes"), (*path, "notes"), schema.NOTE):
         parts = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))
         names = tuple(str(f) for f in reader.sequence(note.get("fields") or [], (*at, "fields")))
         for part in parts:
@@ -371,9 +375,8 @@ def _pairs(reader: _Reader, tables: Mapping[str, Table[Any]], given: Any) -> dic
     across: list[Across] = []
     for relation, groups in reader.fields(given, ("compatibility",), {"properties": schema.LISTS}).items():
         left, *rights = sections = schema.LISTS[relation]
-        for index, group in enumerate(reader.sequence(groups, ("compatibility", relation))):
-            path: Path_ = ("compatibility", relation, index)
-            group = reader.fields(group, path, schema.group(relation))
+        listed = reader.sequence(groups, ("compatibility", relation))
+        for group, path in reader.entries(listed, ("compatibility", relation), schema.group(relation)):
             source = reader.source_number(group["source"], (*path, "source"))
             if any(isinstance(name, dict) for s in sections for name in reader.sequence(group[s], (*path, s))):
                 if "without" in group:
@@ -434,9 +437,7 @@ def _names(reader: _Reader, members: Mapping[str, Any], given: Any, path: Path_)
 def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> Discharges:
     seen: dict[tuple[int, str, float, float], Path_] = {}
     rows: list[tuple[float, ...]] = []
-    for index, entry in enumerate(reader.sequence(given or [], (DISCHARGES,))):
-        path: Path_ = (DISCHARGES, index)
-        entry = reader.fields(entry, path, schema.DISCHARGE)
+    for entry, path in reader.entries(given, (DISCHARGES,), schema.DISCHARGE):
         battery = _row(reader, entry, "battery", batteries, path)
         source = reader.source_number(entry["source"], (*path, "source"))
         held, unit = _head(entry["held"])
@@ -449,17 +450,13 @@ def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> Disch
             raise reader.fail((*path, "cells"), f"{quoted(cells)} is not a number of cells in series")
         volts, times = _discharge_head(reader, entry["columns"], (*path, "columns"))
         factor *= cells if held == "power" else 1.0  # the cells of a block carry the same current
-        for number, row in enumerate(reader.sequence(entry["rows"], (*path, "rows"))):
-            at: Path_ = (*path, "rows", number)
-            if not isinstance(row, list) or len(row) != len(times) + 1:
-                have = len(row) if isinstance(row, list) else 0
-                raise reader.fail(at, f"expected {len(times) + 1} cells as in `columns`, found {have}")
+        for row, at in reader.rows(entry["rows"], (*path, "rows"), len(times) + 1):
             cutoff = _above_zero(reader, row[0], (*at, 0)) * volts * cells
             for place, time in enumerate(times, 1):
                 if row[place] is None:
                     continue
-                draw = _above_zero(reader, row[place], (*at, place)) * factor
-                here: Path_ = (*at, place)
+                here = (*at, place)
+                draw = _above_zero(reader, row[place], here) * factor
                 if seen.setdefault((battery, held, cutoff, time), here) is not here:
                     raise reader.fail(here, "this end voltage and time are given twice for the battery")
                 pair = (draw, np.nan) if held == "current" else (np.nan, draw)
@@ -478,8 +475,8 @@ def _row(reader: _Reader, entry: dict[str, Any], what: str, rows: dict[str, int]
 
 def _head(text: Any) -> tuple[str, str]:
     """Name and unit of ``current (A)``."""
-    name, _, unit = str(text).rstrip(") ").partition("(")
-    return name.strip(), unit
+    match = _HEADER.fullmatch(str(text).strip())
+    return (match[1], match[2] or "") if match else (str(text), "")
 
 
 def _discharge_head(reader: _Reader, given: Any, path: Path_) -> tuple[float, list[float]]:
@@ -507,9 +504,7 @@ def _above_zero(reader: _Reader, cell: Any, path: Path_) -> float:
 
 def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> PullOuts:
     points: list[tuple[Any, ...]] = []
-    for number, entry in enumerate(reader.sequence(given or [], (PULL_OUTS,))):
-        path: Path_ = (PULL_OUTS, number)
-        entry = reader.fields(entry, path, schema.PULL_OUT)
+    for number, (entry, path) in enumerate(reader.entries(given, (PULL_OUTS,), schema.PULL_OUT)):
         stepper = _row(reader, entry, "stepper", steppers, path)
         source = reader.source_number(entry["source"], (*path, "source"))
         at_head = {"current": np.nan}
@@ -554,9 +549,7 @@ def _maker_tolerances(
     reader: _Reader, given: Any, maker: str, families: Mapping[str, set[str]]
 ) -> tuple[MakerTolerance, ...]:
     found: list[MakerTolerance] = []
-    for index, entry in enumerate(reader.sequence(given or [], (TOLERANCES,))):
-        path: Path_ = (TOLERANCES, index)
-        entry = reader.fields(entry, path, schema.TOLERANCE)
+    for entry, path in reader.entries(given, (TOLERANCES,), schema.TOLERANCE):
         parts = [part for part in schema.FIGURES if part in entry]
         if not parts:
             example = "e.g. motor: {resistance: +- 10 %}"
