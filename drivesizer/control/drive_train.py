@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from enum import IntEnum
-from math import inf, isfinite, isnan, nan
+from math import inf, isfinite, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +21,8 @@ from drivesizer.results.ratings import unstated_temperature
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "DriveTrain", "Mode", "Regime", "columns", "discretised", "drive_train", "elastic", "generators", "modes",
-    "require", "within_reach",
+    "DriveTrain", "Mechanics", "Mode", "Regime", "columns", "discretised", "drive_train", "generators", "mechanics",
+    "modes", "require", "within_reach",
 ]  # fmt: skip
 
 
@@ -52,34 +52,20 @@ class Regime(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveTrain:
-    """One motor, its gears and its share of the load, SI; rigid unless a stiffness is given.
+class Mechanics:
+    """The rotor of one motor, its gears and its share of the load, SI."""
 
-    Stiffness, damping and backlash are those of the driven shaft, behind the gears; seen at the motor shaft a
-    stiffness is smaller by K^2.
-    """
-
-    resistance: float  # ohm, winding at 25 degC
-    inductance: float  # H
-    torque_constant: float  # N*m/A
-    back_emf_constant: float  # V*s/rad
     friction: float = 0.0  # N*m at the motor, Coulomb: the motor's and the idle gearhead's
-    stiction: float = 0.0  # N*m at the motor, at rest; the Coulomb friction where that is larger
-    viscous: float = 0.0  # N*m*s/rad at the motor
     motor_inertia: float  # kg*m^2 at the motor shaft: rotor, encoder, gearhead input
-    gear_ratio: float
-    gear_efficiency: float  # in either direction of power
+    gear_ratio: float = 1.0
+    gear_efficiency: float = 1.0  # in either direction of power
     belt_ratio: float = 1.0
     belt_efficiency: float = 1.0
-    load_inertia: float  # kg*m^2 at the driven shaft
-    load_viscous: float = 0.0  # N*m*s/rad at the driven shaft
+    load_inertia: float = 0.0  # kg*m^2 at the driven shaft
     radius: float = 1.0  # m, travel of the load per angle of the driven shaft; 1 where it turns with it
     forward_torque: float = 0.0  # N*m at the driven shaft, resistance when the load moves forward
     backward_torque: float = 0.0  # N*m at the driven shaft, the same when it moves backward
     rest_torque: float = 0.0  # N*m at the driven shaft, weight alone
-    stiffness: float = inf  # N*m/rad of the driven shaft; infinite: rigid
-    damping: float = 0.0  # N*m*s/rad of the driven shaft
-    gap: float = 0.0  # rad of backlash at the driven shaft, from contact to contact
 
     @property
     def load(self) -> AtShaft:
@@ -101,6 +87,24 @@ class DriveTrain:
     def motor_per_speed(self) -> float:
         """Motor speed per speed of the load, K/r [rad/m, or 1]."""
         return self.ratio / self.radius
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveTrain(Mechanics):
+    """One motor as a DC motor, its gears and its share of the load, SI; rigid unless a stiffness is given.
+
+    Stiffness, damping and backlash are those of the driven shaft, behind the gears; seen at the motor shaft a
+    stiffness is smaller by K^2.
+    """
+
+    resistance: float  # ohm, winding at 25 degC
+    inductance: float  # H
+    torque_constant: float  # N*m/A
+    back_emf_constant: float  # V*s/rad
+    viscous: float = 0.0  # N*m*s/rad at the motor
+    stiffness: float = inf  # N*m/rad of the driven shaft; infinite: rigid
+    damping: float = 0.0  # N*m*s/rad of the driven shaft
+    gap: float = 0.0  # rad of backlash at the driven shaft, from contact to contact
 
     @property
     def flexible(self) -> bool:
@@ -126,58 +130,56 @@ def modes(train: DriveTrain) -> tuple[Mode, ...]:
     return tuple(found)
 
 
-def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[DriveTrain, list[str]]:
-    """The rigid drive train of a spec and a drive, with the assumptions made."""
-    if drive_set.steps:
-        part = drive_set.motor.part
-        raise NoLoopError(f"motor {part} is a stepper, which runs open-loop: it has no closed loop")
-    require(drive_set, _NEEDED, "no closed loop without")
-    said = list(unstated_temperature([drive_set.motor.part] if isnan(drive_set.motor.data_temperature) else []))
+def mechanics(spec: RobotSpec, drive_set: DriveParts) -> tuple[Mechanics, list[str]]:
+    """Rotor, gears and load of a drive; inertias and a friction that are unknown are 0, and named."""
     own, shaft = drive_set.at_motor, at_shaft(spec)
-
-    def known(value: float, what: str) -> float:  # a figure of small influence
-        if isnan(value):
-            said.append(f"the {what} is unknown and taken as 0")
-        return 0.0 if isnan(value) else value
-
-    for of in drive_set.unknown_inertias:
-        known(nan, f"inertia of the {of}")
-    train = DriveTrain(
-        resistance=float(resistance_25(drive_set.motor)),
-        inductance=drive_set.motor.inductance,
-        torque_constant=own.k_t,
-        back_emf_constant=own.k_e,
-        friction=known(own.coulomb, "friction of the motor") + own.idle,
-        viscous=known(own.viscous, "viscous friction of the motor"),
+    coulomb = 0.0 if drive_set.steps else own.coulomb  # a stepper's is in its pull-out torque
+    unknown = [f"inertia of the {part}" for part in drive_set.unknown_inertias]
+    unknown += ["friction of the motor"] * isnan(coulomb) + ["inertia of the load"] * isnan(shaft.inertia)
+    found = Mechanics(
+        friction=(0.0 if isnan(coulomb) else coulomb) + own.idle,
         motor_inertia=drive_set.inertia(unknown=0.0),
         gear_ratio=own.ratio,
         gear_efficiency=own.efficiency,
         belt_ratio=drive_set.belt_ratio,
         belt_efficiency=drive_set.belt_efficiency,
-        load_inertia=known(shaft.inertia, "inertia of the load"),
+        load_inertia=0.0 if isnan(shaft.inertia) else shaft.inertia,
         radius=shaft.radius,
         forward_torque=shaft.forward_torque,
         backward_torque=shaft.backward_torque,
         rest_torque=shaft.rest_torque,
     )
-    if not train.inductance > 0.0:  # NaN too
+    return found, [f"the {what} is unknown and taken as 0" for what in unknown]
+
+
+def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[DriveTrain, list[str]]:
+    """The rigid drive train of a spec and a drive, with the assumptions made."""
+    motor, own = drive_set.motor, drive_set.at_motor
+    if drive_set.steps:
+        raise NoLoopError(f"motor {motor.part} is a stepper, which runs open-loop: it has no closed loop")
+    require(drive_set, _NEEDED, "no closed loop without")
+    rigid, unknown = mechanics(spec, drive_set)
+    said = [*unstated_temperature([motor.part] if isnan(motor.data_temperature) else []), *unknown]
+    if isnan(own.viscous):
+        said.append("the viscous friction of the motor is unknown and taken as 0")
+    resistance, inductance = float(resistance_25(motor)), motor.inductance
+    if not inductance > 0.0:  # NaN too
         said.append("the motor's inductance is unknown: the current follows the voltage at once")
-        train = replace(train, inductance=_NO_INDUCTANCE * period * train.resistance)
+        inductance = _NO_INDUCTANCE * period * resistance
+    train = DriveTrain(
+        **{f.name: getattr(rigid, f.name) for f in fields(rigid)},
+        resistance=resistance,
+        inductance=inductance,
+        torque_constant=own.k_t,
+        back_emf_constant=own.k_e,
+        viscous=0.0 if isnan(own.viscous) else own.viscous,
+    )
     if not all(isfinite(getattr(train, f.name)) for f in fields(train) if f.name != "stiffness"):
         raise InputError("the load's figures leave the range of numbers that can be computed with")
     return train, said
 
 
-def elastic(train: DriveTrain, stiffness: float, damping: float = 0.0, gap: float = 0.0) -> DriveTrain:
-    """A drive train with an elastic shaft between motor and load."""
-    if not 0.0 < stiffness < inf:
-        raise InputError(f"stiffness: {stiffness:g} N*m/rad is no stiffness; expected a positive number")
-    if not 0.0 <= damping < inf:
-        raise InputError(f"damping of the shaft: {damping:g} N*m*s/rad is none; expected 0 or more")
-    return replace(train, stiffness=stiffness, damping=damping, gap=gap)
-
-
-def within_reach(train: DriveTrain, profile: Profile) -> None:
+def within_reach(train: Mechanics, profile: Profile) -> None:
     """Refuse a profile that is faster than any machine."""
     if not profile.top_speed * train.motor_per_speed <= _FASTEST:
         at_motor = profile.top_speed * train.motor_per_speed
@@ -199,7 +201,7 @@ def require(drive_set: DriveParts, needed: Mapping[str, Sequence[str]], conseque
 # changes of mode - a mass stops or starts, the power reverses, the shaft crosses its backlash - each is linear:
 #
 # .. math:: L \dot i = u - R i - k_e w, \quad J_m \dot w = k i - b_m w + m - s\,T, \quad
-#           \dot\varphi = w / K - v, \quad J_l \dot v = T - b_l v - l, \quad T = c\,\delta + d\,\dot\varphi
+#           \dot\varphi = w / K - v, \quad J_l \dot v = T - l, \quad T = c\,\delta + d\,\dot\varphi
 #
 # with the share s = 1/(K e) of the shaft's torque T where the motor drives the load and e/K where the load drives
 # the motor. The rigid plant is the same with v = w/K. **Stiffness, damping, backlash and twist are those of the
@@ -236,8 +238,7 @@ def generators(machine: dict[str, Array], resistance: Array) -> Array:
     if not two:
         for mode, share in enumerate(shares, 1):
             J = machine["motor_inertia"] + driven * share / K
-            drag = machine["viscous"] + share * machine["load_viscous"] / K
-            row = (k, -drag, zero, zero, zero, 1.0 + zero, -share, zero)
+            row = (k, -machine["viscous"], zero, zero, zero, 1.0 + zero, -share, zero)
             G[:, :, mode, 1, :] = (np.array(row) / J).T[:, None, :]
         return G
     twist = np.array([zero, 1.0 / K, zero, zero - 1.0])  # of i, w, twist, v: the twist's rate
@@ -251,8 +252,7 @@ def generators(machine: dict[str, Array], resistance: Array) -> Array:
             G[:, :, mode, 1, :4] = (own / J_m).T[:, None, :]
             G[:, :, mode, 1, 7] = (1.0 / J_m)[:, None]
         if mode & 2:
-            own = torque - np.array([zero, zero, zero, machine["load_viscous"]])
-            G[:, :, mode, 3, :4] = (own / driven).T[:, None, :]
+            G[:, :, mode, 3, :4] = (torque / driven).T[:, None, :]
             G[:, :, mode, 3, 8] = (-1.0 / driven)[:, None]
     return G
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -13,11 +12,12 @@ from drivesizer.control.validation import LEAST_PHASE_MARGIN, Cascade, Gains, Lo
 from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
 from drivesizer.physics.counted_speed import COUNT_SHARE, Counts, lags, most_gain, shortest, speed_quantum
+from drivesizer.spec.drive import Control, VelocityLoop
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 __all__ = [
-    "COMPUTING", "LATE", "SPREAD", "CascadeRequirements", "design", "design_cascade", "effective_delay", "feedforward",
+    "COMPUTING", "LATE", "SPREAD", "design", "design_cascade", "effective_delay", "feedforward",
     "loop_warnings", "magnitude_optimum", "margin_of", "most_bandwidth", "natural_frequency", "pole_placement",
     "resolution_warning", "resonance_warning", "shortest_ramp", "spread_of", "symmetrical_optimum",
 ]  # fmt: skip
@@ -207,18 +207,6 @@ def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
     return left / (x * lag) / natural_frequency(1.0, damping) if left > 0.0 else math.nan
 
 
-def current_lag(train: DriveTrain, kp: float, ki: float, period: float) -> float:
-    """Lag of the closed current loop [s]: R/k_i, twice the small lag for the magnitude optimum [3]_."""
-    if ki > 0.0:
-        return train.resistance / ki
-    return train.inductance / (train.resistance + kp) + LATE * period
-
-
-def position_gain(velocity_lag: float) -> float:
-    """Gain of the position loop [1/s] around a velocity loop with a lag [s]: both poles real and equal [4]_."""
-    return 1.0 / (4.0 * velocity_lag)
-
-
 def feedforward(train: DriveTrain) -> tuple[float, float, float]:
     """Feedforward gains of the current, driving: acceleration, viscous friction, Coulomb friction."""
     every, k_t = modes(train), train.torque_constant
@@ -235,32 +223,15 @@ def feedforward(train: DriveTrain) -> tuple[float, float, float]:
 _DAMPING = math.sqrt(0.5)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CascadeRequirements:
-    """Gains and requirements that the user gives; the rest is designed. Units as in :class:`Cascade`."""
-
-    current_kp: float | None = None
-    current_ki: float | None = None
-    velocity_kp: float | None = None
-    velocity_ki: float | None = None
-    velocity_kd: float | None = None
-    filter_time: float | None = None
-    position_kp: float | None = None
-    feedforward_velocity: float | None = None
-    feedforward_friction: float | None = None
-    feedforward_acceleration: float | None = None
-    bandwidth: float | None = None  # Hz, of the velocity loop: pole placement
-    damping: float | None = None  # of the poles that are placed
-    phase_margin: float | None = None  # rad, of the velocity loop: symmetrical optimum
-    position: bool = False  # whether there is a position loop
+Where = Callable[[tuple[str, ...]], str]  # a field of the spec as messages name it
 
 
 def design_cascade(
     train: DriveTrain,
     every: Rates,
-    wanted: CascadeRequirements,
+    wanted: Control,
     *,
-    where: Callable[[str], str] = "control.{}".format,
+    where: Where = ".".join,
     counts: Counts | None = None,
     slower: float = 1.0,
 ) -> tuple[Cascade, list[str]]:
@@ -268,27 +239,37 @@ def design_cascade(
 
     Velocity loop: pole placement where a bandwidth or a damping is given, else the symmetrical optimum.
     """
-    _look(wanted, where)
-    current, current_rule = _current(train, every, wanted, where)
-    lag = current_lag(train, *current, every.current) + LATE * every.velocity
-    over, lag = _late(train, lag, every.velocity, wanted, counts)
-    velocity, velocity_rule = _velocity(train, lag * slower, wanted, where)
-    outer, outer_rule = _position(train, lag + LATE * every.position, velocity, wanted)
-    rules = [rule for rule in (current_rule, velocity_rule, outer_rule) if rule]
-    kd, kp, filter_time = wanted.velocity_kd or 0.0, velocity[0], wanted.filter_time
+    _refuse(wanted, where)
+    own, place = wanted.velocity, wanted.position
+    current_kp, current_ki, current_rule = _current(train, every, wanted, where)
+    # lag of the closed current loop: twice the small lag for the magnitude optimum [3]
+    lag = train.resistance / current_ki if current_ki > 0.0 else (
+        train.inductance / (train.resistance + current_kp) + LATE * every.current
+    )  # fmt: skip
+    bandwidth = None if own.bandwidth is None else own.bandwidth / slower
+    over, lag = _late(train, lag + LATE * every.velocity, every.velocity, own, bandwidth, counts)
+    kp, ki, velocity_rule = _velocity(train, lag * slower, own, bandwidth, where)
+    outer, outer_rule = place.kp if place else None, "position: given"
+    if outer is None:
+        outer = _position_gain(train, lag + LATE * every.position, kp, ki) if place and (kp or ki) else 0.0
+        outer_rule = "position: aperiodic"
+    rules = [current_rule, velocity_rule, *([outer_rule] if outer else [])]
+    kd, filter_time = own.kd or 0.0, own.filter_time
     if filter_time is None:  # a tenth of the derivative time, a period at least
         filter_time = max(every.velocity, kd / kp / _FILTER) if kp else every.velocity
-    fed = dict(zip(("acceleration", "velocity", "friction"), feedforward(train), strict=True))
-    given = {f"feedforward_{name}": getattr(wanted, f"feedforward_{name}") for name in fed}
+    given = wanted.feedforward
+    acceleration, velocity, friction = feedforward(train)
     found = Cascade(
-        current_kp=current[0],
-        current_ki=current[1],
-        velocity_kp=velocity[0],
-        velocity_ki=velocity[1],
+        current_kp=current_kp,
+        current_ki=current_ki,
+        velocity_kp=kp,
+        velocity_ki=ki,
         velocity_kd=kd,
         filter_time=filter_time if kd else 0.0,
         position_kp=outer,
-        **{name: fed[name.removeprefix("feedforward_")] if gain is None else gain for name, gain in given.items()},
+        feedforward_acceleration=acceleration if given.acceleration is None else given.acceleration,
+        feedforward_velocity=velocity if given.velocity is None else given.velocity,
+        feedforward_friction=friction if given.friction is None else given.friction,
         current_period=every.current,
         velocity_period=every.velocity,
         position_period=every.position if outer else 0.0,
@@ -299,52 +280,56 @@ def design_cascade(
     return found, ["gains are designed for the inertia of driving; braking, the gears' losses make it less"]
 
 
-def _look(wanted: CascadeRequirements, where: Callable[[str], str]) -> None:
-    """Refuse what is no gain, and figures that exclude or lack each other."""
-    for f in fields(wanted):
-        value = getattr(wanted, f.name)
-        if value is not None and not 0.0 <= value <= _LARGEST_GAIN:
-            raise InputError(f"{where(f.name)}: {value:g} is no use; expected 0 to {_LARGEST_GAIN:g}")
-    if wanted.phase_margin is not None and not 0.0 < wanted.phase_margin < math.pi / 2:
-        raise InputError(f"{where('phase_margin')}: expected more than 0° and less than 90°")
-    gains = [name for name in ("velocity_kp", "velocity_ki") if getattr(wanted, name) is not None]
-    for name, others in (("bandwidth", gains), ("phase_margin", gains), ("damping", gains if len(gains) > 1 else [])):
-        if getattr(wanted, name) is not None and others:
-            raise InputError(f"{where(name)}: {others[0]} is given too, and settles it; expected one of them")
-    if wanted.phase_margin is not None and (wanted.bandwidth is not None or wanted.damping is not None):
-        raise InputError(f"{where('phase_margin')}: expected either it, or bandwidth and damping: they are two rules")
-    if wanted.damping is not None and wanted.bandwidth is None and not gains:
-        raise InputError(
-            f"{where('damping')}: it belongs to bandwidth, velocity_kp or velocity_ki; expected one of them"
-        )
-    if wanted.filter_time is not None and not wanted.velocity_kd:
-        raise InputError(f"{where('filter_time')}: it belongs to velocity_kd; expected both")
-    for name in ("bandwidth", "damping"):
-        if getattr(wanted, name) == 0.0:
-            raise InputError(f"{where(name)}: 0 is no use; expected more")
+def _refuse(wanted: Control, where: Where) -> None:
+    """Refuse what is no gain, and figures of the velocity loop that exclude or lack each other."""
+    for section in ("current", "velocity", "position", "feedforward"):
+        figures = getattr(wanted, section)
+        for name, value in figures.model_dump().items() if figures else ():
+            if value is not None and not 0.0 <= value <= _LARGEST_GAIN:
+                what = where(("control", section, name))
+                raise InputError(f"{what}: {value:g} is no use; expected 0 to {_LARGEST_GAIN:g}")
+    own = wanted.velocity
+    gains = [f"velocity_{name}" for name in ("kp", "ki") if getattr(own, name) is not None]
+    margin, several = own.phase_margin, own.bandwidth is not None or own.damping is not None
+    beside = {"bandwidth": gains, "phase_margin": gains, "damping": gains if len(gains) > 1 else []}
+    wrong = [
+        ("phase_margin", margin is not None and not 0.0 < margin < math.pi / 2,
+         "expected more than 0° and less than 90°"),
+        *((name, bool(others) and getattr(own, name) is not None,
+           f"{others[0] if others else ''} is given too, and settles it; expected one of them")
+          for name, others in beside.items()),
+        ("phase_margin", margin is not None and several,
+         "expected either it, or bandwidth and damping: they are two rules"),
+        ("damping", own.damping is not None and own.bandwidth is None and not gains,
+         "it belongs to bandwidth, velocity_kp or velocity_ki; expected one of them"),
+        ("filter_time", own.filter_time is not None and not own.kd, "it belongs to velocity_kd; expected both"),
+        ("bandwidth", own.bandwidth == 0.0, "0 is no use; expected more"),
+        ("damping", own.damping == 0.0, "0 is no use; expected more"),
+    ]  # fmt: skip
+    for name, is_wrong, why in wrong:
+        if is_wrong:
+            raise InputError(f"{where(('control', 'velocity', name))}: {why}")
 
 
-def _current(
-    train: DriveTrain, every: Rates, wanted: CascadeRequirements, where: Callable[[str], str]
-) -> tuple[tuple[float, float], str]:
+def _current(train: DriveTrain, every: Rates, wanted: Control, where: Where) -> tuple[float, float, str]:
     """Gains of the current loop and their rule: around one that is given, the other cancels the winding's lag."""
-    kp, ki = wanted.current_kp, wanted.current_ki
+    kp, ki = wanted.current.kp, wanted.current.ki
     if kp == 0.0 and not ki:
-        raise InputError(f"{where('current_kp')}: without it and current_ki no current flows; expected one of them")
+        what = where(("control", "current", "kp"))
+        raise InputError(f"{what}: without it and current_ki no current flows; expected one of them")
     if kp is not None and ki is not None:
-        return (kp, ki), "current: given"
-    if kp is None and ki is None:
-        gains = magnitude_optimum(train.resistance, train.inductance, LATE * every.current)
-        return gains, "current: magnitude optimum"
+        return kp, ki, "current: given"
     cancels = "the reset time is the winding's, as in the magnitude optimum"
     if kp is not None:
-        return (kp, kp * train.resistance / train.inductance), f"current: kp given, {cancels}"
-    assert ki is not None
-    return (ki * train.inductance / train.resistance, ki), f"current: ki given, {cancels}"
+        return kp, kp * train.resistance / train.inductance, f"current: kp given, {cancels}"
+    if ki is not None:
+        return ki * train.inductance / train.resistance, ki, f"current: ki given, {cancels}"
+    gains = magnitude_optimum(train.resistance, train.inductance, LATE * every.current)
+    return *gains, "current: magnitude optimum"
 
 
 def _late(
-    train: DriveTrain, lag: float, period: float, wanted: CascadeRequirements, counts: Counts | None
+    train: DriveTrain, lag: float, period: float, own: VelocityLoop, bandwidth: float | None, counts: Counts | None
 ) -> tuple[int, float]:
     """Periods over which counts are taken, and the total lag of the velocity loop [s].
 
@@ -356,86 +341,85 @@ def _late(
     if counts is None or counts.periods:
         return int(periods[0]), float(every[0])
     most = most_gain(counts, periods, period)
-    if wanted.velocity_kp is not None or wanted.velocity_ki is not None:
+    if own.kp is not None or own.ki is not None:
         return 1, float(every[0])
     inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
-    if wanted.bandwidth is not None:
-        w = natural_frequency(wanted.bandwidth, wanted.damping or _DAMPING)
-        kp, _ = pole_placement(inertia, train.torque_constant, w, wanted.damping or _DAMPING, train.viscous)
+    if bandwidth is not None:
+        damping = own.damping or _DAMPING
+        w = natural_frequency(bandwidth, damping)
+        kp, _ = pole_placement(inertia, train.torque_constant, w, damping, train.viscous)
         lightest = modes(train)[Regime.FORWARD_BRAKING].inertia / inertia
-        within = every * wanted.bandwidth <= most_bandwidth(1.0, wanted.damping or _DAMPING, lightest)
+        within = every * bandwidth <= most_bandwidth(1.0, damping, lightest)
         # the first that is quiet; else as long as the delay allows, and one where it allows none
         quiet, last = np.flatnonzero(within & (kp <= most)), np.flatnonzero(within)
         n = int(quiet[0]) if len(quiet) else int(last[-1]) if len(last) else 0
         return int(periods[n]), float(every[n])
-    a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
+    a = SPREAD if own.phase_margin is None else spread_of(own.phase_margin)
     least = np.maximum(every, inertia / (train.torque_constant * a * most))
     n = shortest(least, float(least.min()))
     return int(periods[n]), float(least[n])
 
 
 def _velocity(
-    train: DriveTrain, lag: float, wanted: CascadeRequirements, where: Callable[[str], str]
-) -> tuple[tuple[float, float], str]:
+    train: DriveTrain, lag: float, own: VelocityLoop, bandwidth: float | None, where: Where
+) -> tuple[float, float, str]:
     """Gains of the velocity loop and their rule; in each, one gain that is given sets the other."""
-    kp, ki, k_t, every = wanted.velocity_kp, wanted.velocity_ki, train.torque_constant, modes(train)
+    kp, ki, k_t, every = own.kp, own.ki, train.torque_constant, modes(train)
     J = every[Regime.FORWARD_DRIVING].inertia
     if kp is not None and ki is not None:
-        return (kp, ki), "velocity: given"
-    if wanted.bandwidth is None and wanted.damping is None:
+        return kp, ki, "velocity: given"
+    if bandwidth is None and own.damping is None:
         if kp == 0.0 or ki == 0.0:  # P or I alone is what was meant
-            return (kp or 0.0, ki or 0.0), "velocity: given"
-        a = SPREAD if wanted.phase_margin is None else spread_of(wanted.phase_margin)
+            return kp or 0.0, ki or 0.0, "velocity: given"
+        a = SPREAD if own.phase_margin is None else spread_of(own.phase_margin)
         if kp is not None:
             a = J / (k_t * kp * lag)
         elif ki is not None:
             a = math.cbrt(J / (k_t * ki * lag * lag))
         if a <= 1.0:
-            name, most = ("velocity_kp", J / (k_t * lag)) if kp else ("velocity_ki", J / (k_t * lag * lag))
+            name, most = ("kp", J / (k_t * lag)) if kp else ("ki", J / (k_t * lag * lag))
             raise InputError(
-                f"{where(name)}: with {getattr(wanted, name):.4g} no reset time makes the loop stable; expected less "
-                f"than {most:.4g}, or velocity_kp and velocity_ki together"
+                f"{where(('control', 'velocity', name))}: with {getattr(own, name):.4g} no reset time makes the loop "
+                f"stable; expected less than {most:.4g}, or velocity_kp and velocity_ki together"
             )
         designed, rule = symmetrical_optimum(J, k_t, lag, a), f"velocity: symmetrical optimum, a = {a:.3g}"
     else:
-        damping = wanted.damping or _DAMPING
+        damping = own.damping or _DAMPING
         if kp is not None:
             w = (k_t * kp + train.viscous) / (2.0 * damping * J)
         elif ki is not None:
             w = math.sqrt(k_t * ki / J)
         else:
-            assert wanted.bandwidth is not None
+            assert bandwidth is not None
+            what = "control", "velocity"
             most = most_bandwidth(lag, damping, every[Regime.FORWARD_BRAKING].inertia / J)
             if math.isnan(most):
-                raise InputError(f"{where('damping')}: {damping:.3g} leaves a phase margin below 30° at any bandwidth")
-            if wanted.bandwidth > most:
                 raise InputError(
-                    f"{where('bandwidth')}: {show(wanted.bandwidth, 'Hz', 'frequency')} is faster than the delay of "
+                    f"{where((*what, 'damping'))}: {damping:.3g} leaves a phase margin below 30° at any bandwidth"
+                )
+            if bandwidth > most:
+                raise InputError(
+                    f"{where((*what, 'bandwidth'))}: {show(bandwidth, 'Hz', 'frequency')} is faster than the delay of "
                     "the loop allows at 30° of phase margin; expected at most "
                     f"{show(math.floor(most * 10) / 10, 'Hz', 'frequency')}"
                 )
-            w = natural_frequency(wanted.bandwidth, damping)
+            w = natural_frequency(bandwidth, damping)
         designed = pole_placement(J, k_t, w, damping, train.viscous)
         if designed[0] < 0.0:
-            raise InputError(
-                f"{where('bandwidth')}: the friction alone makes the drive faster than that; expected more"
-            )
+            what = ("control", "velocity", "bandwidth")
+            raise InputError(f"{where(what)}: the friction alone makes the drive faster than that; expected more")
         rule = f"velocity: pole placement, {show(w, 'rad/s', 'rotary_speed', 3)}, damping {damping:.3g}"
-    return (designed[0] if kp is None else kp, designed[1] if ki is None else ki), rule
+    return designed[0] if kp is None else kp, designed[1] if ki is None else ki, rule
 
 
-def _position(
-    train: DriveTrain, lag: float, velocity: tuple[float, float], wanted: CascadeRequirements
-) -> tuple[float, str]:
-    """Gain of the position loop and its rule; the velocity loop is late by its reset time, or its inertia's lag."""
-    if wanted.position_kp is not None:
-        return wanted.position_kp, "position: given" if wanted.position_kp else ""
-    kp, ki = velocity
-    if not wanted.position or not (kp or ki):
-        return 0.0, ""
+def _position_gain(train: DriveTrain, lag: float, kp: float, ki: float) -> float:
+    """Gain of a position loop [1/s] whose poles are both real and equal [4]_, around a velocity loop.
+
+    That is late by its reset time, or its inertia's lag, and a lag beside [s].
+    """
     inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
     late = kp / ki if kp and ki else inertia / (train.torque_constant * kp) if kp else lag
-    return position_gain(late + lag), "position: aperiodic"
+    return 1.0 / (4.0 * (late + lag))
 
 
 # -- Warnings about a loop in words, each with the figure that would be right.

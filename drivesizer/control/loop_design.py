@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from scipy.linalg import schur
 
 from drivesizer.catalog import EDGES
-from drivesizer.control.drive_train import DriveTrain, Mode, Regime, drive_train, elastic, modes
-from drivesizer.control.gains import RESONANCE_SHARE, SPREAD, CascadeRequirements, design, design_cascade, margin_of
+from drivesizer.control.drive_train import DriveTrain, Mode, Regime, drive_train, modes
+from drivesizer.control.gains import RESONANCE_SHARE, SPREAD, design, design_cascade, margin_of
 from drivesizer.control.loop_models import (
     System,
     closed,
@@ -358,51 +358,39 @@ _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's i
 
 def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
     """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both."""
-    c = spec.control
-    if c.structure == "cascade":
-        every, said = rates(drive_set.controller, c.rate)
-        return _designed(spec, drive_set, every, said)
-    rate = drive_set.controller.speed_loop if drive_set.controller else math.nan
-    period, said = _PERIOD, []
-    if c.rate is not None or rate > 0.0:
-        period = 1.0 / (c.rate or rate)
+    c, cascade, found = spec.control, spec.control.structure == "cascade", drive_set.controller
+    if cascade:
+        every, said = rates(found, c.rate)
     else:
-        said = [f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}"]
-    return _designed(spec, drive_set, Rates(period, period, 0.0), said)
-
-
-def _designed(
-    spec: RobotSpec, drive_set: DriveParts, every: Rates, said: list[str]
-) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
+        rate = c.rate or (found.speed_loop if found else math.nan)
+        period = 1.0 / rate if rate > 0.0 else _PERIOD  # NaN too
+        every, said = Rates(period, period, 0.0), []
+        if not rate > 0.0:
+            said.append(f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}")
     rigid, assumed = drive_train(spec, drive_set, every.current)
     train = _with_shaft(spec, drive_set, rigid)
     counts, more = _counts(spec, drive_set, train, every.velocity)
-    said, cascade = [*said, *assumed, *more], spec.control.structure == "cascade"
-    own, rules = spec.control.velocity if cascade else spec.control, list[str]()
-    wanted = _requirements(spec)
+    said = [*said, *assumed, *more]
+    place = ("control", "velocity") if cascade else ("control",)
+    own, rules = c.velocity if cascade else c, list[str]()
 
     def make(slower: float) -> Gains | Cascade:
         if not cascade:
             return design(spec, train, every.velocity, counts, slower)
-        less = wanted if wanted.bandwidth is None else replace(wanted, bandwidth=wanted.bandwidth / slower)
-        found, rules[:] = design_cascade(
-            train, every, less, where=lambda field: spec.where(_path(field)), counts=counts, slower=slower
-        )
+        found, rules[:] = design_cascade(train, every, c, where=spec.where, counts=counts, slower=slower)
         return found
 
     if own.kp is not None or (cascade and own.ki is not None):
-        given = make(1.0)
-        return train, given, [*said, *rules]
-    found, slower, why = tuned(make, train, stated_margin(spec))
+        return train, make(1.0), [*said, *rules]
+    controller, slower, why = tuned(make, train, stated_margin(spec))
     if why and own.bandwidth is not None:
-        where = spec.where(("control", "velocity", "bandwidth") if cascade else ("control", "bandwidth"))
         most = show(math.floor(10.0 * own.bandwidth / slower) / 10.0, "Hz", "frequency")
-        required = show(own.bandwidth, "Hz", "frequency")
-        raise InputError(f"{where}: {required} is too fast: {why}; expected at most {most}")
+        given = show(own.bandwidth, "Hz", "frequency")
+        raise InputError(f"{spec.where((*place, 'bandwidth'))}: {given} is too fast: {why}; expected at most {most}")
     said += rules
     if why:
         said.append(f"the loop is {slower:.3g} times slower than its design rule, with which {why}")
-    return train, found, said
+    return train, controller, said
 
 
 def train_behind(spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cascade) -> tuple[DriveTrain, list[str]]:
@@ -463,24 +451,4 @@ def _with_shaft(spec: RobotSpec, drive_set: DriveParts, train: DriveTrain) -> Dr
         raise InputError(f"{where}: two_mass needs an inertia of the load, e.g. inertia: 0.02 kg*m^2")
     damping = 2.0 * spec.plant.damping_ratio * math.sqrt(stiffness * train.load_inertia)
     gap = drive_set.gearhead.backlash / drive_set.belt_ratio if spec.plant.backlash is None else spec.plant.backlash
-    return elastic(train, stiffness, damping, 0.0 if math.isnan(gap) else float(gap))
-
-
-def _requirements(spec: RobotSpec) -> CascadeRequirements:
-    """Gains and requirements of the cascade that the spec gives."""
-    c = spec.control
-    given: dict[str, Any] = {f"current_{name}": getattr(c.current, name) for name in ("kp", "ki")}
-    given |= {f"velocity_{name}": getattr(c.velocity, name) for name in ("kp", "ki", "kd")}
-    given |= {name: getattr(c.velocity, name) for name in ("filter_time", "bandwidth", "damping", "phase_margin")}
-    given |= {f"feedforward_{name}": value for name, value in c.feedforward.model_dump().items()}
-    return CascadeRequirements(
-        position=c.position is not None, position_kp=c.position.kp if c.position else None, **given
-    )
-
-
-def _path(field: str) -> tuple[str, ...]:
-    """Path of a field of ``CascadeRequirements`` in the spec."""
-    section, _, name = field.partition("_")
-    if section in ("current", "velocity", "position", "feedforward"):
-        return "control", section, name
-    return "control", "velocity", field
+    return replace(train, stiffness=stiffness, damping=damping, gap=0.0 if math.isnan(gap) else float(gap))

@@ -12,11 +12,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from linear_machines import cascade_control
 from scipy.linalg import expm
 from textbook_machine import RUBS, SHAFT, STEEP, driven, on_slope, task_of, textbook
 
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, simulate
-from drivesizer.control.gains import CascadeRequirements, design_cascade
+from drivesizer.control.gains import design_cascade
 from drivesizer.control.validation import Cascade, Rates
 
 RATES = Rates(4e-5, 4e-4, 1.2e-3)  # s: current, velocity, position
@@ -113,26 +114,22 @@ class ServoCascade:
         if n % c.current_steps == 0:
             if c.position_kp and n % (c.current_steps * c.velocity_steps) == 0:
                 found = c.position_kp * (asked.angle(n) - machine.angle)
-                self.more, self.next_more = self.next_more if self.drive.delay else found, found
+                self.more, self.next_more = self.next_more, found
             self.ask(machine, asked, n)
         error = self.asked - machine.i
         wanted = self.inner.answer(error, self.beyond * error > 0.0)
-        if self.drive.delay:
-            wanted, self.pending = self.pending, wanted
+        wanted, self.pending = self.pending, wanted
         u = within_bus(self.drive.supply, machine.i, wanted)
         self.beyond = wanted - u
         return u
 
     def ask(self, machine, asked, n):
         c, w = self.drive.controller, asked.speed(n)
-        if self.drive.delay:
-            self.limit(self.next)
+        self.limit(self.next)
         error = w + self.more - machine.w
         fed = c.feedforward_velocity * w + c.feedforward_friction * np.sign(w)
         self.next = fed + c.feedforward_acceleration * asked.slope(n)
         self.next += self.outer.answer(error, self.cut * error > 0.0 or self.beyond * error > 0.0)
-        if not self.drive.delay:
-            self.limit(self.next)
 
     def limit(self, wanted):
         most = self.most(self.drive.controller.velocity_period)
@@ -235,9 +232,9 @@ def servo(spec, catalog, degrees, more, **limits):
     """A servo drive with every path of the cascade in use, and its task."""
     _, train = on_slope(spec, catalog, degrees)
     bandwidth = 8.0 if more else 30.0  # Hz; the shaft rings at 87
-    c, _ = design_cascade(train, RATES, CascadeRequirements(bandwidth=bandwidth, position=True))
+    c, _ = design_cascade(train, RATES, cascade_control(bandwidth=bandwidth, position=True))
     c = replace(c, feedforward_velocity=1e-4, velocity_kd=1e-4, filter_time=1e-3)
-    m = replace(train, stiction=1.5 * train.friction, **RUBS, **more)
+    m = replace(train, **RUBS, **more)
     supply = Supply(voltage=17.0, resistance=0.05, sets=4, max_duty=0.9, voltage_drop=1.0)
     return Drive(train=m, controller=c, supply=supply, **limits), task_of(train, *TURN)
 
@@ -246,7 +243,7 @@ def servo(spec, catalog, degrees, more, **limits):
     ("degrees", "more", "limits", "rate", "amps"),
     [
         pytest.param(0.0, {}, {"current": CurrentLimit(peak=5.0)}, 5e-5, 1e-6, id="rigid"),
-        pytest.param(4.0, {}, {"current": FOR_A_WHILE, "delay": False}, 5e-5, 5e-5, id="rigid, peak for a while"),
+        pytest.param(4.0, {}, {"current": FOR_A_WHILE}, 5e-5, 5e-5, id="rigid, peak for a while"),
         pytest.param(4.0, SHAFT, {"current": CurrentLimit(peak=5.0)}, 6e-3, 2e-3, id="two masses"),
         pytest.param(4.0, SHAFT | {"gap": 0.01}, {"current": FOR_A_WHILE}, 6e-3, 5e-5, id="backlash"),
     ],

@@ -83,11 +83,10 @@ def test_electrical_energy_is_work_losses_and_what_is_stored(spec, catalog, stru
 
     parts = {
         "work on the load": m.forward_torque * f["load_angle"],
-        "rubbed off at the load": rubbed(m.load_viscous, v),
         "stored in the load": stored(m.load_inertia, v),
     }
     if shaft:
-        start = (m.forward_torque + m.load_viscous * v[0]) / m.stiffness
+        start = m.forward_torque / m.stiffness
         twist = np.array((start, start + f["angle"] / m.ratio - f["load_angle"]))
         parts |= {"stored in the shaft": stored(m.stiffness, twist), "damped": rubbed(m.damping, w / m.ratio - v)}
     through, e = sum(parts.values()), m.efficiency

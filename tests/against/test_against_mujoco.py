@@ -23,10 +23,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from linear_machines import cascade_control
 from textbook_machine import PERIOD, SHAFT, on_slope, slower, task_of
 
 from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate
-from drivesizer.control.gains import CascadeRequirements, design, design_cascade
+from drivesizer.control.gains import design, design_cascade
 from drivesizer.control.validation import Cascade, Gains, Rates
 
 mujoco = pytest.importorskip("mujoco", "3.7", reason="MuJoCo with its dcmotor actuator is not installed")
@@ -69,7 +70,7 @@ def robot(spec, catalog):
 
     def made(degrees):
         hilly, train = on_slope(spec, catalog, degrees)
-        servo, _ = design_cascade(train, RATES, CascadeRequirements(bandwidth=30.0, position=True))
+        servo, _ = design_cascade(train, RATES, cascade_control(bandwidth=30.0, position=True))
         return train, {"voltage PID": design(hilly, train, PERIOD), "cascade": servo}, load_of(hilly)
 
     return made
@@ -231,7 +232,7 @@ def test_a_soft_shaft_there_and_back(robot, gap, structure):
     The rotor alone has up to 1.2e5 rad/s^2: a step of MuJoCo, 10 us and 4 us of that, is 1.2 and 0.5 rad/s.
     """
     train, controllers, load = robot(3.0)
-    soft, _ = design_cascade(train, RATES, CascadeRequirements(bandwidth=5.0, position=True))
+    soft, _ = design_cascade(train, RATES, cascade_control(bandwidth=5.0, position=True))
     c, period, steps = (soft, RATES.current, 5) if structure == "cascade" else (
         slower(controllers[structure]), PERIOD, 20)  # fmt: skip
     s = driven(train, c, (0.0, 0.3, 0.4, 0.9, 1.0), (0.0, 1.0, 1.0, -0.8, -0.8),

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from textbook_machine import PERIOD, RUBS, SAGS, SHAFT, STEEP, driven, net, on_slope, task_of, textbook
 
-from drivesizer.control.engine import Drive, Resolution, Task, simulate
+from drivesizer.control.engine import Drive, Task, simulate
 from drivesizer.control.gains import design
 
 # --- the machine
@@ -80,7 +80,7 @@ def test_copper_loss_under_a_voltage_that_leaps_every_few_periods(spec, catalog)
     for n, share in ((1, 8e-3), (4, 2.5e-4)):
         g = replace(design(hilly, train, PERIOD / n), kp=8e-3, ki=0.02)
         task = Task(time=(0.0, 0.08), speed=(300.0 / m.ratio,) * 2)
-        run = simulate(Drive(train=m, controller=g, supply=SAGS, encoder=Resolution(edges=64 * n)), task)
+        run = simulate(Drive(train=m, controller=g, supply=SAGS, edges=64 * n), task)
         found, electrical, copper, _ = replayed(m, run, 0.08)
         assert np.ptp(run.series["voltage"]) > 1.9 and np.ptp(found[0]) > 0.55  # V, A of 1.0
         assert found == pytest.approx(np.array((run.series["current"], run.series["motor_speed"])), abs=1e-9)

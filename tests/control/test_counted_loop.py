@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 import yaml
 from exports import rendered
+from linear_machines import cascade_control
 from scipy.linalg import expm
 
 from drivesizer.control.drive_train import Regime, drive_train, modes
-from drivesizer.control.engine import Drive, Resolution, Supply, Task, simulate
-from drivesizer.control.gains import CascadeRequirements, design, design_cascade
+from drivesizer.control.engine import Drive, Supply, Task, simulate
+from drivesizer.control.gains import design, design_cascade
 from drivesizer.control.loop_design import analyse, designed
 from drivesizer.control.validation import rates
 from drivesizer.errors import InputError
@@ -93,7 +94,7 @@ def test_the_simulation_of_a_counted_pi(spec, chosen):
     gains = replace(design(controlled(spec), train, T, Counts(EDGES, 1.0, n)), kp=0.02, ki=0.3)
     time, speed = (0.0, 0.02, 0.2), (1.0, 1.3, 1.3)
     run = simulate(
-        Drive(train=m, controller=gains, supply=Supply(voltage=VOLTS), encoder=Resolution(edges=EDGES, periods=n)),
+        Drive(train=m, controller=gains, supply=Supply(voltage=VOLTS), edges=EDGES),
         Task(time=time, speed=speed),
     )
     bare = replace(train, viscous=0.0)
@@ -121,8 +122,7 @@ def test_the_simulation_of_a_counted_pi(spec, chosen):
 def noise(spec, chosen, period, counts, gains):
     """Voltage demand of a simulation at a steady speed, from top to bottom [V]."""
     train, _ = drive_train(spec, chosen, period)
-    edges = Resolution(edges=counts.edges, periods=max(gains.counted_over, 1))
-    drive = Drive(train=train, controller=gains, supply=Supply(voltage=1e4), encoder=edges)
+    drive = Drive(train=train, controller=gains, supply=Supply(voltage=1e4), edges=counts.edges)
     run = simulate(drive, Task(time=(0.0, 1.0), speed=(9.37, 9.37)))
     late = run.series["time"] > 0.5
     return float(np.ptp(run.series["voltage"][late]))
@@ -175,7 +175,7 @@ def test_the_cascade_has_the_margin_of_its_rule(spec, chosen, rate):
     stated = math.degrees(math.atan(2.0) - math.atan(0.5))
     train, cascade, said = designed(controlled(spec, structure="cascade", rate=rate, speed_from="exact"), chosen)
     every, _ = rates(chosen.controller, rate)
-    by_rule, _ = design_cascade(train, every, CascadeRequirements())
+    by_rule, _ = design_cascade(train, every, cascade_control())
     assert math.degrees(analyse(train, by_rule).velocity.phase_margin) < 30.0
     assert math.degrees(analyse(train, cascade).velocity.phase_margin) == pytest.approx(stated, abs=0.5)
     assert math.degrees(analyse(train, cascade).velocity.phase_margin) >= stated

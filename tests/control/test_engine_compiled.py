@@ -8,13 +8,14 @@ import sys
 import numpy as np
 import pytest
 
+from drivesizer.control.engine import Task
 from drivesizer.control.open_loop import kernel as stepper
 from drivesizer.control.open_loop import run
 from drivesizer.files import machine_code
 from drivesizer.files.machine_code import SlowWarning, all_kernels
 
 KERNELS = {one.functions[-1].__name__: one for one in all_kernels()}
-MOTION = run.Motion(time=(0.0, 0.01, 0.02), speed=(0.0, 8.0, 0.0))
+MOTION = Task(time=(0.0, 0.01, 0.02), speed=(0.0, 8.0, 0.0))
 
 
 @pytest.fixture(params=KERNELS)
@@ -25,7 +26,7 @@ def kernel(request):
 def moved():
     """Figures of a stepper's short move."""
     one = run.Stepper(
-        teeth=50.0, torque=np.array([0.5, 0.3, 0.1]), top_speed=90.0, microstep=0.01, damping_ratio=0.1,
+        teeth=50.0, torque=np.array([0.5, 0.3, 0.1]), top_speed=90.0, microsteps=3.0, damping_ratio=0.1,
         motor_inertia=3e-6,
     )  # fmt: skip
     return run.simulate(one, MOTION).figures

@@ -10,27 +10,28 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drivesizer.control.engine import Task
 from drivesizer.control.open_loop import run
-from drivesizer.control.open_loop.run import Motion, Stepper, least_share, simulate
+from drivesizer.control.open_loop.run import Stepper, least_share, simulate
 from drivesizer.errors import InputError
 from drivesizer.physics.stepper import start_speed
 
 T, J, P = 0.5, 1e-4, 50.0
 FULL = 2.0 * math.pi / 200.0
-MOVE = Motion(time=(0.0, 0.05, 0.3, 0.35, 0.6), speed=(0.0, 20.0, 20.0, 0.0, 0.0))
+MOVE = Task(time=(0.0, 0.05, 0.3, 0.35, 0.6), speed=(0.0, 20.0, 20.0, 0.0, 0.0))
 
 
 def stepper(**changes: Any) -> Stepper:
     """A motor of 0.5 N*m with 1 kg*cm^2 at its shaft, undamped and in fine microsteps unless changed."""
     given: dict[str, Any] = {
-        "teeth": P, "torque": np.full(9, T), "top_speed": 80.0, "microstep": FULL / 64.0, "damping_ratio": 0.0,
+        "teeth": P, "torque": np.full(9, T), "top_speed": 80.0, "microsteps": 64.0, "damping_ratio": 0.0,
         "motor_inertia": J,
     }  # fmt: skip
     return Stepper(**(given | changes))
 
 
-def held(lasts: float = 0.3, load: float = 0.0) -> Motion:
-    return Motion(time=(0.0, lasts), speed=(0.0, 0.0), load_time=(0.0, lasts), load_torque=(load, load))
+def held(lasts: float = 0.3, load: float = 0.0) -> Task:
+    return Task(time=(0.0, lasts), speed=(0.0, 0.0), load_time=(0.0, lasts), load_torque=(load, load))
 
 
 # --- laws
@@ -40,7 +41,7 @@ def test_small_swings_have_the_natural_frequency() -> None:
     """One full step of 1/64: swings of 1.4 deg electrical at sqrt(50 * 0.5 / 1e-4) / (2 pi) = 79.58 Hz."""
     one = stepper()
     speed = 0.55 * one.microstep / 0.01
-    pulse = Motion(time=(0.0, 0.01, 0.01, 0.5), speed=(speed, speed, 0.0, 0.0))  # a single one, at 9.1 ms
+    pulse = Task(time=(0.0, 0.01, 0.01, 0.5), speed=(speed, speed, 0.0, 0.0))  # a single one, at 9.1 ms
     found = simulate(one, pulse, at_rest=True).series
     lag = found["load_angle"]
     up = np.flatnonzero((lag[:-1] < 0.0) & (lag[1:] >= 0.0))
@@ -75,13 +76,13 @@ def test_a_start_above_the_start_stop_speed_loses_steps(load: float) -> None:
     for share, lost in ((0.99, False), (1.01, True)):
         speed = math.copysign(share * limit, load or 1.0)
         # from the balance at rest the energy of the formula's swing starts at the same angle
-        found = simulate(one, Motion(time=(0.0, 0.5), speed=(speed, speed)), at_rest=True)
+        found = simulate(one, Task(time=(0.0, 0.5), speed=(speed, speed)), at_rest=True)
         assert (found.lost > 0) == lost, (load, share)
 
 
 def test_lost_steps_come_by_fours() -> None:
     fast = 1.02 * float(start_speed(P, T, J))
-    found = simulate(stepper(damping_ratio=0.1), Motion(time=(0.0, 0.2), speed=(8.0 * fast,) * 2), at_rest=True)
+    found = simulate(stepper(damping_ratio=0.1), Task(time=(0.0, 0.2), speed=(8.0 * fast,) * 2), at_rest=True)
     assert found.lost == found.lost_at_end > 0
     assert found.lost % 4 == 0
     assert found.lost == pytest.approx(8.0 * fast * 0.2 / FULL, abs=4)  # it stands, and all pulses are lost
@@ -102,17 +103,17 @@ def test_the_least_share_holds_the_load() -> None:
     assert not simulate(one, MOVE, share=share).lost
     assert any(simulate(one, MOVE, share=(1.0 - less) * share).lost for less in (0.002, 0.005, 0.01))
     assert share > J * 20.0 / 0.05 / T  # no less than the acceleration needs
-    heavy = least_share(one, Motion(time=(0.0, 0.01, 0.1), speed=(0.0, 80.0, 80.0)))
+    heavy = least_share(one, Task(time=(0.0, 0.01, 0.1), speed=(0.0, 80.0, 80.0)))
     assert heavy > 1.0  # 0.8 N*m of 0.5
     assert least_share(one, held(load=10.0 * T)) == math.inf
 
 
 def test_gears_and_friction_at_a_steady_speed() -> None:
     """(0.3 N*m / (0.8 * 3) + 0.02 N*m) upward and (0.2 * 0.8 / 3 - 0.02) downward, of 0.5 N*m."""
-    one = stepper(ratio=3.0, efficiency=0.8, friction=0.02, load_inertia=3e-4, forward_torque=0.3,
+    one = stepper(gear_ratio=3.0, gear_efficiency=0.8, friction=0.02, load_inertia=3e-4, forward_torque=0.3,
                   backward_torque=0.2, rest_torque=0.25, damping_ratio=0.2)  # fmt: skip
     for speed, torque in ((5.0, 0.3 / 2.4 + 0.02), (-5.0, 0.2 * 0.8 / 3.0 - 0.02)):
-        found = simulate(one, Motion(time=(0.0, 0.4), speed=(speed, speed)))
+        found = simulate(one, Task(time=(0.0, 0.4), speed=(speed, speed)))
         most = math.asin(torque / T) + 0.5 * P * one.microstep  # a pulse leads the profile by half a microstep
         assert found.figures["lag"] == pytest.approx(most, rel=0.01)
         assert found.series["motor_torque"][-1] == pytest.approx(torque, rel=0.02)
@@ -121,8 +122,8 @@ def test_gears_and_friction_at_a_steady_speed() -> None:
 
 def test_friction_holds_the_rotor_where_it_stops() -> None:
     """Half a microstep of torque does not move a rotor that more friction holds."""
-    one = stepper(forward_torque=0.1, backward_torque=-0.1, microstep=FULL / 16.0)
-    found = simulate(one, Motion(time=(0.0, 1.0), speed=(FULL / 10.0, FULL / 10.0)))
+    one = stepper(forward_torque=0.1, backward_torque=-0.1, microsteps=16.0)
+    found = simulate(one, Task(time=(0.0, 1.0), speed=(FULL / 10.0, FULL / 10.0)))
     moved = P * FULL / 16.0
     assert math.asin(0.1 / T) <= found.figures["lag"] <= math.asin(0.1 / T) + moved
     assert (found.series["motor_speed"] == 0.0).mean() > 0.5
@@ -136,9 +137,9 @@ def test_scipy_s_integrator_on_the_same_equations(microsteps: int) -> None:
     """DOP853 from pulse to pulse, of a motor whose torque falls with the speed, with inertia, load and damping."""
     table, load, zeta = np.linspace(0.5, 0.2, 9), 0.05, 0.1
     micro = FULL / microsteps
-    one = stepper(torque=table, microstep=micro, damping_ratio=zeta, forward_torque=load, backward_torque=load,
+    one = stepper(torque=table, microsteps=microsteps, damping_ratio=zeta, forward_torque=load, backward_torque=load,
                   rest_torque=load)  # fmt: skip
-    motion = Motion(time=(0.0, 0.04, 0.1), speed=(0.0, 12.0, 12.0))
+    motion = Task(time=(0.0, 0.04, 0.1), speed=(0.0, 12.0, 12.0))
     found = simulate(one, motion)
     grid = np.linspace(0.0, 80.0, 9)
 
@@ -167,4 +168,4 @@ def test_scipy_s_integrator_on_the_same_equations(microsteps: int) -> None:
 def test_a_motion_of_days_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "_MOST", 1000)
     with pytest.raises(InputError, match="more than 1000 steps of a stepper's simulation; expected a shorter one by"):
-        simulate(stepper(), Motion(time=(0.0, 1e9), speed=(70.0, 70.0)))
+        simulate(stepper(), Task(time=(0.0, 1e9), speed=(70.0, 70.0)))

@@ -6,8 +6,19 @@ import numpy as np
 from platforms import ALPHA, LENGTH, differential, mecanum
 from routes import route
 
-from drivesizer.control.path_following.slip import Contact
+from drivesizer.control.path_following import kernel as at
+from drivesizer.control.path_following.following import (
+    Contact,
+    Planned,
+    SpeedLoop,
+    arrays,
+    first_state,
+    sample_count,
+    simulated,
+)
+from drivesizer.platform.dynamics import LEVEL, dynamics
 from drivesizer.platform.trajectory import Trajectory
+from drivesizer.platform.wheels import EXACT
 
 
 def unicycle(speed, turning, seconds, pieces=4000):
@@ -55,3 +66,33 @@ def robot(**more):
 
 def cart(**more):
     return differential(**({"inertia": 0.01, "rotor_inertia": 0.02} | more))
+
+
+def drive(
+    platform,
+    torques,
+    *,
+    period,
+    velocity=(0.0, 0.0, 0.0),
+    heading=0.0,
+    speeds=None,
+    contact=None,
+    ground=LEVEL,
+    tolerance=1e-5,
+):
+    """Simulate a platform under given torques, without controllers; with torques of 0 it coasts."""
+    d = dynamics(platform)
+    given = np.asarray(torques, dtype=float)
+    idle = (0.0,) * len(given)
+    held = SpeedLoop(period=period, proportional=idle, integral=idle, limit=(math.inf,) * len(given))
+    count = sample_count(given.shape[1] * period, period)
+    fed = np.zeros((count + 1, len(platform.wheels)))
+    fed[: count - 1, d.kinematics.driven] = given.T
+    a = arrays(platform, EXACT, contact or Contact(), ground)
+    start = first_state(a, np.array([0.0, 0.0, heading]), np.array(velocity, dtype=float))
+    if speeds is not None:
+        start[at.POSE + 3 : at.POSE + 3 + len(platform.wheels)] = speeds
+    still = np.zeros((3, count))
+    place = still + np.array([[0.0], [0.0], [heading]])
+    plan = Planned(np.asarray(np.arange(count) * period, dtype=float), place, still, still)
+    return simulated(a, d, plan, held, None, fed, start, tolerance)

@@ -54,7 +54,7 @@ class Rigid:
 
     def holds(self, T, side):
         """Torque at the motor that a start takes, against a torque of the driven shaft."""
-        return side * max(self.m.friction, self.m.stiction) + T * self.share(T, side)
+        return side * self.m.friction + T * self.share(T, side)
 
     def bands(self, y):
         """Of each mass: torque that pushes it, and between which two it stands."""
@@ -66,7 +66,7 @@ class Rigid:
         for T in (side, -side):
             s = self.share(T, side)
             net = m.torque_constant * i - side * m.friction - m.viscous * w
-            resisting = self.load(side) + m.load_viscous * w / self.ratio
+            resisting = self.load(side)
             inertia = m.motor_inertia + s * m.load_inertia / self.ratio
             dw = (net - s * resisting) / inertia
             if (resisting + m.load_inertia / self.ratio * dw) * T >= 0.0:
@@ -129,7 +129,7 @@ class TwoMasses(Rigid):
     def __init__(self, m, i=0.0, w=0.0):
         super().__init__(m)
         standing = 0.0 if m.backward_torque <= 0.0 <= m.forward_torque else m.rest_torque
-        T = self.load(w) + m.load_viscous * w / self.ratio if w else standing
+        T = self.load(w) if w else standing
         twist = T / m.stiffness + math.copysign(m.gap / 2.0, T) * (T != 0.0)
         self.y = np.array([i, w, twist, w / self.ratio, 0.0, 0.0, 0.0])
 
@@ -152,7 +152,7 @@ class TwoMasses(Rigid):
         m, (i, w, _, v), T = self.m, y[:4], self.torque(y)
         own = m.torque_constant * i - sides[0] * m.friction - m.viscous * w - self.share(T, sides[0]) * T
         dw = own / m.motor_inertia if sides[0] else 0.0
-        dv = (T - self.load(sides[1]) - m.load_viscous * v) / m.load_inertia if sides[1] else 0.0
+        dv = (T - self.load(sides[1])) / m.load_inertia if sides[1] else 0.0
         return *self.winding(i, w, u, dw), w / self.ratio - v, dv, w, i, i * i
 
 
@@ -162,7 +162,7 @@ def textbook(m, i=0.0, w=0.0):
 
 STEEP = (0.0, 0.05, 0.2, 0.3, 0.4), (0.0, 1.5, 1.5, -0.5, -0.5)  # s, m/s
 
-RUBS = {"viscous": 2e-6, "load_viscous": 0.02}  # N*m*s/rad at the motor, at the wheel
+RUBS = {"viscous": 2e-6}  # N*m*s/rad at the motor
 
 SAGS = Supply(voltage=22.0, resistance=0.05, sets=4, max_duty=0.9, voltage_drop=1.0)
 
@@ -173,9 +173,9 @@ def slower(g, factor=5.0):
 
 
 def driven(spec, catalog, degrees, more):
-    """The robot's machine with a stiction and more, and the drive that goes with it: limits in voltage and current."""
+    """The robot's machine with more, and the drive that goes with it: limits in voltage and current."""
     hilly, train = on_slope(spec, catalog, degrees)
-    m = replace(train, stiction=1.5 * train.friction, **more)
+    m = replace(train, **more)
     g = design(hilly, train, PERIOD)
     peak = CurrentLimit() if m.flexible else CurrentLimit(peak=6.0)
     return train, Drive(train=m, controller=slower(g) if m.flexible else g, supply=SAGS, current=peak)

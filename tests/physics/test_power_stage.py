@@ -11,9 +11,8 @@ import pytest
 from scipy.integrate import quad
 
 from drivesizer.catalog import Controller
-from drivesizer.control.engine.sample_loop import available_voltage
-from drivesizer.control.engine.start import table
-from drivesizer.control.engine.task import Drive, Supply
+from drivesizer.control.engine.kernel import available_voltage
+from drivesizer.control.engine.start import Drive, Supply, table
 from drivesizer.kernel import records
 from drivesizer.kernel.cycle import ENERGY
 from drivesizer.kernel.evaluate import evaluate

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import Controller, one_row
 from drivesizer.control.drive_train import DriveTrain, within_reach
-from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Resolution, Simulation, Supply, Task, simulate
+from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Simulation, Supply, Task, simulate
 from drivesizer.control.loop_design import analyse, designed, edges_of, train_behind
 from drivesizer.control.validation import Cascade, Gains, Loops
 from drivesizer.errors import InputError
@@ -89,7 +89,7 @@ def prepared(
             continuous=limit(controller_current(figures, spec.environment.ambient)),
             peak_time=limit(figures["peak_time"]),
         ),
-        encoder=Resolution(edges=edges_of(spec, drive_set), periods=max(controller.counted_over, 1)),
+        edges=edges_of(spec, drive_set),
         heat=heat,
         drain_time=_DRAIN if spec.control.at_rest == "drain" else math.inf,
     )  # fmt: skip

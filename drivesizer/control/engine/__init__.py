@@ -28,13 +28,12 @@ import drivesizer.control.engine.layout as at
 from drivesizer.control.engine.kernel import KERNEL
 from drivesizer.control.engine.laps import PEAKS, all_cycles
 from drivesizer.control.engine.layout import ROW, TALLY, Array
-from drivesizer.control.engine.start import Run, ready
-from drivesizer.control.engine.task import CurrentLimit, Drive, MotorHeat, Resolution, Supply, Task, checked
+from drivesizer.control.engine.start import CurrentLimit, Drive, MotorHeat, Run, Supply, Task, line, ready
 from drivesizer.files.machine_code import machine_code
 
 __all__ = [
-    "FIGURES", "CurrentLimit", "Drive", "MotorHeat", "Resolution", "Simulation", "Supply", "Task", "is_compiled",
-    "simulate", "simulate_many",
+    "FIGURES", "CurrentLimit", "Drive", "MotorHeat", "Simulation", "Supply", "Task", "is_compiled",
+    "line", "simulate", "simulate_many",
 ]  # fmt: skip
 
 
@@ -56,7 +55,7 @@ FIGURES = {
     "energy_in": "IN", "energy_returned": "RETURNED", "energy_resisted": "RESISTED",
     "speed_error_square": "E2_W", "angle_error_square": "E2_X", "load_speed_error_square": "E2_V",
     "load_angle_error_square": "E2_Y", "i2t_highest": "I2T", "winding_highest": "WINDING",
-    "housing_highest": "HOUSING", "bus_lowest": "V_LOW", "bus_highest": "V_HIGH",
+    "housing_highest": "HOUSING", "bus_lowest": "V_LOW",
 }  # fmt: skip
 
 
@@ -109,7 +108,6 @@ def simulate_many(
 
 
 def _simulate(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: int) -> Simulation:
-    checked(drives, task)
     loop = machine_code(KERNEL)
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
     series = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 import drivesizer.control.engine.layout as at
+from drivesizer.control.engine.kernel import available_voltage
 from drivesizer.control.engine.layout import ROW, STATE, TALLY, Array
-from drivesizer.control.engine.sample_loop import available_voltage
 from drivesizer.control.engine.start import STILL, STILL_WARM, Run, tally
 
 __all__ = ["PEAKS", "all_cycles"]
@@ -27,7 +27,7 @@ __all__ = ["PEAKS", "all_cycles"]
 
 PEAKS = [n for n, name in enumerate(TALLY) if f"T_{name}" in TALLY]
 SUMS = slice(TALLY.index("SQUARE"), TALLY.index("I2T"))
-_HIGHEST = [int(n) for n in (at.G_I2T, at.G_WINDING, at.G_HOUSING, at.G_V_HIGH)]
+_HIGHEST = [int(n) for n in (at.G_I2T, at.G_WINDING, at.G_HOUSING)]
 _NONE = np.zeros((0, len(ROW)))
 
 

@@ -1,4 +1,4 @@
-"""Drives at their start, by the names of the layout: in equilibrium at the first speed, their matrices together."""
+"""Drives with controllers and limits and the motion required of them, at their start by the names of ``layout``."""
 
 from __future__ import annotations
 
@@ -10,15 +10,137 @@ from typing import Any
 import numpy as np
 
 import drivesizer.control.engine.layout as at
-from drivesizer.control.drive_train import columns, discretised
+from drivesizer.control.drive_train import DriveTrain, columns, discretised
+from drivesizer.control.engine.kernel import feedforward_current, holding_torque, load_torque, mode_of
 from drivesizer.control.engine.layout import PARAMETERS, STATE, TALLY, Array
-from drivesizer.control.engine.sample_loop import feedforward_current, holding_torque, load_torque, mode_of
-from drivesizer.control.engine.task import Drive, MotorHeat, Task, pieces_of
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
-from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
+from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
 
-__all__ = ["STILL", "STILL_WARM", "Run", "ready", "tally"]
+__all__ = [
+    "STILL", "STILL_WARM", "CurrentLimit", "Drive", "MotorHeat", "Run", "Supply", "Task", "line", "ready", "tally",
+]  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Supply:
+    """The bus that feeds a number of equal drives, and the controller's voltage range.
+
+    What is regenerated a brake chopper or a battery takes: it does not raise the bus.
+    """
+
+    voltage: float  # V, without load
+    resistance: float = 0.0  # ohm, of the source and its cables
+    sets: int = 1
+    max_duty: float = 1.0
+    voltage_drop: float = 0.0  # V
+    loss: float = 0.0  # W/A, of each power stage
+    stage_resistance: float = 0.0  # ohm, of each power stage
+    standby: float = 0.0  # W, of each controller
+    leads: float = 0.0  # ohm, that take of the voltage at full duty (``physics.power_stage``); of its check
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurrentLimit:
+    """Peak current for its time, then the continuous one (integral of I^2 - I_cont^2); infinite: none, or not known."""
+
+    peak: float = math.inf  # A
+    continuous: float = math.inf  # A
+    peak_time: float = math.inf  # s, at the peak from rest
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MotorHeat:
+    """Winding and housing, and where they start."""
+
+    bodies: TwoBodies
+    ambient: float  # K
+    winding: float = math.nan  # K at the start; NaN: ambient
+    housing: float = math.nan  # K at the start; NaN: ambient
+    loss_torque: float = 0.0  # N*m at the housing: times the speed
+    loss_viscous: float = 0.0  # N*m*s/rad at the housing: times the square of the speed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drive:
+    """One drive: drive train, controller, supply, limits."""
+
+    train: DriveTrain
+    controller: Gains | Cascade
+    supply: Supply
+    current: CurrentLimit = CurrentLimit()
+    edges: int = 0  # per turn of the motor, that are counted for its speed and angle; 0: both are measured exactly
+    heat: MotorHeat | None = None  # None: the winding stays at 25 degC
+    drain_time: float = math.inf  # s, in which the integral drains to 1/e at rest, where friction holds
+    prompt: bool = False  # cascade: the current loop responds at once, not a period late (see ``slower``)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Task:
+    """Required motion and load of the driven shaft; straight lines between the corners."""
+
+    time: Sequence[float] | Array  # s, strictly rising
+    speed: Sequence[float] | Array  # rad/s of the driven shaft
+    load_time: Sequence[float] | Array = ()  # s, strictly rising
+    load_torque: Sequence[float] | Array = ()  # N*m, added to the drive train's own; constant beyond the corners
+    cycles: int = 1  # number of repetitions; the length is then rounded up to whole samples of the slowest loop
+
+
+# -- A task as straight pieces between samples.
+#
+# A corner between two samples takes effect at the next one. A piece shorter than a sample is left out, or ends at
+# the values of reference and load a sample later, so that a jump lasts a sample at most.
+
+
+_WHOLE = 1e-9  # a corner this near to a sample, in periods, is on it
+_ROUNDING = 8.0 * np.finfo(float).eps  # of a time, the same
+
+
+def pieces_of(task: Task, p: Array) -> Array:
+    """A task as pieces between samples, at the motor shaft."""
+    h, K, origin = p[at.H], p[at.RATIO], task.time[0]
+    time, speed = np.asarray(task.time, float) - origin, np.asarray(task.speed, float) * K
+    if not time[-1] / h < 2.0**53:
+        raise InputError(f"task: {time[-1]:g} s is too long to be sampled every {h:g} s")
+    load = np.array([0.0]), np.array([0.0])
+    if len(task.load_time):
+        load = np.asarray(task.load_time, float) - origin, np.asarray(task.load_torque, float)
+    starts = np.unique(np.concatenate((time, load[0][(load[0] > 0.0) & (load[0] < time[-1])])))
+    # the sample at which each corner takes effect; corners closer than rounding share one
+    slack = _WHOLE + _ROUNDING * starts / h
+    apart = np.concatenate(([True], np.diff(starts) > 2.0 * h * slack[1:]))
+    tick = np.ceil(starts / h - slack)[np.maximum.accumulate(np.where(apart, np.arange(len(starts)), 0))]
+    if task.cycles > 1:
+        whole = p[at.N_V] * max(p[at.N_P], 1.0)  # periods after which all loops are at the same sample again
+        tick[-1] = np.ceil(tick[-1] / whole - _WHOLE) * whole
+    kept = np.flatnonzero(tick[1:] > tick[:-1])
+    first, last, start = tick[kept], tick[kept + 1], starts[kept]
+    short = (starts[kept + 1] - start < h) & (last - first == 1.0)
+    corner = np.isin(start, time)
+    start = np.where(short, np.maximum(start, first * h), start)
+    later = np.where(short, (first + 1.0 - _WHOLE) * h, start)
+    (v, slope), (l, dl) = line(start, time, speed), line(start, *load)
+    slope = np.where(short, (line(later, time, speed)[0] - v) / h, slope)
+    dl = np.where(short, (line(later, *load)[0] - l) / h, dl)
+    return np.column_stack((first, last, start, v, slope, _angle(start, time, speed), l, dl, corner))
+
+
+def line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
+    """Value and slope to the right of some points of straight lines between corners; constant beyond them."""
+    n = np.searchsorted(corners, x, "right") - 1
+    inside = (n >= 0) & (n < len(corners) - 1)
+    a, b = np.where(inside, n, 0), np.where(inside, n + 1, 0)
+    rise, run = values[b] - values[a], np.where(inside, corners[b] - corners[a], 1.0)
+    slope = np.where(inside, rise / run, 0.0)
+    beyond = np.where(n < 0, values[0], values[-1])
+    return np.where(inside, values[a] + slope * (x - corners[a]), beyond), slope
+
+
+def _angle(x: Array, time: Array, speed: Array) -> Array:
+    """Angle of the reference at some times [rad]."""
+    n = np.clip(np.searchsorted(time, x, "right") - 1, 0, len(time) - 2)
+    before = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
+    return np.asarray(before + (x - time[n]) * (speed[n] + line(x, time, speed)[0]) / 2.0)
 
 
 # -- A drive by the names of ``layout``: drive train, controller, limits, heat.
@@ -40,16 +162,16 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
     budget = (limit.peak**2 - square) * limit.peak_time if math.isfinite(square) else math.inf
     named = {
         "R25": m.resistance, "K_T": m.torque_constant, "K_E": m.back_emf_constant,
-        "J_M": m.motor_inertia, "F_M": m.friction, "F_S": max(m.friction, m.stiction), "B_M": m.viscous,
+        "J_M": m.motor_inertia, "F_M": m.friction, "B_M": m.viscous,
         "RATIO": m.ratio, "DRIVE": 1.0 / (m.ratio * m.efficiency), "BRAKE": m.efficiency / m.ratio,
-        "J_L": m.load_inertia, "B_L": m.load_viscous, "T_F": m.forward_torque, "T_B": m.backward_torque,
+        "J_L": m.load_inertia, "T_F": m.forward_torque, "T_B": m.backward_torque,
         "T_0": m.rest_torque,
         "C": m.stiffness if m.flexible else 0.0, "DAMP": m.damping, "GAP": m.gap, "G_0": 1.0 / m.belt_ratio,
         "G_D": 1.0 / (m.belt_ratio * m.belt_efficiency), "G_B": m.belt_efficiency / m.belt_ratio,
-        "TWO": float(m.flexible), "EDGES": drive.encoder.edges, "WINDOW": max(drive.encoder.periods, 1),
+        "TWO": float(m.flexible), "EDGES": drive.edges, "WINDOW": max(c.counted_over, 1),
         "V_0": supply.voltage, "R_S": supply.resistance, "SETS": supply.sets, "DUTY": supply.max_duty,
         "DROP": supply.voltage_drop, "LOSS": supply.loss, "R_B": supply.stage_resistance, "STANDBY": supply.standby,
-        "LEADS": supply.leads, "RAISES": float(supply.raises), "PEAK": limit.peak, "CONT2": square,
+        "LEADS": supply.leads, "PEAK": limit.peak, "CONT2": square,
         "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
         "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts, "RESTS": _RESTS * full_w,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,
@@ -65,7 +187,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
             "CASCADE": 1.0, "H": c.current_period, "N_V": c.current_steps, "N_P": c.velocity_steps,
             "CKP": c.current_kp, "CKI": c.current_ki * c.current_period, "PKP": position,
             "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
-            "DELAY": float(drive.delay), "PROMPT": float(drive.prompt),
+            "PROMPT": float(drive.prompt),
             "TOL_X": named["TOL_W"] / position if position else math.inf,
         }  # fmt: skip
     filtered = c.filter_time + velocity
@@ -80,7 +202,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
             "HEAT": 1.0, "R_A": at_ambient, "ALPHA": COPPER * b.R_25, "AMBIENT": heat.ambient,
             "FEEDBACK": COPPER * b.R_25 / b.capacity_w, "A_WW": -to_w, "A_WH": to_w, "A_HW": to_h,
             "A_HH": -to_h - 1.0 / (b.R_th2 * b.capacity_h), "BY_SQUARE": at_ambient / b.capacity_w,
-            "BY_LOSS": 1.0 / b.capacity_h, "P_0": heat.loss, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
+            "BY_LOSS": 1.0 / b.capacity_h, "P_1": heat.loss_torque, "P_2": heat.loss_viscous,
             "NODE_0": low - heat.ambient - _NODE, "NODE_D": _NODE, "NODES": _NODES,
             "EVERY": _EVERY if b.tau_w > _SLOW * velocity else 1.0,
         }  # fmt: skip
@@ -117,7 +239,7 @@ def _equilibrium(p: Array, w: float, l: float) -> tuple[float, float]:
     k = p[at.K_T]
     if w:
         side = 1 if w > 0.0 else -1
-        T = load_torque(p, side) + l + p[at.B_L] * w / p[at.RATIO]
+        T = load_torque(p, side) + l
         share = p[at.DRIVE] if T * side > 0.0 else p[at.BRAKE]
         return float((side * p[at.F_M] + p[at.B_M] * w + T * share) / k), float(T)
     T = p[at.T_0] + l
@@ -189,5 +311,5 @@ def tally() -> Array:
     """Tallies at the start."""
     g = np.zeros(len(TALLY))
     g[[at.G_WINDING, at.G_HOUSING]] = -math.inf
-    g[at.G_V_LOW], g[at.G_V_HIGH] = math.inf, -math.inf
+    g[at.G_V_LOW] = math.inf
     return g

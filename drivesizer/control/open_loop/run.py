@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.control.drive_train import require
-from drivesizer.control.open_loop import layout as at
-from drivesizer.control.open_loop.kernel import KERNEL
+from drivesizer.control.drive_train import Mechanics, mechanics, require, within_reach
+from drivesizer.control.engine import Task, line
+from drivesizer.control.open_loop import kernel as at
+from drivesizer.control.open_loop.kernel import Array
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.machine_code import machine_code
-from drivesizer.load_cases.platform import at_shaft, remaining_torque
+from drivesizer.load_cases.platform import remaining_torque
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.loads.course import Profile
 from drivesizer.physics.figures import Range
@@ -28,13 +28,11 @@ from drivesizer.results.ratings import unless_printed
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["Motion", "Stepper", "least_share", "prepared", "record", "run", "simulate"]
+__all__ = ["Stepper", "least_share", "prepared", "record", "run", "simulate"]
 
 
-# -- Open-loop simulation of a stepper along a motion, and the share of its pull-out torque that it needs.
+# -- Open-loop simulation of a stepper along a task, and the share of its pull-out torque that it needs.
 
-
-Array = NDArray[np.float64]
 
 # low: a single step of hybrid steppers is damped by 0.3 to 0.4 of the critical damping, of variable reluctance ones by
 # 0.1 (A. Hughes, Electric Motors and Drives, chapter on stepping motors: step response)
@@ -51,23 +49,20 @@ _HALVINGS = 4  # between the last two: to 1 % of it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stepper:
+class Stepper(Mechanics):
     """One stepper on its driver, its gears and its share of the load, SI."""
 
     teeth: float
     torque: Array  # N*m, pull-out torque at even steps of the speed from 0
     top_speed: float  # rad/s at the motor, that of the last of them
-    microstep: float  # rad at the motor
+    microsteps: float  # to a full step, of which a rotor has four to a tooth
     damping_ratio: float
-    motor_inertia: float  # kg*m^2 at the motor's shaft
-    load_inertia: float = 0.0  # kg*m^2 at the driven shaft
-    ratio: float = 1.0
-    efficiency: float = 1.0
-    friction: float = 0.0  # N*m at the motor, of idle gears
-    forward_torque: float = 0.0  # N*m at the driven shaft, resistance when the load moves forward
-    backward_torque: float = 0.0
-    rest_torque: float = 0.0  # N*m at the driven shaft, weight alone
     idle: float = 1.0  # share of the current at rest
+
+    @property
+    def microstep(self) -> float:
+        """A microstep at the motor [rad]."""
+        return _WHOLE / (4.0 * self.teeth * self.microsteps)
 
     @property
     def inertia(self) -> float:
@@ -81,21 +76,11 @@ class Stepper:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Motion:
-    """Speed of the driven shaft over time, and its torque beyond inertia and direction: straight lines between."""
-
-    time: Sequence[float]
-    speed: Sequence[float]  # rad/s
-    load_time: Sequence[float] = ()
-    load_torque: Sequence[float] = ()  # N*m
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Turned:
     """A simulated stepper."""
 
-    figures: dict[str, float]  # by the names of ``layout.TALLY``
-    series: dict[str, Array]  # by the names of ``layout.ROW``
+    figures: dict[str, float]  # by the names of ``kernel.TALLY``
+    series: dict[str, Array]  # by the names of ``kernel.ROW``
 
     @property
     def lost(self) -> int:
@@ -109,36 +94,41 @@ class Turned:
 
 
 def simulate(
-    stepper: Stepper,
-    motion: Motion,
-    *,
-    share: float = 1.0,
-    ends: float = math.inf,
-    at_rest: bool = False,
-    per_swing: int = _PER_SWING,
+    stepper: Stepper, task: Task, *, share: float = 1.0, ends: float = math.inf, at_rest: bool = False
 ) -> Turned:
-    """Simulate a stepper along a motion, from the balance with its load."""
-    p = _parameters(stepper, share, ends, per_swing)
-    pieces = _pieces(motion, stepper.ratio)
-    p[at.EVERY] = max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * p[at.H])
-    rows = np.zeros((_ROWS, len(at.ROW))) if math.isinf(ends) else np.zeros((0, len(at.ROW)))
-    g = np.zeros(len(at.TALLY))
+    """Simulate a stepper along a task, from the balance with its load, up to a lag at which it ends."""
+    p, pulses = np.zeros(len(at.PARAMETERS)), stepper.natural_frequency
+    fine = stepper.teeth * stepper.microstep <= _FINE
+    turn = _WHOLE / (stepper.teeth * stepper.top_speed * _PER_TURN) if stepper.top_speed else math.inf
+    rubs = stepper.friction or stepper.efficiency != 1.0 or stepper.forward_torque != stepper.backward_torque
+    pieces, step = _pieces(task, stepper.ratio), min(1.0 / (_PER_SWING * pulses), turn)
+    figures = {
+        at.J_M: stepper.motor_inertia, at.J_L: stepper.load_inertia, at.RATIO: stepper.ratio,
+        at.EFF: stepper.efficiency, at.FRICTION: stepper.friction, at.T_F: stepper.forward_torque,
+        at.T_B: stepper.backward_torque, at.T_0: stepper.rest_torque, at.TEETH: stepper.teeth,
+        at.DAMP: 2.0 * stepper.damping_ratio * math.sqrt(stepper.teeth * stepper.inertia),
+        at.FADES: 2.0 / math.sqrt(stepper.teeth * stepper.inertia),
+        at.MICRO: stepper.microstep, at.RAMP: _RAMP * pulses * stepper.microstep if fine else math.inf,
+        at.H: step, at.V_STEP: (stepper.top_speed or 1.0) / (len(stepper.torque) - 1),
+        at.SHARE: share, at.IDLE: stepper.idle, at.RUBS: float(bool(rubs)), at.ENDS: ends,
+        at.EVERY: max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * step),
+    }  # fmt: skip
+    for place, value in figures.items():
+        p[place] = value
+    rows, g = np.zeros((_ROWS if math.isinf(ends) else 0, len(at.ROW))), np.zeros(len(at.TALLY))
     g[at.G_SLIPPED] = -1.0
-    w = 0.0 if at_rest else pieces[0, 1]
-    x = -_balance(stepper, pieces[0], share)
-    if machine_code(KERNEL)(p, np.ascontiguousarray(stepper.torque), pieces, g, rows, x, w, float(_MOST)):
+    w, x = 0.0 if at_rest else pieces[0, 1], -_balance(stepper, pieces[0], share)
+    if machine_code(at.KERNEL)(p, np.ascontiguousarray(stepper.torque), pieces, g, rows, x, w, float(_MOST)):
         raise InputError(
             f"the motion of {pieces[:, 0].sum():.4g} s takes more than {_MOST} steps of a stepper's simulation; "
             "expected a shorter one by --profile"
         )
-    figures = dict(zip(at.TALLY, g.tolist(), strict=True))
-    kept = rows[: int(g[at.G_ROWS])]
-    series = {name: kept[:, n].copy() for n, name in enumerate(at.ROW)}
-    series["time"] += motion.time[0]
-    return Turned(figures=figures, series=series)
+    series = {name: rows[: int(g[at.G_ROWS]), n].copy() for n, name in enumerate(at.ROW)}
+    series["time"] += task.time[0]
+    return Turned(figures=dict(zip(at.TALLY, g.tolist(), strict=True)), series=series)
 
 
-def least_share(stepper: Stepper, motion: Motion, *, at_rest: bool = False) -> float:
+def least_share(stepper: Stepper, task: Task, *, at_rest: bool = False) -> float:
     """Smallest share of the pull-out torque down to which no step is lost.
 
     Less torque swings more slowly, and a ramp as long as a swing shakes less than a shorter one: so shares are tried
@@ -146,7 +136,7 @@ def least_share(stepper: Stepper, motion: Motion, *, at_rest: bool = False) -> f
     """
 
     def keeps(share: float) -> bool:
-        return not simulate(stepper, motion, share=share, ends=math.pi, at_rest=at_rest).lost
+        return not simulate(stepper, task, share=share, ends=math.pi, at_rest=at_rest).lost
 
     high = 1.0
     while not keeps(high):
@@ -160,27 +150,6 @@ def least_share(stepper: Stepper, motion: Motion, *, at_rest: bool = False) -> f
         middle = 0.5 * (low + high)
         low, high = (low, middle) if keeps(middle) else (middle, high)
     return high
-
-
-def _parameters(stepper: Stepper, share: float, ends: float, per_swing: int) -> Array:
-    p, pulses = np.zeros(len(at.PARAMETERS)), stepper.natural_frequency
-    fine = stepper.teeth * stepper.microstep <= _FINE
-    turn = _WHOLE / (stepper.teeth * stepper.top_speed * _PER_TURN) if stepper.top_speed else math.inf
-    rubs = stepper.friction or stepper.efficiency != 1.0 or stepper.forward_torque != stepper.backward_torque
-    figures = {
-        at.J_M: stepper.motor_inertia, at.J_L: stepper.load_inertia, at.RATIO: stepper.ratio,
-        at.EFF: stepper.efficiency, at.FRICTION: stepper.friction, at.T_F: stepper.forward_torque,
-        at.T_B: stepper.backward_torque, at.T_0: stepper.rest_torque, at.TEETH: stepper.teeth,
-        at.DAMP: 2.0 * stepper.damping_ratio * math.sqrt(stepper.teeth * stepper.inertia),
-        at.FADES: 2.0 / math.sqrt(stepper.teeth * stepper.inertia),
-        at.MICRO: stepper.microstep, at.RAMP: _RAMP * pulses * stepper.microstep if fine else math.inf,
-        at.H: min(1.0 / (per_swing * pulses), turn * _PER_SWING / per_swing),
-        at.V_STEP: (stepper.top_speed or 1.0) / (len(stepper.torque) - 1), at.SHARE: share, at.IDLE: stepper.idle,
-        at.RUBS: float(bool(rubs)), at.ENDS: ends,
-    }  # fmt: skip
-    for place, value in figures.items():
-        p[place] = value
-    return p
 
 
 def _balance(stepper: Stepper, first: Array, share: float) -> float:
@@ -197,20 +166,15 @@ def _balance(stepper: Stepper, first: Array, share: float) -> float:
     return math.asin(min(max(needed / held, -1.0), 1.0)) / stepper.teeth if held > 0.0 else 0.0
 
 
-def _pieces(motion: Motion, ratio: float) -> Array:
-    """Pieces over which speed and load torque are straight lines, as ``layout`` has them."""
-    time, speed = (np.asarray(x, float) for x in (motion.time, motion.speed))
-    torque = np.array(motion.load_torque or (0.0, 0.0), float)
-    when = np.array(motion.load_time, float) if len(motion.load_time) else time[[0, -1]]
+def _pieces(task: Task, ratio: float) -> Array:
+    """Pieces over which speed and load torque are straight lines, as the kernel has them."""
+    time, speed = np.asarray(task.time, float), np.asarray(task.speed, float)
+    when, torque = np.asarray(task.load_time, float), np.asarray(task.load_torque, float)
+    if not len(when):
+        when, torque = time[:1], np.zeros(1)
     edges = np.unique(np.concatenate([time, when[(when > time[0]) & (when < time[-1])]]))
-    lasts, middle = np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
-    columns = [lasts]
-    for t, y, factor in ((time, speed, ratio), (when, torque, 1.0)):
-        k = np.clip(np.searchsorted(t, middle) - 1, 0, len(t) - 2)
-        gaps = np.where(t[k + 1] > t[k], t[k + 1] - t[k], 1.0)
-        slope = np.where(t[k + 1] > t[k], (y[k + 1] - y[k]) / gaps, 0.0)
-        columns += [factor * (y[k] + slope * (edges[:-1] - t[k])), factor * slope]
-    return np.ascontiguousarray(np.column_stack(columns))
+    (v, dv), (l, dl) = line(edges[:-1], time, speed), line(edges[:-1], when, torque)
+    return np.ascontiguousarray(np.column_stack([np.diff(edges), ratio * v, ratio * dv, l, dl]))
 
 
 # -- A stepper of a drive prepared and simulated along a profile, with what it needs of its pull-out torque.
@@ -219,7 +183,6 @@ def _pieces(motion: Motion, ratio: float) -> Array:
 PullOut = Callable[[Array], Array]  # torque at speeds of the motor
 
 _POINTS = 513  # of the pull-out torque over the speed
-_FASTEST = 1e9  # rad/s at the motor
 _STARTS = 40.0  # periods of the natural frequency that a start without a ramp is watched
 _SETTLES = 10.0  # the same, at rest after the motion
 _NEEDED = {"motor": ("rotor_inertia", "pole_pairs", "holding_torque"), "gearhead": ("ratio", "efficiency")}
@@ -232,35 +195,23 @@ class OpenLoop(NamedTuple):
     drive_set: DriveParts
     profile: Profile
     stepper: Stepper
-    radius: float  # m, travel of the load per angle of the driven shaft; 1 where it turns with it
-    microsteps: float  # per full step
     out: Turned
     share: float  # of the pull-out torque that keeps step along the motion
     start: float  # the same of a start without a ramp, to needs.start_speed; NaN where there is none
     assumptions: tuple[str, ...]
 
 
-class Prepared(NamedTuple):
-    """Input of a simulation."""
-
-    stepper: Stepper
-    microsteps: float  # per full step
-    assumptions: tuple[str, ...]
-
-
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> OpenLoop:
     """Simulate a stepper along a profile, at rest for a while after one that ends at rest."""
-    stepper, microsteps, said = prepared(spec, drive_set, profile, pull_out)
-    shaft = at_shaft(spec)
-    left = remaining_torque(spec, profile, shaft)
-    time, speed = list(profile.time), [v / shaft.radius for v in profile.speed]
+    stepper, said = prepared(spec, drive_set, profile, pull_out)
+    left = remaining_torque(spec, profile, stepper.load)
+    time, speed = list(profile.time), [v / stepper.radius for v in profile.speed]
     when, torque = left[:, 0].tolist(), left[:, 1].tolist()
     if speed[-1] == 0.0:
         end = time[-1] + _SETTLES / stepper.natural_frequency
         time, speed = [*time, end], [*speed, 0.0]
         when, torque = ([*when, end], [*torque, torque[-1]]) if when else (when, torque)
-    motion = Motion(time=time, speed=speed, load_time=when, load_torque=torque)
-    start = math.nan
+    task, start = Task(time=time, speed=speed, load_time=when, load_torque=torque), math.nan
     if spec.needs.start_speed is not None:  # in the heavier direction at its largest load
         undamped = replace(stepper, damping_ratio=0.0)  # the safe side: damping helps a start
         lasts = (0.0, _STARTS / stepper.natural_frequency)
@@ -268,23 +219,22 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
         forward = stepper.forward_torque + high >= -stepper.backward_torque - low
         at_once = (spec.needs.start_speed if forward else -spec.needs.start_speed) / stepper.ratio
         loads = (high if forward else low,) * 2
-        begun = Motion(time=lasts, speed=(at_once, at_once), load_time=lasts, load_torque=loads)
+        begun = Task(time=lasts, speed=(at_once, at_once), load_time=lasts, load_torque=loads)
         start = least_share(undamped, begun, at_rest=True)
-    return OpenLoop(spec, drive_set, profile, stepper, shaft.radius, microsteps, simulate(stepper, motion),
-                    least_share(stepper, motion), start, said)  # fmt: skip
+    share, out = least_share(stepper, task), simulate(stepper, task)
+    return OpenLoop(spec, drive_set, profile, stepper, out, share, start, tuple(said))
 
 
-def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> Prepared:
-    """A stepper as its simulation takes it.
+def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> tuple[Stepper, list[str]]:
+    """A stepper as its simulation takes it, and the assumptions made.
 
     Microsteps are as the spec has them, else the driver's finest, else full steps; the pull-out torque is taken at even
     steps of the speed.
     """
     require(drive_set, _NEEDED, "not simulated without")
-    shaft, motor, own, control = at_shaft(spec), drive_set.motor, drive_set.at_motor, spec.control
-    top = max(profile.top_speed / shaft.radius * drive_set.total_ratio, spec.needs.start_speed or 0.0)
-    if not top <= _FASTEST:
-        raise InputError(f"profile {profile.name}: {top:.3g} rad/s is no speed that a motor can be turned to")
+    motor, control, (gears, unknown) = drive_set.motor, spec.control, mechanics(spec, drive_set)
+    within_reach(gears, profile)
+    top = max(profile.top_speed * gears.motor_per_speed, spec.needs.start_speed or 0.0)
     said = []
     finest = drive_set.controller.microsteps if drive_set.controller else math.nan
     microsteps = 1.0 if control.microsteps is None else float(control.microsteps)
@@ -297,8 +247,6 @@ def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out:
     elif control.microsteps is None:
         said.append("the driver's microsteps are unknown: full steps, which shake the rotor most; see "
                     "control.microsteps")  # fmt: skip
-    unknown = drive_set.unknown_inertias + ["load"] * math.isnan(shaft.inertia)
-    said += [f"the inertia of the {name} is unknown and taken as 0" for name in unknown]
     speed = np.linspace(0.0, top or 1.0, _POINTS)
     torque = pull_out(speed)
     lacks = np.flatnonzero(np.isnan(torque))
@@ -309,22 +257,15 @@ def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out:
     if not torque[0] > 0.0:
         raise NoLoopError(f"motor {motor.part}: it has no pull-out torque at rest")
     stepper = Stepper(
+        **{f.name: getattr(gears, f.name) for f in fields(gears)},
         teeth=motor.pole_pairs,
         torque=torque,
         top_speed=top,
-        microstep=2.0 * math.pi / (4.0 * motor.pole_pairs * microsteps),
+        microsteps=microsteps,
         damping_ratio=DAMPING_RATIO if control.damping_ratio is None else control.damping_ratio,
-        motor_inertia=drive_set.inertia(unknown=0.0),
-        load_inertia=0.0 if math.isnan(shaft.inertia) else shaft.inertia,
-        ratio=drive_set.total_ratio,
-        efficiency=own.efficiency * drive_set.belt_efficiency,
-        friction=own.idle,
-        forward_torque=shaft.forward_torque,
-        backward_torque=shaft.backward_torque,
-        rest_torque=shaft.rest_torque,
         idle=1.0 if control.idle_current is None else control.idle_current,
     )
-    return Prepared(stepper, microsteps, tuple(said))
+    return stepper, [*said, *unknown]
 
 
 # -- The record of a stepper's simulation: checks, figures and time series, seen from the load.
@@ -344,7 +285,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper, seen, rows = case.stepper, case.out.figures, case.out.series
     speed, travel = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis]
-    per = case.radius / stepper.ratio  # m/rad, or 1: travel of the load per angle of the motor
+    per = 1.0 / stepper.motor_per_speed  # m/rad, or 1: travel of the load per angle of the motor
     belt = drive_set.belt_ratio * drive_set.belt_efficiency
     count, torque = ("dimensionless", "1"), ("torque", "mN*m")
     figures: tuple[tuple[str, str, float, tuple[str, str], float | None], ...] = (
@@ -381,7 +322,11 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
         checks=found,
         figures=tuple(Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=at) for n, t, v, (k, u), at in figures),
         gains=Stepping(
-            microsteps=case.microsteps, pulse_rate=rate, damping_ratio=stepper.damping_ratio, rule=_RULE, source=_SOURCE
+            microsteps=stepper.microsteps,
+            pulse_rate=rate,
+            damping_ratio=stepper.damping_ratio,
+            rule=_RULE,
+            source=_SOURCE,
         ),
         series={column: values for column, (values, _) in series.items()},
         series_units={column: unit for column, (_, unit) in series.items()},
@@ -450,7 +395,7 @@ def _warnings(case: OpenLoop, found: tuple[Check, ...]) -> Iterator[str]:
         yield f"control.{ignored[0]}: a stepper runs open-loop; of control only {', '.join(sorted(_OWN))} are used"
     if case.spec.plant.model != "rigid":
         yield "plant.model two_mass: a stepper is simulated with a rigid shaft"
-    speed = np.abs(np.array(case.profile.speed)) * case.stepper.ratio / case.radius
+    speed = np.abs(np.array(case.profile.speed)) * case.stepper.motor_per_speed
     steady = np.unique(speed[1:][(speed[1:] == speed[:-1]) & (speed[1:] > 0.0)]) / case.stepper.microstep  # Hz
     rates = abs(np.log(steady / swings))
     if len(rates) and rates.min() < math.log(2.0) / 2.0:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from drivesizer.control.gains import LATE, pole_placement, symmetrical_optimum
-from drivesizer.control.path_following import kernel_layout as at
-from drivesizer.control.path_following.kernel import KERNEL
-from drivesizer.control.path_following.slip import Contact
+from drivesizer.control.path_following import kernel as at
 from drivesizer.errors import InputError
 from drivesizer.files.machine_code import machine_code
 from drivesizer.platform import equations as eq
@@ -23,7 +21,8 @@ from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import EXACT, Misjudged, Platform, actual, per_wheel
 
 __all__ = [
-    "Followed", "Model", "SpeedLoop", "deviation", "drive", "extremes", "follow", "pose_loop", "sampled", "speed_loop",
+    "Contact", "Followed", "Model", "Planned", "SpeedLoop", "arrays", "deviation", "extremes", "first_state", "follow",
+    "pose_loop", "sample_count", "sampled", "simulated", "speed_loop",
 ]  # fmt: skip
 
 
@@ -58,11 +57,6 @@ class SpeedLoop:
     integral: tuple[float, ...]  # N*m/rad; 0 of a plain proportional one
     limit: tuple[float, ...]  # N*m at the wheel; infinite: none
 
-    def __post_init__(self) -> None:
-        _checked("speed loop", self.period, {n: getattr(self, n) for n in ("proportional", "integral", "limit")})
-        if len({len(self.proportional), len(self.integral), len(self.limit)}) != 1:
-            raise InputError("speed loop: proportional, integral and limit must have a figure for each driven wheel")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PoseLoop:
@@ -74,20 +68,13 @@ class PoseLoop:
     unicycle: bool = False
     distance: float = math.inf  # m, of a unicycle: a lateral error y decays with the distance s as (1 + s/d) exp(-s/d)
 
-    def __post_init__(self) -> None:
-        given = {name: (getattr(self, name),) for name in ("proportional", "integral", "distance")}
-        _checked("pose loop", self.period, given)
-        if self.unicycle and not 0.0 < self.distance < math.inf:
-            raise InputError(f"pose loop: a unicycle needs a distance above 0, got {self.distance!r}")
 
-
-def _checked(what: str, period: float, given: Mapping[str, tuple[float, ...]]) -> None:
+def _within(what: str, period: float) -> float:
+    """A period of a loop as it is, if it can be simulated."""
     low, high = _PERIODS
     if not low <= period <= high:
         raise InputError(f"{what}: period must lie between {low:g} s and {high:g} s, got {period!r}")
-    for name, values in given.items():
-        if not all(value >= 0.0 for value in values):
-            raise InputError(f"{what}: {name} must be 0 or more, got {values if len(values) > 1 else values[0]!r}")
+    return period
 
 
 def inertias(d: Dynamics) -> tuple[tuple[float, ...], float]:
@@ -108,12 +95,13 @@ def speed_loop(
         raise InputError("speed loop: a driven wheel has no inertia; give inertia or rotor_inertia")
     gains = tuple(symmetrical_optimum(j, 1.0, LATE * period)[0] for j in own)
     sums = tuple(pole_placement(most, 1.0, k / (2.0 * most), 1.0)[1] if integral else 0.0 for k in gains)
-    return SpeedLoop(period=period, proportional=gains, integral=sums, limit=per_wheel(limit, len(own), "torque limit"))
+    limits = per_wheel(limit, len(own), "torque limit")
+    return SpeedLoop(period=_within("speed loop", period), proportional=gains, integral=sums, limit=limits)
 
 
 def pose_loop(d: Dynamics, inner: SpeedLoop, *, period: float = 0.05, speed: float = 1.0) -> PoseLoop:
     """Pose feedback around speed loops."""
-    lag = inertias(d)[1] / min(inner.proportional) + LATE * period
+    lag = inertias(d)[1] / min(inner.proportional) + LATE * _within("pose loop", period)
     k_p, k_i = symmetrical_optimum(1.0, 1.0, lag, _APERIODIC)
     if d.kinematics.mobility == 3:
         return PoseLoop(period=period, proportional=k_p, integral=k_i)
@@ -130,12 +118,22 @@ def is_unicycle(k: Kinematics) -> bool:
 # -- A platform and its floor as the arrays of the simulation.
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """Contact of wheels and floor; defaults are those of rubber or polyurethane on a smooth hard floor."""
+
+    friction: float = 0.6  # μ [1]
+    slip_speed: float = 0.01  # m/s, s_0
+    creep: float = 0.0  # c [1]: slip over rolling speed at which the straight line meets μN
+    turnround: float = 1e-3  # m/s, in which dry friction of axles, rollers and casters reverses
+
+
 _KINDS = {"motor": 0.0, "free": 1.0, "blocked": 2.0}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arrays:
-    """Wheels, casters, platform and floor as in ``kernel_layout``; inertia and Coriolis matrix without the wheels."""
+    """Wheels, casters, platform and floor as in ``kernel``; inertia and Coriolis matrix without the wheels."""
 
     W: Array
     K: Array
@@ -198,7 +196,7 @@ def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
 # The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
 # (49)-(59), that are fed forward; the kinematic one leaves torque to the speed loops. Poses are fed back where a
 # pose loop is given; else the platform runs open-loop on its wheels' reference speeds. The plant is a rigid body
-# with three degrees of freedom on wheels that turn and slip (see ``slip``), with the figures that the model
+# with three degrees of freedom on wheels that turn and slip (see ``kernel``), with the figures that the model
 # misjudges. Wheel loads follow the forces at the floor at every instant.
 #
 # Assumed: current loops are ideal, encoders and poses exact; a torque responds to the sample of one period before;
@@ -316,21 +314,15 @@ def follow(
         When the wheels do not allow the trajectory, a figure cannot be computed with, or a loop is unstable.
     """
     d, contact = dynamics(platform), contact or Contact()
-    if model not in ("kinematic", "dynamic"):
-        raise InputError(f"following: model must be kinematic or dynamic, got {model!r}")
     for rates, what in zip(trajectory.in_robot(), ("velocity", "acceleration"), strict=True):
         check_allowed(d.kinematics, columns(rates, 3, f"{what} of the trajectory"), f"{what} of the trajectory")
     speeds = speeds or speed_loop(d)
     if len(speeds.proportional) != (n := len(d.kinematics.driven)):
         raise InputError(f"speed loop: expected gains of {n} driven wheels, got {len(speeds.proportional)}")
-    if poses is not None:
-        period, inner = poses.period, speeds.period
-        if period < inner:
-            raise InputError(f"pose loop: period {period:g} s is shorter than {inner:g} s of the speed loops")
-        if not (is_unicycle(d.kinematics) if poses.unicycle else d.kinematics.mobility == 3):
-            raise InputError("pose loop: it does not fit the motions that this platform allows")
+    if poses and not (is_unicycle(d.kinematics) if poses.unicycle else d.kinematics.mobility == 3):
+        raise InputError("pose loop: it does not fit the motions that this platform allows")
     a = arrays(actual(platform, misjudged), misjudged, contact, ground)
-    count = _count(trajectory.total, speeds.period)
+    count = sample_count(trajectory.total, speeds.period)
     plan = sampled(trajectory, np.arange(count) * speeds.period)
     fed = np.zeros((count + 1, len(platform.wheels)))
     if model == "dynamic":
@@ -340,42 +332,10 @@ def follow(
         eta, rate = (map_columns(allowed, found) for found in ahead.in_robot())
         fed[:, d.kinematics.driven] = wheel_torques(d, eta, rate, theta=ahead.posture[2], ground=ground).T
     start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
-    return _simulate(a, d, plan, speeds, poses, fed, start, tolerance)
+    return simulated(a, d, plan, speeds, poses, fed, start, tolerance)
 
 
-def drive(
-    platform: Platform,
-    torques: Any,
-    *,
-    period: float,
-    velocity: Any = (0.0, 0.0, 0.0),
-    heading: float = 0.0,
-    speeds: Any = None,
-    contact: Contact | None = None,
-    ground: Ground = LEVEL,
-    tolerance: float = _TOLERANCE,
-) -> Followed:
-    """Simulate a platform under given torques, without controllers; with torques of 0 it coasts."""
-    d = dynamics(platform)
-    given = columns(torques, len(d.kinematics.driven), "torques of the driven wheels")
-    if given.ndim != 2 or not given.shape[1]:
-        raise InputError(f"torques: expected a column for each period, got an array of shape {given.shape}")
-    idle = (0.0,) * len(given)
-    held = SpeedLoop(period=period, proportional=idle, integral=idle, limit=(math.inf,) * len(given))
-    count = _count(given.shape[1] * period, period)
-    fed = np.zeros((count + 1, len(platform.wheels)))
-    fed[: count - 1, d.kinematics.driven] = given.T
-    a = arrays(platform, EXACT, contact or Contact(), ground)
-    start = first_state(a, np.array([0.0, 0.0, heading]), columns(velocity, 3, "velocity of the platform"))
-    if speeds is not None:
-        start[at.POSE + 3 : at.POSE + 3 + len(platform.wheels)] = columns(speeds, len(platform.wheels), "wheel speeds")
-    still = np.zeros((3, count))
-    place = still + np.array([[0.0], [0.0], [heading]])
-    plan = Planned(np.asarray(np.arange(count) * period, dtype=float), place, still, still)
-    return _simulate(a, d, plan, held, None, fed, start, tolerance)
-
-
-def _count(total: float, period: float) -> int:
+def sample_count(total: float, period: float) -> int:
     """Samples in a time."""
     found = math.floor(total / period + 1e-9) + 1
     if not 2 <= found <= _MOST:
@@ -383,11 +343,9 @@ def _count(total: float, period: float) -> int:
     return found
 
 
-def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: PoseLoop | None, fed: Array,
+def simulated(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: PoseLoop | None, fed: Array,
               start: Array, tolerance: float) -> Followed:  # fmt: skip
     """Run the machine code, and name its results."""
-    if not 0.0 < tolerance < 1.0:
-        raise InputError(f"following: tolerance must lie between 0 and 1 m/s, got {tolerance!r}")
     least = _WITHIN * min(a.B[at.SLIP_SPEED], a.B[at.TURNROUND])
     n, count, wheels = len(a.W), len(plan.time), list(d.kinematics.driven)
     gains, P = np.zeros((n, 3)), np.zeros(7)
@@ -399,7 +357,7 @@ def _simulate(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: P
     limited, torque = np.zeros(n), np.clip(fed[0], -gains[:, 2], gains[:, 2])
     S = d.kinematics.motions
     eta = np.ascontiguousarray(map_columns(S @ np.linalg.pinv(S), plan.in_robot()[0]).T)
-    done = machine_code(KERNEL)(
+    done = machine_code(at.KERNEL)(
         a.W, a.K, a.B, a.C, a.M, gains, d.kinematics.E, P, np.ascontiguousarray(plan.posture.T), eta, fed[1:], start,
         torque, speeds.period, a.lever, min(tolerance, least), np.zeros((n, at.WORK)), np.zeros((3, 3)),
         np.zeros((7, len(start))), np.zeros(9 + 2 * n), rows, floor, applied, limited,

@@ -7,8 +7,15 @@ from dataclasses import replace
 from math import inf, isfinite
 from typing import NamedTuple
 
-from drivesizer.control.path_following.following import Followed, Model, follow, is_unicycle, pose_loop, speed_loop
-from drivesizer.control.path_following.slip import Contact
+from drivesizer.control.path_following.following import (
+    Contact,
+    Followed,
+    Model,
+    follow,
+    is_unicycle,
+    pose_loop,
+    speed_loop,
+)
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import Driving, dynamics_of, ground_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle

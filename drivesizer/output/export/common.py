@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from math import cos, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, indent, tostring
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
-from drivesizer.control.drive_train import DriveTrain, drive_train, within_reach
+from drivesizer.control.drive_train import DriveTrain, Mechanics, drive_train, within_reach
 from drivesizer.control.loop_design import designed
 from drivesizer.control.open_loop.run import Stepper, prepared
 from drivesizer.control.validation import Cascade, Gains
@@ -140,7 +140,6 @@ class OpenLoopStepper(NamedTuple):
     """A stepper with its driver, as the simulation of ``validate`` has it."""
 
     model: Stepper
-    microsteps: float  # per full step
     speed: NDArray[np.float64]  # rad/s at the motor, of the points of its torque
 
     @property
@@ -430,17 +429,10 @@ def behind_gear(spec: RobotSpec) -> list[str]:
 def _stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
     """The stepper of a drive, its drive train without electrical figures, and assumptions."""
     lowest = spec.supply.lowest
-    ready = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
-    one, shaft = ready.stepper, at_shaft(spec)
-    train = DriveTrain(
-        resistance=nan, inductance=nan, torque_constant=nan, back_emf_constant=nan, friction=one.friction,
-        motor_inertia=one.motor_inertia, gear_ratio=found.gearhead.ratio,
-        gear_efficiency=one.efficiency / found.belt_efficiency, belt_ratio=found.belt_ratio,
-        belt_efficiency=found.belt_efficiency, load_inertia=one.load_inertia, radius=shaft.radius,
-        forward_torque=one.forward_torque, backward_torque=one.backward_torque, rest_torque=one.rest_torque,
-    )  # fmt: skip
-    speed = np.linspace(0.0, one.top_speed, len(one.torque))
-    return OpenLoopStepper(one, ready.microsteps, speed), train, list(ready.assumptions)
+    one, said = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
+    gears = {f.name: getattr(one, f.name) for f in fields(Mechanics)}
+    train = DriveTrain(resistance=nan, inductance=nan, torque_constant=nan, back_emf_constant=nan, **gears)
+    return OpenLoopStepper(one, np.linspace(0.0, one.top_speed, len(one.torque))), train, said
 
 
 def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:

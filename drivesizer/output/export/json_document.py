@@ -114,7 +114,7 @@ def _stepper(of: Export) -> dict[str, Any] | None:
         return None
     one = of.stepper.model
     figures = {
-        "teeth": (one.teeth, "1"), "microsteps": (of.stepper.microsteps, "1"), "microstep": (one.microstep, "rad"),
+        "teeth": (one.teeth, "1"), "microsteps": (one.microsteps, "1"), "microstep": (one.microstep, "rad"),
         "damping_ratio": (one.damping_ratio, "1"), "natural_frequency": (one.natural_frequency, "Hz"),
     }  # fmt: skip
     curve = {"speed": {"unit": "rad/s", "values": of.stepper.speed.tolist()},
