@@ -12,7 +12,7 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -177,30 +177,36 @@ def with_remedies(
     *,
     profile: str | Profile | None = None,
     axis: str = "",
+    sized: Callable[[RobotSpec, DriveSet], DriveSet] = lambda _, one: one,
 ) -> Validation:
     """A simulation that fails with what helps: finer steps, smoother ramps, another bandwidth, another drive.
 
-    Of each kind changes are tried until one passes; of an axis of a machine they are entered under it.
+    Of each kind changes are tried until one passes; of an axis of a machine they are entered under it. ``sized`` is a
+    drive with the checks of ``size`` in a changed spec: one that fails there is not simulated, and fails for that.
     """
     if proof.status != "fail":
         return proof
+    mine = proof.drive_set
     kinds: list[Iterable[remedies.Change]] = [remedies.finer_steps(spec, proof), remedies.other_gains(spec, proof)]
     if profile is None or profile == "spec":
         kinds.insert(1, remedies.rounded_ramps(spec, proof))
-        kinds += [remedies.slower_ramps(spec, proof)] * proof.drive_set.steps
-    drives = [one for one in others if one.label != proof.drive_set.label][:_OTHERS]
-    changes = [((c.what, c.entry, c.spec, proof.drive_set) for c in kind) for kind in kinds]
-    tried: list[Remedy] = []
+        kinds += [remedies.slower_ramps(spec, proof)] * mine.steps
     option = f"--axis {axis} --set" if axis else "--set"
-    for kind in (*changes, [("another drive", f"{option} {one.order_numbers}", spec, one) for one in drives]):
+    next_drives = [one for one in others if one.label != mine.label][:_OTHERS]
+    drives = [("another drive", f"{option} {one.order_numbers}", spec, one) for one in next_drives]
+    under, tried = f"axes.{axis}." if axis else "", list[Remedy]()
+    for kind in (*([(c.what, under + c.entry, c.spec, mine) for c in kind] for kind in kinds), drives):
         for what, entry, changed, one in kind:
             try:
-                found = validate(changed, one, profile=profile, load_case=proof.case or None)
+                again = one if changed is spec else sized(changed, one)
+                status, found = again.status, again.deciding
+                if status != "fail":
+                    run_again = validate(changed, again, profile=profile, load_case=proof.case or None)
+                    status, found = run_again.status, run_again.checks
             except InputError:  # as a bandwidth that the loop's delay does not allow
                 continue
-            of_axis = f"axes.{axis}." if axis and one is proof.drive_set else ""
-            tried.append(Remedy(what, f"{of_axis}{entry}", found.status, worst(found.checks)))
-            if found.status != "fail":
+            tried.append(Remedy(what, entry, status, worst(found)))
+            if status != "fail":
                 break
     return replace(proof, tried=tuple(tried))
 

@@ -397,6 +397,52 @@ def working(on: str) -> Iterator[None]:
 # -- The recommended drives of a machine in closed loop, each in its hardest load case, or why they cannot be.
 
 
+def in_loop(
+    spec: Any,
+    one: Any,
+    machine: Any,
+    others: Any = None,
+    *,
+    profile: str | None = None,
+    case: str | None = None,
+    axis: str = "",
+) -> Any:
+    """A drive in closed loop, in its hardest load case unless one is named; one that fails with what helps.
+
+    Parameters
+    ----------
+    spec, one
+        The machine that the drive is in, and the drive.
+    machine, others
+        The machine as it is searched, and its next drives; searched for where none are given.
+    profile, case
+        As of ``drivesizer validate``.
+    axis
+        Name of the axis, of a machine of several.
+
+    Returns
+    -------
+    Validation
+        With the changes that were tried where it fails: each holds in ``size``, too.
+    """
+    from drivesizer.simulate import hardest_case, validate, with_remedies
+    from drivesizer.sizing import size
+
+    proof = validate(spec, one, profile=profile, load_case=case or hardest_case(spec, one))
+    if proof.status != "fail":
+        return proof
+    others = size(machine, top=3).sets if others is None else others
+    return with_remedies(proof, spec, others, profile=profile, axis=axis, sized=_as_sized)
+
+
+def _as_sized(spec: Any, one: Any) -> Any:
+    """A drive with the checks of ``size`` in a changed spec."""
+    from drivesizer.sizing import explain
+
+    same = [other for other in explain(spec, *one.order_numbers.split("/")) if other.belt_ratio == one.belt_ratio]
+    return min(same, key=lambda other: other.rank, default=one)
+
+
 def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]]:
     """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load.
 
@@ -418,9 +464,6 @@ def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]
     InputError
         As ``validate``, of several axes with the name of the axis.
     """
-    from drivesizer.simulate import hardest_case, validate, with_remedies
-    from drivesizer.sizing import size
-
     axes, proofs = [], {}
     for axis in result.axes:
         one, several = axis.result, not result.alone
@@ -430,12 +473,9 @@ def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]
         best = one.sets[0]
         with simulating(f"simulating {axis.name if several else 'the drive'} in closed loop"):
             try:
-                proof = validate(one.spec, best, profile=profile, load_case=hardest_case(one.spec, best))
-                others = one.sets[1:]
-                if proof.status == "fail" and not others:
-                    others = size(one.problem.machine, top=3).sets
+                others = one.sets[1:] or None
                 under = axis.name if several else ""
-                proofs[axis.name] = with_remedies(proof, one.spec, others, profile=profile, axis=under)
+                proofs[axis.name] = in_loop(one.spec, best, one.problem.machine, others, profile=profile, axis=under)
             except NoLoopError as error:
                 reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
                 print_notes((f"{axis.name}: {reason}" if several else str(error),))

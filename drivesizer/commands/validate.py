@@ -67,18 +67,12 @@ def validate(
 
 def _proofs(axes: list[tuple[str, Any, Any]], case: str | None, profile: str | None) -> dict[str, Any]:
     """The drive of every axis in closed loop; of several without those that cannot be simulated, with a note."""
-    from drivesizer.simulate import hardest_case, validate, with_remedies
-    from drivesizer.sizing import size
-
     proofs = {}
     for name, spec, found in axes:
         with common.simulating(f"simulating {name or 'the drive'} in closed loop"):
-            own = case if case in _cases(spec) else hardest_case(spec, found)
+            own = case if case in _cases(spec) else None
             try:
-                proof = validate(spec, found, profile=profile, load_case=own)
-                if proof.status == "fail":
-                    proof = with_remedies(proof, spec, size(spec, top=3).sets, profile=profile, axis=name)
-                proofs[name] = proof
+                proofs[name] = common.in_loop(spec, found, spec, profile=profile, case=own, axis=name)
             except NoLoopError as error:
                 if not name:
                     raise

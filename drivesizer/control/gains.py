@@ -406,8 +406,8 @@ def _velocity(
             w = natural_frequency(bandwidth, damping)
         designed = pole_placement(J, k_t, w, damping, train.viscous)
         if designed[0] < 0.0:
-            what = ("control", "velocity", "bandwidth")
-            raise InputError(f"{where(what)}: the friction alone makes the drive faster than that; expected more")
+            field = where(("control", "velocity", "bandwidth"))
+            raise InputError(f"{field}: the friction alone makes the drive faster than that; expected more")
         rule = f"velocity: pole placement, {show(w, 'rad/s', 'rotary_speed', 3)}, damping {damping:.3g}"
     return designed[0] if kp is None else kp, designed[1] if ki is None else ki, rule
 

@@ -183,6 +183,10 @@ def test_a_profile_beyond_any_machine_is_refused():
         validate(spec, chosen(spec), profile=fast)
 
 
+def status(name, case):
+    return next(check.status for check in checks(case) if check.name == name)
+
+
 def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_between_cold_and_as_warm_as_it_may_be():
     """By hand: U_hot = U + R_25 0.0039/K (T - 25 degC) I, T that of the largest current for ever, or what is permitted;
     P_hot likewise with I^2, over the voltage of a source without resistance."""
@@ -196,9 +200,6 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
     forever = 298.15 + R_th * heat / (1 - 0.0039 * R_th * heat) if 0.0039 * R_th * heat < 1 else math.inf
     more = R * 0.0039 * (min(forever, motor.max_winding_temperature) - 298.15)
     assert more > 0.1 * R
-
-    def status(name, case):
-        return next(check.status for check in checks(case) if check.name == name)
 
     def usable(volts):
         return status("supply_voltage", case._replace(usable_voltage=volts))
@@ -218,11 +219,14 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
 
 
 def test_a_profile_with_more_samples_than_are_simulated_is_simulated_by_the_velocity_loop_s_or_refused(monkeypatch):
-    """A motion of 40 s that never repeats: 640 000 periods of the current loop, a tenth of the velocity loop."""
+    """A motion that never repeats: 256 000 periods of the current loop, a tenth of the velocity loop.
+
+    Its corners make the current loop ask for more than twice the voltage that is simulated between them.
+    """
     from drivesizer.loads.course import Profile
 
-    spec, corners = spec_of(), tuple(np.linspace(0.0, 40.0, 41).tolist())
-    long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.1 * math.sin(n * n) for n in range(41)))
+    spec, corners = spec_of(), tuple(np.linspace(0.0, 16.0, 41).tolist())
+    long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.6 * math.sin(n * n) for n in range(41)))
     full = closed_loop_run.run(spec, chosen(spec), long)
     steps = full.figure("steps")
     monkeypatch.setattr(closed_loop_run, "LONGEST", int(0.5 * steps))
@@ -230,6 +234,16 @@ def test_a_profile_with_more_samples_than_are_simulated_is_simulated_by_the_velo
     assert found.figure("steps") < 0.5 * steps
     assert any(said.startswith("the motion is too long for the current loop's") for said in found.assumptions)
     assert found.figure("rms_current") == pytest.approx(full.figure("rms_current"), rel=0.02)
+    allowed = {check.name: check for check in checks(found)}
+    for name, figure in (("controller_peak_current", "current_demand"), ("supply_voltage", "stage_voltage")):
+        check = allowed[name]
+        assert check.band.low < full.required(figure) < check.band.high and "between two samples" in check.note
+        assert check.demand < 0.5 * full.required(figure) or name == "controller_peak_current"
+    peak = allowed["controller_peak_current"].demand
+    for most, decided in ((0.8, "fail"), (0.95, "open"), (1.05, "open"), (1.2, "pass")):
+        controller = replace(found.drive_set.controller, peak_current=most * peak)
+        tight = found._replace(drive_set=replace(found.drive_set, controller=controller))
+        assert status("controller_peak_current", tight) == decided
     monkeypatch.setattr(closed_loop_run, "LONGEST", 1000)
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):
         validate(spec, chosen(spec), profile=long)

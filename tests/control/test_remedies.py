@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -105,6 +106,16 @@ def test_a_drive_that_passes_is_left_alone(sizing):
     found = validate(free, sizing.sets[0])
     assert with_remedies(found, free, sizing.sets) is found
     assert not found.tried
+
+
+def test_a_remedy_that_size_rejects_does_not_help(sizing, proof):
+    """Of each change the checks of `size` come first: what they reject is shown with the check that fails."""
+    worn = replace(sizing.sets[0].checks[0], status="fail", margin=-0.5)
+    rejected = replace(sizing.sets[0], checks=(worn,), status="fail")
+    found = with_remedies(proof, sizing.spec, sizing.sets, sized=lambda _, one: rejected)
+    changes = [one for one in found.tried if not one.entry.startswith("--set")]
+    assert changes and all((one.status, one.tightest) == ("fail", worn) for one in changes)
+    assert [one for one in found.tried if one not in changes] == [one for one in proof.tried if "--set" in one.entry]
 
 
 def test_axis_by_axis_of_a_machine(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Controller, Encoder
 from drivesizer.control.closed_loop.run import FOLLOWS, ClosedLoop
 from drivesizer.control.loop_design import stated_margin
+from drivesizer.control.validation import Gains
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import floor_friction
 from drivesizer.load_cases.profile import SPEED
@@ -25,11 +27,13 @@ from drivesizer.physics.counted_speed import speed_quantum
 from drivesizer.physics.figures import Range
 from drivesizer.physics.load_cycle import lasting_speeds, rms
 from drivesizer.physics.power_stage import of_the_source
+from drivesizer.results.check import Band
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import voltage_assumption
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit, unless_printed
 from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
+from drivesizer.units import show
 
 __all__ = ["TRAVEL", "checks", "figures", "series", "series_units"]
 
@@ -180,7 +184,39 @@ def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
 def checks(case: ClosedLoop) -> tuple[Check, ...]:
     """Every demand of a simulation against its limit; no check where there is no part or no limit."""
     found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_traction(case))
-    return tuple(check for check in found if check.limit != math.inf)
+    every = tuple(check for check in found if check.limit != math.inf)
+    return tuple(_allowing(case, check) for check in every) if case.slow else every
+
+
+# share of a largest value that a current loop at the velocity loop's rate may be off: beside whole simulations of
+# motions without a repetition currents, torques and powers were off by up to 8 %, errors of the speed by up to 28 %,
+# which is 39 % of theirs
+_BETWEEN_SAMPLES = {"tracking_error": 0.5} | dict.fromkeys(
+    ("supply_voltage", "controller_peak_current", "supply_current", "gearhead_intermittent_torque", "traction"), 0.1
+)
+
+
+def _allowing(case: ClosedLoop, check: Check) -> Check:
+    """A check with an allowance for what lies between two samples: open where that decides.
+
+    The voltage jumps by the current loop's own gain when its demand does, from one peak to the other at the most.
+    """
+    share = _BETWEEN_SAMPLES.get(check.name, 0.0)
+    if not share or check.status not in ("pass", "fail") or isinstance(case.controller, Gains):
+        return check
+    low, high, allowed = (1.0 - share) * check.demand, (1.0 + share) * check.demand, f"{share:.0%}"
+    if check.name == "supply_voltage":
+        jump = 2.0 * case.controller.current_kp * case.required("current_demand")
+        high, allowed = check.demand + jump, show(jump, "V", "voltage", 3)
+    lower, higher = (
+        at_most(check.name, x, check.limit, needed=check.needed).at((), "closed loop") for x in (low, high)
+    )
+    return replace(
+        check,
+        status=check.status if lower.status == higher.status == check.status else "open",
+        band=Band(low, high, higher.margin),
+        note=f"{check.note}{'; ' if check.note else ''}{allowed} more is allowed for between two samples",
+    )
 
 
 def _check(column: CheckColumn, at_time: float | None = None, note: str = "", *, rotary: bool = False) -> Check:

@@ -93,6 +93,11 @@ def prepared(
         heat=heat,
         drain_time=_DRAIN if spec.control.at_rest == "drain" else math.inf,
     )  # fmt: skip
+    if not drive.supply.voltage > drive.supply.voltage_drop:
+        raise InputError(
+            f"supply: {show(drive.supply.voltage, 'V', 'voltage')} is no more than the controller's own drop, "
+            f"{show(drive.supply.voltage_drop, 'V', 'voltage')}; expected more"
+        )
     left = remaining_torque(spec, profile, train.load)
     lasts = spec.mission.duration / profile.duration if spec.mission else 1.0
     task = Task(
@@ -165,6 +170,7 @@ class ClosedLoop(NamedTuple):
     assumptions: tuple[str, ...]
     steady_cycle: tuple[Simulation, ...] = ()  # one cycle in the periodic steady state, with and without limits
     steady_start: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
+    slow: bool = False  # whether the current loop is simulated at the velocity loop's rate
 
     def figure(self, name: str) -> float:
         """A figure of the simulation, SI."""
@@ -187,14 +193,14 @@ def _largest(runs: Sequence[Simulation], name: str) -> float:
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration."""
     made = prepared(spec, drive_set, profile)
-    drive, task, said = made.drive, made.task, made.assumptions
+    drive, task, said, slow = made.drive, made.task, made.assumptions, None
     loops = analyse(made.train, made.controller)
     out = simulate(drive, task, rows=_ROWS, most_steps=LONGEST)
     if "steps" in out.problems[0] and (slow := slower(drive)):
         rates = [show(1.0 / one.controller.current_period, "Hz", "frequency", 3) for one in (drive, slow)]  # type: ignore[union-attr]
         drive, out = slow, simulate(slow, task, rows=_ROWS, most_steps=LONGEST)
         said += (f"the motion is too long for the current loop's {rates[0]}: it is simulated at the velocity loop's "
-                 f"{rates[1]}, and the largest values between its samples are left out",)  # fmt: skip
+                 f"{rates[1]}, and checks of the largest values allow for what lies between its samples",)  # fmt: skip
     if out.problems[0]:
         cure = _SHORTER if "steps" in out.problems[0] else "expected other gains"
         raise InputError(f"profile {profile.name}: {out.problems[0]}; {cure}")
@@ -206,7 +212,7 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
         steady = last, without_limits(start, cycle, last, loops)
     begins = (start.heat.winding, start.heat.housing) if steady and start.heat else None
     return ClosedLoop(spec, drive_set, profile, made.train, made.controller, loops, made.usable_voltage, task, out,
-                      free, periodic, said, steady, begins)  # fmt: skip
+                      free, periodic, said, steady, begins, slow is not None)  # fmt: skip
 
 
 def slower(drive: Drive) -> Drive | None:
