@@ -40,7 +40,7 @@ __all__ = [
 #
 # Makers of actuators print no thermal figure. A body of mass m and mean density rho sheds heat over at least the
 # area of a cube of it; a winding is a share of its motor's mass. Bands are factors of 2 either way, of a brushless
-# winding's resistance 4. Masses of encoders and controllers are those of the 66 and 24 that ship with one, from the
+# winding's resistance 4. Masses of encoders and controllers are those of the 66 and 28 that ship with one, from the
 # 5th to the 95th percentile and somewhat beyond. Holding brakes: regressions over the static torque of 18 inertias,
 # 6 masses and 82 powers of coils that makers of servo motors print, with bands from the 5th to the 95th percentile,
 # and wider of so few masses.
@@ -92,7 +92,7 @@ ASSUMED: tuple[Fit, ...] = (
     _law("brushless", "motor_time_constant", 500.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
     _law("brushed", "output_inertia", 0.011, {"output_constant": 1.0}, _ANY_RATIO, 4.0),
     _law("", "mass", 0.02, {}, "a motor encoder, 8 to 50 g", 2.5, "encoders"),
-    _law("", "mass", 0.045, {}, "a controller from bare module to housed, 7 to 290 g", 6.5, "controllers"),
+    _law("", "mass", 0.045, {}, "a controller from bare module to housed, 6 to 340 g", 7.5, "controllers"),
     _law("", "pull_out_share", PULL_OUT_SHARE[0], {}, _PULL_OUT, PULL_OUT_SHARE[1], "steppers"),
     _law("", "rotor_inertia", 1.56e-5, {"holding_torque": 1.09}, "110 steppers of 0.1 to 3 N*m", 1.5, "steppers"),
     _law("", "mass", 0.605, {"holding_torque": 0.73}, "67 steppers of 0.1 to 9 N*m", 1.4, "steppers"),
