@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import isnan
+from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.catalog import Catalog
@@ -12,6 +12,7 @@ from drivesizer.loads.kinds import MODULES
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.screw import shaft_mass
+from drivesizer.results.check import Figure
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from drivesizer.loads.screw import Screw as ScrewLoad
 
 __all__ = [
-    "SHIFT", "BeltDrives", "ChosenScrew", "LoadCase", "Problem", "chosen_of", "for_drive", "leaves_open",
-    "screw_figures", "wants_screw", "with_screw",
+    "SHIFT", "BeltDrives", "ChosenScrew", "LoadCase", "Problem", "TriedScrew", "chosen_of", "for_drive",
+    "leaves_open", "screw_figures", "wants_screw", "with_screw",
 ]  # fmt: skip
 
 
@@ -38,6 +39,17 @@ _RATINGS = (
 _CHECKED = {"ball": ("dynamic_load", "static_load", "dn_max"), "": ("permissible_thrust", "dynamic_load")}
 
 
+class TriedScrew(NamedTuple):
+    """The smallest screw of a lead that holds, and the best drive for it."""
+
+    lead: float  # m
+    screw: str = ""  # empty where none holds
+    mass: float = nan  # kg, of the screw
+    drive: str = ""  # empty where none passes
+    objective: Figure | None = None  # of that drive alone
+    failed: str = ""  # the limit that most screws of this lead fail
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChosenScrew:
     """A nut with its shaft, as long as the machine needs."""
@@ -45,6 +57,7 @@ class ChosenScrew:
     screw: Screw  # its mass that of nut and shaft
     length: float  # m, of the shaft with its ends
     shaft_mass: float  # kg
+    tried: tuple[TriedScrew, ...] = ()  # one of each lead
 
     @property
     def least_mass(self) -> float:

@@ -32,6 +32,7 @@ from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import (
     ChosenScrew,
     Problem,
+    TriedScrew,
     chosen_of,
     leaves_open,
     screw_figures,
@@ -44,13 +45,12 @@ from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.columns.limits import own_limit
 from drivesizer.search.in_order import Judge, SearchResult, family_firsts, family_of
 from drivesizer.search.machine_filter import Weigh, best_in_machine, divided, machine_filter, weighing
-from drivesizer.search.ranking import COUNTED, Progress, title_of
+from drivesizer.search.ranking import COUNTED, Progress
 from drivesizer.search.search import other_checks, search
 from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
-from drivesizer.spec.drive import OBJECTIVES, Ranking
+from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import show
 
 if TYPE_CHECKING:
     from drivesizer.search.uncertainty.run import SampledDrives
@@ -167,7 +167,17 @@ def problem_with_screw(spec: RobotSpec, catalog: Catalog) -> tuple[Problem, tupl
         if able
         else max(problems, key=_nearness)
     )
-    return chosen, (_words(held, tried, spec),)
+    rows = [TriedScrew(lead=one.lead, failed=one.failed) for one in held if one.screw is None]
+    for one in tried:
+        part = one.chosen.screw
+        ranked = spec.select.objective
+        figure = objective_figure(one.best, ranked) if one.best and isinstance(ranked, str) else None
+        drive = one.best.label if one.best else ""
+        rows.append(TriedScrew(part.lead, f"{part.manufacturer} {part.part}", one.chosen.least_mass, drive, figure))
+    rows.sort(key=lambda row: row.lead)
+    assert chosen.screw is not None
+    said = f"a screw of each of {len(rows)} leads was tried with its best drive; --checks and reports list them"
+    return replace(chosen, screw=replace(chosen.screw, tried=tuple(rows))), (said,) * (len(rows) > 1)
 
 
 def _with_screw(spec: RobotSpec, catalog: Catalog, screw: Part) -> Problem:
@@ -302,28 +312,6 @@ def _nearness(one: Problem) -> float:
     """The smallest margin of the closest rejected drive."""
     found = search(one, top=1, misses=1)
     return float(smallest_margin(found.evaluation.checks)[0]) if len(found.evaluation.candidates.motor) else -inf
-
-
-# --- words ------------------------------------------------------------------------------------------------------------
-
-
-def _words(held: Sequence[_ScrewOfLead], tried: Sequence[_Tried], spec: RobotSpec) -> str:
-    """The leads and the best drive of each, in a sentence."""
-    objective = spec.select.objective
-    drives = "; ".join(_drive_of(one, objective) for one in tried)
-    left = _reasons(held)
-    without = f"; no screw holds of {left}" if left else ""
-    return f"the best drive for the smallest screw of each lead, by {title_of(objective)}: {drives}{without}"
-
-
-def _drive_of(one: _Tried, objective: Ranking) -> str:
-    part = one.chosen.screw
-    screw = f"{show(part.lead, 'mm', 'length')} {part.manufacturer} {part.part}"
-    if one.best is None:
-        return f"{screw}: none"
-    figure = objective_figure(one.best, objective).text if isinstance(objective, str) else ""
-    beside = f" and a screw of {show(one.chosen.least_mass, 'g', 'mass', 3)}" if objective == "mass" else ""
-    return f"{screw}: {one.best.motor_name} {figure}{beside}".rstrip()
 
 
 def _reasons(held: Sequence[_ScrewOfLead]) -> str:

@@ -99,6 +99,14 @@ def found(wide, catalog):
     return size(wide, catalog=catalog)
 
 
+def test_each_lead_has_its_screw_or_the_limit_that_it_fails(found):
+    tried, chosen = found.problem.screw.tried, found.sets[0].chosen_screw.screw
+    assert [one.lead for one in tried] == sorted({one.lead for one in tried}) and len(tried) >= 3
+    assert all(bool(one.screw) != bool(one.failed) for one in tried)
+    (own,) = (one for one in tried if one.lead == chosen.lead)
+    assert own.screw == f"{chosen.manufacturer} {chosen.part}" and found.sets[0].motor.part in own.drive
+
+
 def test_the_drives_are_those_of_the_same_screw_typed(catalog, found):
     chosen = found.sets[0].chosen_screw
     plain = size(spec_of(typed(chosen.screw)), catalog=catalog)

@@ -41,6 +41,7 @@ SECTIONS: tuple[Section, ...] = (  # what to buy, whether it holds, how close ot
     at_work.LINEAR_LOOPS,
     candidates.RANKING,
     candidates.CANDIDATES,
+    candidates.SCREWS,
     candidates.REJECTED,
     appendix.SPECIFICATION,
     at_work.DERIVATION,

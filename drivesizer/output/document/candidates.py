@@ -37,7 +37,7 @@ from drivesizer.results.sizing import SizingResult, objective_figure, ranked_by,
 from drivesizer.units import KINDS, show
 
 __all__ = [
-    "ALTERNATIVES", "CANDIDATES", "FRONT", "PROBABILITIES", "RANKING", "REJECTED", "RELIABILITY", "UNCERTAIN",
+    "ALTERNATIVES", "CANDIDATES", "FRONT", "PROBABILITIES", "RANKING", "REJECTED", "RELIABILITY", "SCREWS", "UNCERTAIN",
     "candidate_numbers",
     "every_list", "gearhead_words", "objective_quantity", "percentiles_table", "probability_table",
     "sampled_words", "set_columns",
@@ -147,6 +147,33 @@ def _ranking(content: Content) -> Iterator[Block]:
 
 
 RANKING = Section(name="ranking", title="Ranking", blocks=_ranking, early="ranking", media="terminal")
+
+
+def _screws(content: Content) -> Iterator[Block]:
+    """Of each lead the smallest screw that holds, and the best drive for it."""
+    found = content.result.problem.screw
+    if found is None or len(found.tried) < 2:
+        return
+    objective = content.result.objective.replace("_", " ")
+    columns = (Column("lead", "lead", "number"), Column("title", "screw", "name", 1.0),
+               Column("mass", "mass", "number"), Column("drive", "best drive", width=1.2),
+               Column("value", objective, "number"))  # fmt: skip
+    rows = []
+    for one in found.tried:
+        chosen = one.screw == f"{found.screw.manufacturer} {found.screw.part}"
+        cells: dict[str, Cell] = {"lead": Quantity(one.lead, "mm", "length"), "drive": one.drive}
+        if not one.screw:
+            cells |= {"title": f"none holds: {one.failed}"}
+        else:
+            cells |= {"title": (Strong(one.screw),) if chosen else one.screw, "mass": Quantity(one.mass, "g", "mass")}
+            cells |= {"drive": one.drive or "none passes"}
+        cells |= {"value": Quantity(f.value, f.unit, f.kind)} if (f := one.objective) else {}
+        rows.append(Row(cells, name=f"lead_{1e3 * one.lead:.4g}_mm"))
+    caption = f"The smallest screw of each lead that holds, and its best drive; {objective} of the drive without it"
+    yield Table(caption, columns, rows, "screws", "screw", dense=True)
+
+
+SCREWS = Section(name="screws", title="Screws by lead", level=2, blocks=_screws)
 
 
 # -- The best drives and the closest rejected ones, why the others were rejected, and the Pareto front.

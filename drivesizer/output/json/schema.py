@@ -81,7 +81,12 @@ Belt = TypedDict("Belt", {
     "ratio": float, "efficiency": float, "pulleys": Pulleys | None,
     "part": Annotated[dict[str, Any], PartOf("belts")] | None, "centre_distance_m": Number, "teeth_in_mesh": Number,
 })  # fmt: skip
-Screw = TypedDict("Screw", {"part": Annotated[dict[str, Any], PartOf("screws")], "length_m": float})
+TriedScrew = TypedDict("TriedScrew", {
+    "lead_m": float, "screw": Text, "mass_kg": Number, "drive": Text, "objective": Figure | None, "failed": Text,
+})  # fmt: skip
+Screw = TypedDict("Screw", {
+    "part": Annotated[dict[str, Any], PartOf("screws")], "length_m": float, "tried": list[TriedScrew],
+})  # fmt: skip
 Mass = TypedDict("Mass", {
     "name": str, "number": Count, "each_kg": Number, "total_kg": Number, "band_kg": list[float] | None,
 })  # fmt: skip
