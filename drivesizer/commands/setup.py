@@ -252,6 +252,9 @@ def init(
         file_option("--from-urdf", metavar="FILE", help="Wheels or joints of a URDF, joints of an MJCF."),
     ] = None,
     joint: Annotated[str | None, typer.Option(metavar="NAME", help="With --from-urdf: one joint alone.")] = None,
+    drawing: Annotated[
+        Path | None, file_option("--sketch", metavar="FILE", help="Also the load with its symbols, as SVG.")
+    ] = None,
 ) -> None:
     """Write a commented robot.yaml to start from: by kind of load, or at a terminal by a few questions."""
     if joint is not None and urdf is None:
@@ -259,6 +262,8 @@ def init(
     chosen = [name for name, given in (("--kind", kind), ("--example", example), ("--from-urdf", urdf)) if given]
     if len(chosen) > 1:
         raise InputError(f"{' and '.join(chosen)}: each gives the whole spec; expected one of them")
+    if drawing is not None:
+        _draw(kind or "wheeled_vehicle", drawing)
     if urdf is not None:
         _start(_from_description(urdf, joint, output), output)
     elif example is not None:
@@ -267,6 +272,18 @@ def init(
         start_by_questions(output)
     else:
         _start(starter(kind or "wheeled_vehicle"), output)
+
+
+def _draw(kind: str, path: Path) -> None:
+    """Write the sketch of a kind of load."""
+    from drivesizer.files.writing import new
+    from drivesizer.output.sketch import SKETCHES, sketch
+
+    if kind not in SKETCHES:
+        raise InputError(f"--sketch: there is none of {quoted(kind)}; expected --kind {', '.join(SKETCHES)}")
+    if path.suffix.lower() != ".svg":
+        raise InputError(f"--sketch: {quoted(path.name)} is no SVG; expected a name such as {kind}.svg")
+    new(path, sketch(kind))
 
 
 def _from_description(path: Path, joint: str | None, output: Path) -> str:

@@ -69,6 +69,8 @@ def _derivation(content: Content) -> Iterator[Block]:
     found, by_paper = content.result.requirements, content.result.method == "paper"
     notes = "".join(f", {note}" for note in dict.fromkeys(r.note for r in found if r.note)) if not by_paper else ""
     table = requirements_table(f"The {content.shaft}, of one drive{notes}", found, halves=True)
+    yield Picture("sketch", "The load with its symbols, and what was entered for them.",
+                  "the load with its symbols", small=True)  # fmt: skip
     if by_paper:
         yield from _equations(content)
         yield replace(table, media="listed")

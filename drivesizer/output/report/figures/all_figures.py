@@ -11,7 +11,8 @@ from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import ready, write_files
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.figures.style import FILES, Drawing
+from drivesizer.output.report.figures.style import FILES, Drawing, Ready
+from drivesizer.output.sketch import SKETCHES, sketch
 from drivesizer.output.words import first_wheel, reported
 from drivesizer.results.check_kinds import sorted_by_part
 from drivesizer.results.sizing import SizingResult, objective_figure
@@ -22,7 +23,7 @@ __all__ = ["IN_TABLES", "STILL", "figures_into", "loop_drawings", "report_drawin
 
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 STILL = (  # what the page shows as the PDF does
-    "way", "tornado", "fields", "efficiency", "demand", "heat", "energy", "permitted", "followed", "diagram",
+    "sketch", "way", "tornado", "fields", "efficiency", "demand", "heat", "energy", "permitted", "followed", "diagram",
 )  # fmt: skip
 
 
@@ -33,6 +34,9 @@ def report_drawings(
     best, certain = result.shown, reported(result)
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
     made: dict[str, Drawing] = {}
+    load = result.spec.entered.get("load")
+    if isinstance(load, dict) and load.get("kind") in SKETCHES:
+        made["sketch"] = Ready(sketch(load["kind"], load))
     if machine.ways_of(result.spec):
         made["way"] = machine.plan_view(result.spec)
     made["profile"] = cycle.speed_profile(result.spec)
@@ -78,7 +82,8 @@ def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
 
     What stands in the way is refused before time is spent on the content.
     """
-    paths = {(name, form): folder / f"{name}.{form}" for name in made for form in FILES}
+    paths = {(name, form): folder / f"{name}.{form}" for name, draw in made.items()
+             for form in (FILES[:1] if isinstance(draw, Ready) else FILES)}  # fmt: skip
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file; expected a folder for the figures")
     if folder.is_dir():

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "CASES", "COLOURS", "FILES", "STYLE", "Drawing", "Form", "Strip", "Window", "across", "bars", "beside", "figure",
-    "heading", "limit", "named", "outside", "placed", "plotted", "reads", "strip", "thinned", "torque_unit", "width",
-    "windows", "within",
+    "CASES", "COLOURS", "FILES", "STYLE", "Drawing", "Form", "Ready", "Strip", "Window", "across", "bars", "beside",
+    "figure", "heading", "limit", "named", "outside", "placed", "plotted", "reads", "strip", "thinned", "torque_unit",
+    "width", "windows", "within",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -107,6 +107,17 @@ class Drawing:
             # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nothing needs
             getattr(shown.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
         return stream.getvalue()
+
+
+class Ready(Drawing):
+    """A drawing that is SVG already, and of which there is no other form."""
+
+    def __init__(self, svg: bytes) -> None:
+        self.svg = svg
+
+    def __call__(self, form: Form = "svg") -> bytes:
+        """The figure as SVG."""
+        return self.svg
 
 
 _Record = ParamSpec("_Record")
