@@ -368,7 +368,7 @@ def sketch(kind: str, entered: Mapping[str, object] | None = None) -> bytes:
     kind
         Of ``SKETCHES``.
     entered
-        The load's fields as they were entered, which stand beside their symbols; without it all symbols alone.
+        The load's fields as they were entered, printed beside their symbols; without it all symbols alone.
 
     Returns
     -------
