@@ -135,8 +135,16 @@ def fields_of(model: dict[str, Any]) -> str:
         if name in ("kind", "profile") and ("const" in field or model["title"] in _BY_KIND):
             continue
         default = "**required**" if name in required else _default(field)
-        rows.append(f"| `{name}` | {_takes(field)} | {default} | {_said(field)} |")
+        rows.append(f"| `{name}` | {_takes_with_example(field)} | {default} | {_said(field)} |")
     return "\n".join(["| field | takes | default | what it is |", "|---|---|---|---|", *rows])
+
+
+def _takes_with_example(field: dict[str, Any]) -> str:
+    """What a field takes, with its own example, or its default, in place of that of its kind."""
+    default = str(field.get("default") or "")
+    usual = [default] if re.match(r"[-0-9.]+ \S", default) and not re.match(r"[-0.]+ ", default) else []
+    own = "e.g. " + " or ".join(f"`{one}`" for one in field.get("examples") or usual)
+    return re.sub(r"e\.g\. `[^`]*`(?: or `[^`]*`)?", own, _takes(field), count=1) if own != "e.g. " else _takes(field)
 
 
 def _default(field: dict[str, Any]) -> str:

@@ -173,19 +173,19 @@ def _listed(value: Any) -> Any:
     return [str(v) if isinstance(v, int) and not isinstance(v, bool) else v for v in values]
 
 
-def required(description: str, **more: Any) -> Any:
-    """A field that a file must give, with its help text."""
-    return Field(description=description, **more)
+def required(description: str | None = None, example: str | None = None, **more: Any) -> Any:
+    """A field that a file must give, with its help text, and an example where that of its kind is out of place."""
+    return Field(description=description, examples=[example] if example else None, **more)
 
 
-def optional(description: str | None = None, **more: Any) -> Any:
+def optional(description: str | None = None, example: str | None = None, **more: Any) -> Any:
     """A field that a file may leave out: unknown then, or as its help text says."""
-    return Field(default=None, description=description, **more)
+    return Field(default=None, description=description, examples=[example] if example else None, **more)
 
 
-def default(value: Any, description: str | None = None, **more: Any) -> Any:
+def default(value: Any, description: str | None = None, example: str | None = None, **more: Any) -> Any:
     """A field with a default as a user would write it; it goes through the same reader."""
-    return Field(default=value, description=description, **more)
+    return Field(default=value, description=description, examples=[example] if example else None, **more)
 
 
 def all_defaults(description: str | None = None, **more: Any) -> Any:
@@ -249,19 +249,19 @@ _OTHERS = {
 class Solid(Section):
     """A body in place of a figure of inertia: by its dimensions and material, or its dimensions and mass."""
 
-    shape: Literal["cylinder", "block", "point"] = Field(
-        default="cylinder", description="cylinder about its own axis, block, or a mass at a distance: `offset`"
+    shape: Literal["cylinder", "block", "point"] = default(
+        "cylinder", "cylinder about its own axis, block, or a mass at a distance: `offset`"
     )
-    diameter: Length | None = Field(default=None, description="of a cylinder; of a screw or gear its pitch diameter")
-    inner_diameter: Thickness = default("0 mm", description="of a hollow cylinder")
-    length: Length | None = Field(default=None, description="of a cylinder along the axis; of a block across it")
-    width: Length | None = Field(default=None, description="of a block, across the axis")
-    thickness: Length | None = Field(default=None, description="of a block, along the axis")
-    material: Material | None = Field(default=None, description="or give density or mass")
+    diameter: Length | None = optional("of a cylinder; of a screw or gear its pitch diameter")
+    inner_diameter: Thickness = default("0 mm", "of a hollow cylinder")
+    length: Length | None = optional("of a cylinder along the axis; of a block across it")
+    width: Length | None = optional("of a block, across the axis")
+    thickness: Length | None = optional("of a block, along the axis")
+    material: Material | None = optional("or give density or mass")
     density: Density | None = None
-    mass: Mass | None = Field(default=None, description="of one body")
-    offset: Thickness = default("0 mm", description="of its centre from the axis that it turns about")
-    count: Annotated[int, Field(ge=1, le=1000)] = Field(default=1, description="bodies alike")
+    mass: Mass | None = optional("of one body")
+    offset: Thickness = default("0 mm", "of its centre from the axis that it turns about")
+    count: Annotated[int, Field(ge=1, le=1000)] = default(1, "bodies alike")
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

@@ -14,7 +14,7 @@ rotation of a rigid body, exercise on the athlete with a steel ball).
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
@@ -30,8 +30,8 @@ class Arm(SharedLoad):
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["arm"]
-    mass: fields.Mass = Field(description="of arm and payload")
-    length: fields.Length = Field(description="from the joint to their centre of mass")
+    mass: fields.Mass = fields.required("of arm and payload")
+    length: fields.Length = fields.required("from the joint to their centre of mass")
     inertia: fields.Inertia | None = fields.optional("about the joint; mass times length squared if not given")
     start_angle: fields.Bearing = fields.default("0 deg", "above the level line, when the cycle starts")
     tilt: fields.Incline = fields.default("0 deg", "of the joint's axis from level; 90 deg feels no gravity")

@@ -18,7 +18,6 @@ from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course, at_largest
@@ -34,8 +33,8 @@ class BeltAxis(SharedLoad):
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["belt_axis"]
-    mass: fields.Mass = Field(description="of the carriage and what is on it")
-    pulley_diameter: fields.Length = Field(description="of the driving pulley, on its pitch circle")
+    mass: fields.Mass = fields.required("of the carriage and what is on it")
+    pulley_diameter: fields.Length = fields.required("of the driving pulley, on its pitch circle")
     belt_mass: fields.Counterweight = fields.default("0 kg", "of the whole loop; 0 where the motor rides along")
     efficiency: fields.Share = fields.default(1, "of belt and pulleys, in either direction of power")
     incline: fields.Incline = fields.default("0 deg", "of the forward motion, upward positive; 90 deg lifts")

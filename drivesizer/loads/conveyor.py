@@ -13,8 +13,6 @@ Worked example: goods and belt 20 kg, μ 0.3, drum 90 mm, efficiency 0.9: 0.3 ·
 
 from typing import ClassVar, Literal
 
-from pydantic import Field
-
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
@@ -28,10 +26,10 @@ class Conveyor(SharedLoad):
     axis: ClassVar[fields.Axis] = "linear"
     takes_payload: ClassVar[bool] = True
     kind: Literal["conveyor"]
-    mass: fields.Mass = Field(description="goods on the belt")
+    mass: fields.Mass = fields.required("goods on the belt")
     belt_mass: fields.Counterweight = fields.default("0 kg", "of the belt itself")
     drum_diameter: fields.Length
-    friction_coefficient: fields.Coefficient = Field(description="of belt and goods on the bed, or of the rollers")
+    friction_coefficient: fields.Coefficient = fields.required("of belt and goods on the bed, or of the rollers")
     friction_force: fields.Force = fields.default("0 N", "of scrapers and seals, against the motion")
     efficiency: fields.Share = fields.default(1, "of belt and drums, in either direction of power")
     incline: fields.Incline = fields.default("0 deg", "upward positive")

@@ -16,7 +16,6 @@ elevator).
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
 from drivesizer.errors import FieldError
 from drivesizer.files import fields
@@ -35,7 +34,7 @@ class Hoist(SharedLoad):
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["hoist"]
-    mass: fields.Mass = Field(description="of what is lifted, its carrier included")
+    mass: fields.Mass = fields.required("of what is lifted, its carrier included")
     counterweight: fields.Counterweight = fields.default("0 kg", "hung against the mass, with as many falls")
     drum_diameter: fields.Length
     falls: Count = fields.default(1, "rope parts that carry the mass; the rope runs so many times faster")

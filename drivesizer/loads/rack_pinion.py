@@ -12,8 +12,6 @@ calculation and selection).
 
 from typing import ClassVar, Literal
 
-from pydantic import Field
-
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
 from drivesizer.loads.model import SharedLoad
@@ -29,7 +27,7 @@ class RackPinion(SharedLoad):
     takes_payload: ClassVar[bool] = True
     kind: Literal["rack_pinion"]
     mass: fields.Mass
-    pinion_diameter: fields.Length = Field(description="of its pitch circle")
+    pinion_diameter: fields.Length = fields.required("of its pitch circle")
     efficiency: fields.Share = fields.default(1, "of the toothing, in either direction of power")
     incline: fields.Incline = fields.default("0 deg", "of the forward motion, upward positive")
     friction_coefficient: fields.Coefficient = fields.default(0, "of the guide")

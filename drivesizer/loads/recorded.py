@@ -57,8 +57,8 @@ class Recorded(SharedLoad):
     axis: ClassVar[Axis] = "rotary"
     kind: Literal["recorded"]
     file: str = Field(min_length=1, description="CSV: columns time, speed or position, torque; then a row of units")
-    smoothing: Pause = default("0 s", description="width of the window in which position or speed is smoothed")
-    inertia: Inertia = default("0 kg*m^2", description="that turns with the shaft and is not in the torque")
+    smoothing: Pause = default("0 s", "width of the window in which position or speed is smoothed")
+    inertia: Inertia = default("0 kg*m^2", "that turns with the shaft and is not in the torque")
 
     @property
     def shaft_inertia(self) -> float:

@@ -14,7 +14,7 @@ rotational motion).
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
@@ -28,7 +28,7 @@ class RotaryTable(SharedLoad):
 
     axis: ClassVar[fields.Axis] = "rotary"
     kind: Literal["rotary_table"]
-    inertia: fields.Inertia = Field(description="of table and load about the axis")
+    inertia: fields.Inertia = fields.required("of table and load about the axis")
     friction_torque: fields.Torque = fields.default("0 N*m", "of the bearing, against the motion")
     torque: fields.SignedTorque = fields.default("0 N*m", "further torque against the forward motion")
     mass: fields.Counterweight = fields.default("0 kg", "of what turns, where its centre is off the axis")

@@ -30,7 +30,7 @@ from dataclasses import replace
 from typing import Annotated, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from drivesizer.errors import FieldError
 from drivesizer.files import fields
@@ -78,11 +78,11 @@ class Screw(SharedLoad):
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
-    mass: fields.Mass = Field(description="of the slide and what is on it")
+    mass: fields.Mass = fields.required("of the slide and what is on it")
     screw: ScrewChoice | None = fields.optional(
         "out of the catalogues, with its lead and all that is printed of it; or give lead"
     )
-    lead: fields.Length | None = fields.optional("travel per turn; or give screw")
+    lead: fields.Length | None = fields.optional("travel per turn; or give screw", example="10 mm")
     efficiency: fields.Share | None = fields.optional(
         "of screw and nut when it drives the slide; or give thread_friction"
     )
@@ -97,27 +97,35 @@ class Screw(SharedLoad):
     friction_force: fields.Force = fields.default("0 N", "of the guide's seals, against the motion")
     force: fields.Pull = fields.default("0 N", "further force against the forward motion, at rest too")
     preload_torque: fields.Torque = fields.default("0 N*m", "drag of a preloaded nut and its bearings")
-    preload: fields.Force = fields.default("0 N", "of a ball nut: its drag, beside preload_torque, and its life")
+    preload: fields.Force = fields.default(
+        "0 N", "of a ball nut: its drag, beside preload_torque, and its life", example="500 N"
+    )
     inertia: fields.Inertia | None = fields.optional(
         "of screw and coupling; of a steel shaft of diameter and length where not given; of the coupling "
         "alone with screw"
     )
-    diameter: fields.Length | None = fields.optional("nominal, of one screw as all that follows")
-    root_diameter: fields.Length | None = fields.optional("of the thread's core")
+    diameter: fields.Length | None = fields.optional("nominal, of one screw as all that follows", example="20 mm")
+    root_diameter: fields.Length | None = fields.optional("of the thread's core", example="17 mm")
     pitch_diameter: fields.Length | None = fields.optional(
-        "of a sliding thread; between diameter and root_diameter where not given"
+        "of a sliding thread; between diameter and root_diameter where not given", example="18 mm"
     )
-    shaft_diameter: fields.Length | None = fields.optional("outside, for the inertia; diameter where not given")
-    ball_diameter: fields.Length | None = fields.optional("of the ball centres; diameter where not given")
-    length: fields.Length | None = fields.optional("free, between the bearings; no shorter than the stroke")
-    screw_length: fields.Length | None = fields.optional("with its ends; length where not given")
+    shaft_diameter: fields.Length | None = fields.optional(
+        "outside, for the inertia; diameter where not given", example="20 mm"
+    )
+    ball_diameter: fields.Length | None = fields.optional(
+        "of the ball centres; diameter where not given", example="21 mm"
+    )
+    length: fields.Length | None = fields.optional(
+        "free, between the bearings; no shorter than the stroke", example="600 mm"
+    )
+    screw_length: fields.Length | None = fields.optional("with its ends; length where not given", example="700 mm")
     ends: physics.Fixity | None = fields.optional("bearings of both ends, for buckling and critical speed")
     design: physics.Design | None = fields.optional(
         "whose factors for these; those of a beam where not given, of a screw out of the catalogues its maker's"
     )
-    dynamic_load: Rating | None = fields.optional("rating C_a, for the life")
-    static_load: Rating | None = fields.optional("rating C_0a")
-    permissible_thrust: Rating | None = fields.optional("of a sliding nut")
+    dynamic_load: Rating | None = fields.optional("rating C_a, for the life", example="15 kN")
+    static_load: Rating | None = fields.optional("rating C_0a", example="25 kN")
+    permissible_thrust: Rating | None = fields.optional("of a sliding nut", example="2 kN")
     load_factor: fields.Ratio = fields.default(
         1.5, "f_w of the life: 1 to 1.2 smooth, 1.5 up to 1 m/s, 2 to 3.5 with impacts"
     )

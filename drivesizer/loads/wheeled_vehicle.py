@@ -16,7 +16,7 @@ import math
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from drivesizer import equations as eq
 from drivesizer.files import fields
@@ -55,11 +55,13 @@ class WheeledVehicle(LoadModel):
     axis: ClassVar[fields.Axis] = "linear"
     takes_payload: ClassVar[bool] = True
     kind: Literal["wheeled_vehicle"]
-    mass: fields.Mass = Field(description="whole vehicle, payload included")
-    driven_wheels: Count = Field(description="wheels with a drive")
-    wheel_diameter: fields.Length
+    mass: fields.Mass = fields.required("whole vehicle, payload included")
+    driven_wheels: Count = fields.required("wheels with a drive")
+    wheel_diameter: fields.Length = fields.required(example="150 mm")
     rolling_resistance: fields.Part | None = fields.optional("C_rr; or give sinkage")
-    sinkage: fields.Thickness | None = fields.optional("sinking depth z of (4); or give rolling_resistance")
+    sinkage: fields.Thickness | None = fields.optional(
+        "sinking depth z of (4); or give rolling_resistance", example="2 mm"
+    )
     friction_coefficient: fields.Coefficient | None = fields.optional("between wheel and floor, for traction")
     driven_share: fields.Share | None = fields.optional(
         "of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "

@@ -22,9 +22,9 @@ Count = Annotated[int, Field(ge=1, le=10_000)]
 class Run(fields.Section):
     """One line of a discharge table: a constant current or power, and how long it lasts."""
 
-    current: fields.Current | None = None
+    current: fields.Current | None = fields.optional(example="5 A")
     power: fields.Power | None = None
-    time: fields.Duration
+    time: fields.Duration = fields.required(example="1 h")
 
     @model_validator(mode="after")
     def _one_held(self) -> Self:
@@ -36,8 +36,8 @@ class Run(fields.Section):
 class OpenCircuit(fields.Section):
     """Voltage of a cell or block at rest; straight between full and empty."""
 
-    full: fields.Voltage
-    empty: fields.Voltage
+    full: fields.Voltage = fields.required(example="4.2 V")
+    empty: fields.Voltage = fields.required(example="3.2 V")
 
     @model_validator(mode="after")
     def _falling(self) -> Self:
@@ -49,14 +49,14 @@ class OpenCircuit(fields.Section):
 class Polarisation(fields.Section):
     """Polarisation of a cell or block under lasting current: one RC pair."""
 
-    resistance: fields.Resistance
-    time_constant: fields.Duration
+    resistance: fields.Resistance = fields.required(example="10 mohm")
+    time_constant: fields.Duration = fields.required(example="30 s")
 
 
 class Charger(fields.Section):
     """Charger of the whole battery, at a constant current."""
 
-    current: fields.Current
+    current: fields.Current = fields.required(example="10 A")
     efficiency: fields.Share = fields.default(1, "share of the charge that stays in it")
 
 
@@ -67,28 +67,28 @@ class Battery(fields.Section):
     series: Count = fields.default(1, "cells or blocks in series")
     parallel: Count = fields.default(1, "parallel strings")
     chemistry: Literal["lead-acid", "Li-ion", "LiFePO4"] | None = None
-    nominal_voltage: fields.Voltage | None = None
-    charge_voltage: fields.Voltage | None = None
-    cutoff_voltage: fields.Voltage | None = fields.optional("at which a discharge ends")
+    nominal_voltage: fields.Voltage | None = fields.optional(example="3.6 V")
+    charge_voltage: fields.Voltage | None = fields.optional(example="4.2 V")
+    cutoff_voltage: fields.Voltage | None = fields.optional("at which a discharge ends", example="3 V")
     capacity: Charge | None = fields.optional("drawn in the rated time")
-    rated_time: fields.Duration | None = fields.optional("in which the capacity is drawn, e.g. 20 h")
+    rated_time: fields.Duration | None = fields.optional("in which the capacity is drawn, e.g. 20 h", example="20 h")
     peukert_exponent: fields.Factor | None = None
     discharge: Annotated[list[Run], Field(min_length=2)] | None = fields.optional(
         "how long constant currents, or powers, last"
     )
-    resistance: fields.Resistance | None = fields.optional("to direct current")
+    resistance: fields.Resistance | None = fields.optional("to direct current", example="20 mohm")
     polarisation: Polarisation | None = None
     open_circuit: OpenCircuit | None = fields.optional("voltage at rest; the nominal where not given")
-    continuous_current: fields.Current | None = None
-    peak_current: fields.Current | None = None
-    max_charge_current: fields.Current | None = None
+    continuous_current: fields.Current | None = fields.optional(example="20 A")
+    peak_current: fields.Current | None = fields.optional(example="60 A")
+    max_charge_current: fields.Current | None = fields.optional(example="10 A")
     charger: Charger | None = fields.optional("of the whole battery, for the time of charging")
     mass: fields.Mass | None = None
     start: fields.Share = fields.default(1, "share of the charge at the start of the mission")
     usable: fields.Share = fields.default(1, "share of the charge that may be drawn")
     health: fields.Share = fields.default(1, "share of the rated capacity that age and cold leave")
-    autonomy: fields.Duration | None = fields.optional("that is required; the mission's where not given")
-    range: fields.Length | None = fields.optional("that is required, of a vehicle")
+    autonomy: fields.Duration | None = fields.optional("that is required; the mission's where not given", example="4 h")
+    range: fields.Length | None = fields.optional("that is required, of a vehicle", example="20 km")
     reserve: fields.Allowance = fields.default(0, "by which autonomy and range must exceed what is required")
 
     @model_validator(mode="after")
@@ -113,7 +113,9 @@ class Consumer(fields.Section):
     power: fields.Power = fields.required("of one, while it is on")
     number: Count = 1
     duty: fields.Part | None = fields.optional("share of the time for which it is on; 1 where not given")
-    time: fields.Duration | None = fields.optional("for which it is on in the mission, instead of duty")
+    time: fields.Duration | None = fields.optional(
+        "for which it is on in the mission, instead of duty", example="30 min"
+    )
     peak_power: fields.Power | None = fields.optional("of one; its power where not given")
     efficiency: fields.Share = fields.default(1, "of the converter that supplies it")
     assumed: bool = fields.default(False, "whether its figures are assumed, and reported so")
@@ -156,12 +158,12 @@ class BrakeResistor(fields.Section):
 
     family: fields.Names | None = fields.optional("of a catalogue: the smallest that suffices")
     part: fields.Names | None = fields.optional("of a catalogue, one or several")
-    resistance: fields.Resistance | None = fields.optional("of a resistor that no catalogue lists")
-    power: fields.Power | None = fields.optional("continuous")
-    peak_power: fields.Power | None = fields.optional("for as long as a braking lasts")
-    pulse_energy: Energy | None = fields.optional("of a single braking")
+    resistance: fields.Resistance | None = fields.optional("of a resistor that no catalogue lists", example="10 ohm")
+    power: fields.Power | None = fields.optional("continuous", example="50 W")
+    peak_power: fields.Power | None = fields.optional("for as long as a braking lasts", example="500 W")
+    pulse_energy: Energy | None = fields.optional("of a single braking", example="200 J")
     chopper_voltage: fields.Voltage | None = fields.optional(
-        "at which the chopper switches on; that of a shunt regulator where not given"
+        "at which the chopper switches on; that of a shunt regulator where not given", example="56 V"
     )
     chopper_current: fields.Current | None = fields.optional("that the chopper can switch")
     averaging_time: fields.Duration = fields.default("60 s", "over which the mean power counts, at its worst")

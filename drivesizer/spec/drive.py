@@ -39,11 +39,11 @@ class Pulleys(fields.Section):
     """A toothed belt and its two pulleys out of the catalogues: every ratio that they give is searched."""
 
     profile: str = fields.required("of the teeth, as catalogues name it: HTD, GT2", min_length=1, max_length=60)
-    pitch: fields.Length
-    width: fields.Length = fields.required("of the belt; pulleys take it or a wider one")
+    pitch: fields.Length = fields.required(example="5 mm")
+    width: fields.Length = fields.required("of the belt; pulleys take it or a wider one", example="15 mm")
     ratio_min: fields.Ratio = fields.required("teeth of the load's pulley per tooth of the gearhead's, at least")
     ratio_max: fields.Ratio = fields.required("and at most; below 1 the load turns faster")
-    centre_distance: fields.Length | None = fields.optional("of the shafts; any where not given")
+    centre_distance: fields.Length | None = fields.optional("of the shafts; any where not given", example="200 mm")
     adjustable: fields.Thickness = fields.default("3 mm", "by how much the shafts may be moved, either way")
 
     @model_validator(mode="after")
@@ -66,10 +66,12 @@ class BeltStage(fields.Section):
     stiffness: fields.Stiffness | None = fields.optional("of the belt, seen at the load's shaft")
     mass: fields.Mass | None = fields.optional("of belt and pulleys, where these are not out of the catalogues")
     pulley_diameter: fields.Length | None = fields.optional(
-        "of the load's pulley; with pulleys it follows from the teeth"
+        "of the load's pulley; with pulleys it follows from the teeth", example="60 mm"
     )
-    max_tension: fields.Force | None = fields.optional("permitted effective tension, with a known pulley")
-    max_speed: fields.Speed | None = fields.optional("permitted belt speed, with a known pulley")
+    max_tension: fields.Force | None = fields.optional(
+        "permitted effective tension, with a known pulley", example="300 N"
+    )
+    max_speed: fields.Speed | None = fields.optional("permitted belt speed, with a known pulley", example="20 m/s")
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -101,9 +103,9 @@ class GearStage(fields.Section):
     pinion_friction: fields.Torque = fields.default("0 N*m", "of bearings and seals of the input shaft, at any load")
     wheel_friction: fields.Torque = fields.default("0 N*m", "of bearings and seals of the output shaft, at any load")
     pinion_diameter: fields.Length | None = fields.optional(
-        "pitch circle of pinion or sprocket, for its force on the shaft; bevels: the mean one"
+        "pitch circle of pinion or sprocket, for its force on the shaft; bevels: the mean one", example="40 mm"
     )
-    backlash: fields.Angle | None = fields.optional("at its output shaft; unknown where not given")
+    backlash: fields.Angle | None = fields.optional("at its output shaft; unknown where not given", example="5 arcmin")
     mass: fields.Mass | None = fields.optional("of the whole stage; unknown where not given")
 
     @model_validator(mode="after")
@@ -291,10 +293,12 @@ class VelocityLoop(fields.Section):
     kp: fields.Gain | None = fields.optional("proportional gain [A per rad/s at the motor]")
     ki: fields.Gain | None = fields.optional("integral gain [A per rad]")
     kd: fields.Gain | None = fields.optional("derivative gain [A per rad/s^2]")
-    filter_time: fields.Duration | None = fields.optional("of the derivative")
-    bandwidth: fields.Frequency | None = fields.optional("to place the poles for")
+    filter_time: fields.Duration | None = fields.optional("of the derivative", example="1 ms")
+    bandwidth: fields.Frequency | None = fields.optional("to place the poles for", example="30 Hz")
     damping: fields.Gain | None = fields.optional("of the placed poles; 0.707 where not given")
-    phase_margin: fields.Angle | None = fields.optional("for the symmetrical optimum; 37 deg where not given")
+    phase_margin: fields.Angle | None = fields.optional(
+        "for the symmetrical optimum; 37 deg where not given", example="45 deg"
+    )
 
 
 class PositionLoop(fields.Section):
@@ -326,7 +330,7 @@ class Control(fields.Section):
     position: PositionLoop | None = None
     feedforward: Feedforward = fields.all_defaults()
     rate: fields.Frequency | None = fields.optional(
-        "at which the velocity loop runs; the controller's own where not given"
+        "at which the velocity loop runs; the controller's own where not given", example="1 kHz"
     )
     speed_from: Literal["exact", "counts"] = fields.default(
         "counts", "how speed is measured: by the encoder's counts where it has one, or exactly"
@@ -338,13 +342,13 @@ class Control(fields.Section):
         "keeps the brake released (the closed loop is simulated without the brake)",
     )
     count_time: fields.Duration | None = fields.optional(
-        "over which counts are taken for a speed; designed where not given"
+        "over which counts are taken for a speed; designed where not given", example="2 ms"
     )
     microsteps: Annotated[int, Field(ge=1)] | None = fields.optional(
         "of a stepper's driver, to a full step, in size and validate; its finest where not given"
     )
     phase_current: fields.Current | None = fields.optional(
-        "that a stepper's driver is set to; the stepper's rated current where not given"
+        "that a stepper's driver is set to; the stepper's rated current where not given", example="2 A"
     )
     idle_current: fields.Share | None = fields.optional(
         "of a stepper's current at rest, as a share of that in motion; all of it where not given"

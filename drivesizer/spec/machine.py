@@ -191,7 +191,8 @@ class CarriedPlace(fields.Section):
     """Place of a carried drive."""
 
     at: fields.Place | None = fields.optional(
-        "distance of its drive from the carrying axis, where that turns; distances add along the chain"
+        "distance of its drive from the carrying axis, where that turns; distances add along the chain",
+        example="300 mm",
     )
 
 
@@ -230,7 +231,9 @@ class MachineFields(fields.Section):
     timing: Literal["synchronised", "independent"] = fields.default(
         "synchronised", "common start of the axes' motions; or each at any time"
     )
-    cycle_time: fields.Duration | None = fields.optional("of the machine; that of its longest axis if not given")
+    cycle_time: fields.Duration | None = fields.optional(
+        "of the machine; that of its longest axis if not given", example="20 s"
+    )
     total: Literal["best", "axis_by_axis"] = fields.default(
         "best", "whether carried drives are chosen so that the sum over all axes is best"
     )

@@ -103,8 +103,10 @@ class Cam(fields.Section):
 
     profile: Literal["cam"]
     file: str = fields.required("CSV: columns angle and position, then a row of units", min_length=1)
-    master_speed: fields.Turning = fields.required("at which the angle runs")
-    smoothing: fields.Pause = fields.default("0 s", "width of the window in which the position is smoothed")
+    master_speed: fields.Turning = fields.required("at which the angle runs", example="60 rpm")
+    smoothing: fields.Pause = fields.default(
+        "0 s", "width of the window in which the position is smoothed", example="20 ms"
+    )
 
 
 class Harmonic(fields.Section):
@@ -119,7 +121,9 @@ class Hold(fields.Section):
     """Standing still under load; repeated, so that it lasts."""
 
     profile: Literal["hold"]
-    time: fields.Duration = fields.required("for which energy and, in closed loop, control are computed")
+    time: fields.Duration = fields.required(
+        "for which energy and, in closed loop, control are computed", example="10 s"
+    )
 
 
 class Segment(fields.Section):
@@ -165,15 +169,17 @@ class Track(fields.Section):
     trajectory: str = fields.required(
         "CSV: columns t, x, y, heading; or waypoints without t; then a row of units", min_length=1
     )
-    smoothing: fields.Pause = fields.default("0 s", "distance of the knots of the spline through a noisy track")
+    smoothing: fields.Pause = fields.default(
+        "0 s", "distance of the knots of the spline through a noisy track", example="50 ms"
+    )
 
 
 class Waypoint(fields.Section):
     """A posture at which the platform stops, with or without a pause."""
 
-    x: fields.Place
-    y: fields.Place
-    heading: fields.Bearing | None = fields.optional("along the path where not given")
+    x: fields.Place = fields.required(example="2.5 m")
+    y: fields.Place = fields.required(example="1 m")
+    heading: fields.Bearing | None = fields.optional("along the path where not given", example="90 deg")
     pause: fields.Pause = fields.default("0 s")
 
 

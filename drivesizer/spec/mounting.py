@@ -193,18 +193,19 @@ class Shaft(fields.Section):
     """Overhung shaft of gearhead, or motor: pulley or pinion of the next stage, or what of the load it carries."""
 
     distance: fields.Thickness | None = fields.optional(
-        "of the radial force from the mounting face of gearhead or motor; where not given that of the maker's limit"
+        "of the radial force from the mounting face of gearhead or motor; where not given that of the maker's limit",
+        example="20 mm",
     )
     carries_load: bool = fields.default(
         False, "that the load's wheel, pinion, pulley, drum or screw has no bearing of its own, but this shaft's"
     )
     wheel_load: fields.Force | None = fields.optional(
-        "of the floor on a carried wheel; an equal part of the weight where not given"
+        "of the floor on a carried wheel; an equal part of the weight where not given", example="400 N"
     )
     pressure_angle: ToothAngle = fields.default("20 deg", "of a pinion's teeth")
     helix_angle: ToothAngle = fields.default("0 deg", "of a pinion's teeth")
     belt_pretension: fields.Force | None = fields.optional(
-        "of each strand at rest; where not given only the least force of a belt is known"
+        "of each strand at rest; where not given only the least force of a belt is known", example="100 N"
     )
     load_factor: fields.Factor = fields.default(1.5, "f_w of the bearing's life: 1 smooth, 1.5, 3 with impacts")
     static_safety: fields.Factor = fields.default(1.5, "of the bearing: 1.5, 2 with impacts, 3 for precision")
@@ -219,21 +220,21 @@ _FIGURES = {"torque": "static_torque", "voltage": "supply", "length": "added_len
 class OwnBrake(fields.Section):
     """A holding brake with figures of its own, in place of one out of the catalogues."""
 
-    torque: fields.TorqueAbove = fields.required("static, that it holds at least")
-    dynamic_torque: fields.TorqueAbove | None = fields.optional("while it slips")
+    torque: fields.TorqueAbove = fields.required("static, that it holds at least", example="2 N*m")
+    dynamic_torque: fields.TorqueAbove | None = fields.optional("while it slips", example="1.5 N*m")
     at: Literal["motor", "load"] = fields.default("motor", "whose shaft it sits on")
     inertia: fields.Inertia | None = fields.optional("that turns with that shaft; estimated where not given")
     power: fields.Power | None = fields.optional("of its coil while released; estimated where not given")
     holding_power: fields.Consumed | None = fields.optional("that keeps it released, where that is less")
     voltage: fields.Voltage | None = fields.optional("of its coil")
     mass: fields.Mass | None = fields.optional("estimated where not given")
-    length: fields.Thickness | None = fields.optional("that it adds to the motor")
+    length: fields.Thickness | None = fields.optional("that it adds to the motor", example="30 mm")
     price: fields.Price | None = None
-    release_time: fields.Duration | None = None
-    engage_time: fields.Pause | None = fields.optional("until it has its torque")
+    release_time: fields.Duration | None = fields.optional(example="30 ms")
+    engage_time: fields.Pause | None = fields.optional("until it has its torque", example="20 ms")
     max_speed: fields.Turning | None = fields.optional("of its shaft")
-    energy_per_stop: fields.Energy | None = fields.optional("permitted in one emergency stop")
-    total_energy: fields.Energy | None = fields.optional("of all emergency stops in its life")
+    energy_per_stop: fields.Energy | None = fields.optional("permitted in one emergency stop", example="20 J")
+    total_energy: fields.Energy | None = fields.optional("of all emergency stops in its life", example="10 kJ")
     emergency_stops: Annotated[int, Field(ge=1)] | None = fields.optional("permitted in its life")
 
     @model_validator(mode="after")

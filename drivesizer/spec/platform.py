@@ -30,13 +30,13 @@ class WheelPlace(fields.Section):
     """One wheel: its place, its direction of rolling, and whether it is driven."""
 
     kind: Kind = fields.required("fixed: no rollers, held sideways; also one that is steered to an angle")
-    x: fields.Place | None = fields.optional("of the contact point; or give distance and alpha")
-    y: fields.Place | None = None
-    heading: fields.Bearing | None = fields.optional("where it rolls; forward where not given")
-    distance: fields.Length | None = fields.optional("L of Table 1")
-    alpha: fields.Bearing | None = fields.optional("α of Table 1")
-    beta: fields.Bearing | None = fields.optional("β of Table 1; forward where not given")
-    roller_angle: RollerAngle | None = fields.optional("γ, of a mecanum wheel")
+    x: fields.Place | None = fields.optional("of the contact point; or give distance and alpha", example="300 mm")
+    y: fields.Place | None = fields.optional(example="-250 mm")
+    heading: fields.Bearing | None = fields.optional("where it rolls; forward where not given", example="90 deg")
+    distance: fields.Length | None = fields.optional("L of Table 1", example="400 mm")
+    alpha: fields.Bearing | None = fields.optional("α of Table 1", example="45 deg")
+    beta: fields.Bearing | None = fields.optional("β of Table 1; forward where not given", example="45 deg")
+    roller_angle: RollerAngle | None = fields.optional("γ, of a mecanum wheel", example="45 deg")
     driven: bool = True
 
     @model_validator(mode="after")
@@ -65,8 +65,8 @@ class Mecanum(fields.Section):
     """Four mecanum wheels in a rectangle: front right, front left, rear left, rear right."""
 
     kind: Literal["mecanum"]
-    wheelbase: fields.Length = fields.required("between the axles")
-    track: fields.Length = fields.required("between the contact points of an axle")
+    wheelbase: fields.Length = fields.required("between the axles", example="600 mm")
+    track: fields.Length = fields.required("between the contact points of an axle", example="500 mm")
     roller_angle: RollerAngle = fields.default("45 deg", "γ of the front right and the rear left wheel")
 
     @property
@@ -87,7 +87,7 @@ class Differential(fields.Section):
     """Two fixed wheels on one axle, right and left; casters carry the rest."""
 
     kind: Literal["differential"]
-    track: fields.Length = fields.required("between the contact points")
+    track: fields.Length = fields.required("between the contact points", example="500 mm")
     x: fields.Place = fields.default("0 mm", "of the axle")
 
     @property
@@ -100,7 +100,9 @@ class Omni(fields.Section):
     """Omni wheels on a circle, each rolling along it; the first in front."""
 
     kind: Literal["omni"]
-    radius: fields.Length = fields.required("of the circle, from the reference point to a contact point")
+    radius: fields.Length = fields.required(
+        "of the circle, from the reference point to a contact point", example="250 mm"
+    )
     number: Annotated[int, Field(ge=3, le=12)] = 3
 
     @property
@@ -123,8 +125,8 @@ Layout = Annotated[Mecanum | Differential | Omni, Field(discriminator="kind")]
 class CasterPlace(fields.Section):
     """A caster."""
 
-    x: fields.Place
-    y: fields.Place
+    x: fields.Place = fields.required(example="-300 mm")
+    y: fields.Place = fields.required(example="0 mm")
     rolling_resistance: fields.Part | None = fields.optional("C_rr; that of the wheels if not given")
 
 
@@ -181,7 +183,7 @@ class Measured(fields.Section):
     """Largest errors measured with a real robot on the path, printed beside the simulated ones."""
 
     name: Name
-    position: fields.Length
+    position: fields.Length = fields.required(example="20 mm")
     heading: fields.Angle
 
 
@@ -189,12 +191,14 @@ class Following(fields.Section):
     """Controllers, floor and comparisons for `drivesizer drive --follow`."""
 
     speed_loop: Literal["PI", "P"] = fields.default("PI", "of each driven wheel")
-    speed_gain: Damping | None = fields.optional("at a wheel; designed where not given")
-    speed_integral: Restoring | None = fields.optional("at a wheel, of PI; designed where not given")
+    speed_gain: Damping | None = fields.optional("at a wheel; designed where not given", example="5 N*m*s")
+    speed_integral: Restoring | None = fields.optional(
+        "at a wheel, of PI; designed where not given", example="50 N*m/rad"
+    )
     period: fields.Duration = fields.default("1 ms", "of the speed loops")
     pose_period: fields.Duration = fields.default("50 ms", "between two poses that are fed back")
     torque_limit: fields.TorqueAbove | None = fields.optional(
-        "at a wheel; what the controller's peak current and the gearhead give, where not given"
+        "at a wheel; what the controller's peak current and the gearhead give, where not given", example="5 N*m"
     )
     rotor_inertia: fields.Inertia | None = fields.optional(
         "of motor and gearhead at a wheel; that of the drive where not given"
@@ -237,7 +241,7 @@ class CentreOfMass(fields.Section):
 
     x: fields.Place = fields.default("0 mm")
     y: fields.Place = fields.default("0 mm")
-    height: fields.Thickness | None = fields.optional("above the floor; unknown where not given")
+    height: fields.Thickness | None = fields.optional("above the floor; unknown where not given", example="250 mm")
 
 
 class PayloadSection(fields.Section):
@@ -247,16 +251,16 @@ class PayloadSection(fields.Section):
     mass: fields.Mass
     x: fields.Place = fields.default("0 mm", "of its centre of mass")
     y: fields.Place = fields.default("0 mm")
-    height: fields.Thickness | None = fields.optional("above the floor; unknown where not given")
+    height: fields.Thickness | None = fields.optional("above the floor; unknown where not given", example="600 mm")
     inertia: fields.Inertia = fields.default("0 kg*m^2", "about the vertical through its centre of mass")
 
 
 class SizeSection(fields.Section):
     """The box that the robot takes up."""
 
-    length: fields.Length = fields.required("along its heading")
-    width: fields.Length
-    height: fields.Length = fields.required("above the floor, payload included")
+    length: fields.Length = fields.required("along its heading", example="800 mm")
+    width: fields.Length = fields.required(example="600 mm")
+    height: fields.Length = fields.required("above the floor, payload included", example="500 mm")
     x: fields.Place = fields.default("0 mm", "of the box's middle")
     y: fields.Place = fields.default("0 mm")
 
@@ -270,15 +274,17 @@ class PassageSection(fields.Section):
     """A door or corridor that the robot must fit through."""
 
     name: Name
-    width: fields.Length = fields.required("between the jambs")
-    height: fields.Length | None = fields.optional("open above where not given")
+    width: fields.Length = fields.required("between the jambs", example="900 mm")
+    height: fields.Length | None = fields.optional("open above where not given", example="2 m")
     depth: fields.Thickness = fields.default("0 mm", "in the direction of passage; 0 is a thin wall")
     heading_error: Small = fields.default("0 deg", "with which the robot must still fit")
     aside: fields.Thickness = fields.default("0 mm", "by which it may run beside the middle")
     turns: bool = fields.default(False, "whether it turns on the spot there")
-    corner: fields.Length | None = fields.optional("width of a corridor at right angles into which it turns")
-    x: fields.Place | None = fields.optional("of its middle in the world, for a trajectory")
-    y: fields.Place | None = None
+    corner: fields.Length | None = fields.optional(
+        "width of a corridor at right angles into which it turns", example="1.2 m"
+    )
+    x: fields.Place | None = fields.optional("of its middle in the world, for a trajectory", example="5 m")
+    y: fields.Place | None = fields.optional(example="0 m")
     direction: fields.Bearing = fields.default("0 deg", "of passage, in the world")
 
     @model_validator(mode="after")
@@ -300,7 +306,7 @@ class Limits(fields.Section):
     speed: fields.Speed | None = None
     acceleration: AccelerationLimit | None = None
     jerk: JerkLimit | None = None
-    turning_speed: fields.Turning | None = None
+    turning_speed: fields.Turning | None = fields.optional(example="60 deg/s")
     turning_acceleration: TurningAcceleration | None = None
     turning_jerk: TurningJerk | None = None
 

@@ -99,7 +99,7 @@ class Hold(fields.Section):
     name: Name
     positions: dict[Name, Position] = fields.required("by joint; one that is not named is where the trajectory starts")
     time: fields.Duration = fields.default("60 s", "for which it is held")
-    payload: fields.Counterweight | None = fields.optional("that of the robot where not given")
+    payload: fields.Counterweight | None = fields.optional("that of the robot where not given", example="2 kg")
 
 
 class PointMass(fields.Section):
@@ -139,7 +139,7 @@ class DrivePlace(fields.Section):
         False, "whether a belt over the axes between makes it turn by the sum of their angles and its joint's"
     )
     travel_per_turn: fields.Length | None = fields.optional(
-        "of a joint that slides, per turn of the shaft that the drive turns"
+        "of a joint that slides, per turn of the shaft that the drive turns", example="10 mm"
     )
 
     @model_validator(mode="after")
@@ -158,7 +158,9 @@ class RobotSection(fields.Section):
 
     description: str = fields.required("URDF or MJCF file", min_length=1)
     trajectory: str | None = fields.optional("CSV: columns time and joints by name; then a row of units", min_length=1)
-    smoothing: fields.Pause = fields.default("0 s", "least time between knots of the curve through the trajectory")
+    smoothing: fields.Pause = fields.default(
+        "0 s", "least time between knots of the curve through the trajectory", example="20 ms"
+    )
     waypoints: Annotated[list[JointWaypoint], Field(min_length=2, max_length=10_000)] | None = None
     law: Literal["fastest", "poly5"] = fields.default(
         "fastest", "of moves between waypoints: fastest within limits, or a polynomial of 5th order"

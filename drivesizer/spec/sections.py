@@ -23,9 +23,11 @@ LifeOf = Literal["screw", "gearhead", "output_bearing"]
 class Lives(fields.Section):
     """Life of parts by name, in hours of the cycle, rests included; of the others none is required."""
 
-    screw: fields.Duration | None = fields.optional("of a ball screw")
-    gearhead: fields.Duration | None = fields.optional("of its gears, by its rated life")
-    output_bearing: fields.Duration | None = fields.optional("of the gearhead's output, under section shaft")
+    screw: fields.Duration | None = fields.optional("of a ball screw", example="20000 h")
+    gearhead: fields.Duration | None = fields.optional("of its gears, by its rated life", example="20000 h")
+    output_bearing: fields.Duration | None = fields.optional(
+        "of the gearhead's output, under section shaft", example="20000 h"
+    )
 
     @model_validator(mode="after")
     def _some(self) -> Self:
@@ -57,8 +59,8 @@ def required_life(life: Any, part: LifeOf) -> Any:
 class Travel(fields.Section):
     """A distance that a vehicle must cover in a time."""
 
-    distance: fields.Length
-    within: fields.Duration
+    distance: fields.Length = fields.required(example="7 km")
+    within: fields.Duration = fields.required(example="80 min")
 
 
 class Requirements(fields.Section):
@@ -103,19 +105,19 @@ class Supply(fields.Section):
     nominal: fields.Voltage = fields.required(
         "direct voltage at the controllers; of drives at the mains that of their bus: 325 V at 230 V"
     )
-    min: fields.Voltage | None = fields.optional("lowest voltage; nominal where not given")
-    max: fields.Voltage | None = fields.optional("highest voltage; nominal where not given")
+    min: fields.Voltage | None = fields.optional("lowest voltage; nominal where not given", example="22 V")
+    max: fields.Voltage | None = fields.optional("highest voltage; nominal where not given", example="29 V")
     resistance: fields.Resistance | None = fields.optional(
-        "of the source and all cables; of the cables alone where a section battery is"
+        "of the source and all cables; of the cables alone where a section battery is", example="20 mohm"
     )
-    current: fields.Current | None = fields.optional("that the supply can deliver to all drives")
-    power: fields.Power | None = fields.optional("that the supply can deliver to all drives")
+    current: fields.Current | None = fields.optional("that the supply can deliver to all drives", example="40 A")
+    power: fields.Power | None = fields.optional("that the supply can deliver to all drives", example="1 kW")
     peak_current: fields.Current | None = fields.optional(
-        "that it can deliver for peak_time; current is then the continuous one"
+        "that it can deliver for peak_time; current is then the continuous one", example="80 A"
     )
     peak_time: fields.Duration | None = None
     overvoltage_trip: fields.Voltage | None = fields.optional(
-        "at which it switches off, or that it withstands from outside"
+        "at which it switches off, or that it withstands from outside", example="60 V"
     )
     regeneration: fields.Part = fields.default(0, "share of regenerated energy that is stored and used again; 0 none")
     accepts: Literal["all", "share"] | None = fields.optional(
@@ -181,10 +183,14 @@ class PowerStage(fields.Section):
     """Losses of each controller, in place of what its catalogue prints or the program assumes; not inside actuators."""
 
     voltage_drop: fields.Drop | None = fields.optional(
-        "of the voltage that reaches the motor, and lost per ampere at any current"
+        "of the voltage that reaches the motor, and lost per ampere at any current", example="0.5 V"
     )
-    resistance: fields.Resistance | None = fields.optional("in series with the winding; none where not given")
-    standby: fields.Consumed | None = fields.optional("that each draws at any time; also inside actuators")
+    resistance: fields.Resistance | None = fields.optional(
+        "in series with the winding; none where not given", example="20 mohm"
+    )
+    standby: fields.Consumed | None = fields.optional(
+        "that each draws at any time; also inside actuators", example="2 W"
+    )
 
 
 class Environment(fields.Section):
@@ -192,7 +198,7 @@ class Environment(fields.Section):
 
     ambient: fields.Temperature = fields.default("25 degC")
     altitude: fields.Altitude = fields.default(
-        "0 m", "above sea level: thin air cools less above 1000 m; at most 4000 m"
+        "0 m", "above sea level: thin air cools less above 1000 m; at most 4000 m", example="1500 m"
     )
     gravity: fields.Gravity = fields.default("9.80665 m/s^2")
 
@@ -209,25 +215,34 @@ class Margins(fields.Section):
 class Mission(fields.Section):
     """Use of the motion, for the closed loop."""
 
-    duration: fields.Duration = fields.required("for which the cycle is repeated, rounded up to whole cycles")
+    duration: fields.Duration = fields.required(
+        "for which the cycle is repeated, rounded up to whole cycles", example="2 h"
+    )
 
 
 class Needs(fields.Section):
     """Requirements on the drive beyond moving the load."""
 
     encoder_counts: Annotated[int, Field(ge=1)] | None = fields.optional("counts per motor turn")
-    backlash_at_load: fields.Angle | None = fields.optional("lost motion of the gearhead, seen at the load")
+    backlash_at_load: fields.Angle | None = fields.optional(
+        "lost motion of the gearhead, seen at the load", example="1 deg"
+    )
     bandwidth: fields.Frequency | None = fields.optional("of the closed velocity loop")
-    resolution_at_load: fields.Angle | None = fields.optional("angle of the load per edge of the encoder")
+    resolution_at_load: fields.Angle | None = fields.optional(
+        "angle of the load per edge of the encoder", example="0.05 deg"
+    )
     inertia_ratio: fields.Ratio | None = fields.optional("load's inertia over the motor's, at most")
-    start_speed: fields.Turning | None = fields.optional("of the motor: a stepper's to which it jumps without a ramp")
-    resonance: fields.Frequency | None = fields.optional("of motor and load on the belt, at least")
+    start_speed: fields.Turning | None = fields.optional(
+        "of the motor: a stepper's to which it jumps without a ramp", example="300 rpm"
+    )
+    resonance: fields.Frequency | None = fields.optional("of motor and load on the belt, at least", example="20 Hz")
     hold_unpowered: bool = fields.default(False, "the load must stay where it is without power")
     life: Life | None = fields.optional(
-        "of gearhead, its output bearing and ball screw: hours of the cycle, rests included; or of some"
+        "of gearhead, its output bearing and ball screw: hours of the cycle, rests included; or of some",
+        example="20000 h",
     )
     shock_torque: fields.TorqueAbove | None = fields.optional(
-        "at the load's shaft, in an emergency stop or a collision"
+        "at the load's shaft, in an emergency stop or a collision", example="20 N*m"
     )
     holding_factor: fields.Factor = fields.default(2, "of a brake's torque over that of the load at rest")
     holding_friction: Literal["ignored", "counted"] = fields.default(
@@ -237,11 +252,11 @@ class Needs(fields.Section):
         "stops by the brake from the highest speed, in the machine's life"
     )
     radial_load: fields.Force | None = fields.optional(
-        "on the gearhead's shaft, or the motor's without one; added to the load of section shaft"
+        "on the gearhead's shaft, or the motor's without one; added to the load of section shaft", example="200 N"
     )
     axial_load: fields.Force | None = fields.optional("on the same shaft, added to that of section shaft")
     tilting_moment: fields.Torque | None = fields.optional(
-        "on the gearhead's output, beside that of the radial load at its distance"
+        "on the gearhead's output, beside that of the radial load at its distance", example="5 N*m"
     )
     diameter: fields.Length | None = fields.optional("of motor and gearhead, at most")
     length: fields.Length | None = fields.optional("of motor, gearhead and brake together, at most")
@@ -272,7 +287,7 @@ class Case(fields.Section):
         "too; without it the machine is sized as if the case were continuous"
     )
     lasting: fields.Duration | None = fields.optional(
-        "of a case with a share, uninterrupted; one cycle where not given"
+        "of a case with a share, uninterrupted; one cycle where not given", example="30 min"
     )
     load: dict[str, Any] = fields.all_defaults()
     motion: dict[str, Any] = fields.all_defaults()
