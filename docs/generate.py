@@ -25,7 +25,8 @@ sys.path[:0] = [str(DOCS / "generated"), str(DOCS / "hooks")]
 PARTS = {  # name: module and function that make it
     "actuators": ("catalog_page", "actuators"), "columns": ("catalog_page", "columns"),
     "combinations": ("catalog_page", "combinations"), "commands": ("command_page", "commands"),
-    "equations": ("equation_page", "equations"), "licences": ("licence_page", "licences"),
+    "equations": ("equation_page", "equations"), "json": ("json_page", "json_documents"),
+    "licences": ("licence_page", "licences"),
     "loads": ("load_page", "loads"), "machine": ("spec_tables", "machine_sections"),
     "makers": ("catalog_page", "makers"), "shipped": ("catalog_page", "shipped"),
     "platform_equations": ("platform_page", "platform_equations"),

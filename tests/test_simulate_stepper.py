@@ -21,7 +21,7 @@ from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.output.export import Export, export_of
-from drivesizer.output.json.documents import as_text, validation
+from drivesizer.output.json.documents import as_text
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate, validate_all, with_remedies
 from drivesizer.sizing import explained
@@ -198,7 +198,7 @@ def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> No
 
 
 def test_json_has_pulses_in_the_place_of_gains(proof: Validation) -> None:
-    document = json.loads(as_text(validation(proof)))
+    document = json.loads(as_text(proof))
     assert document["gains"]["microsteps"] == 16
     assert document["controller_gains"] == document["loops"] == []
     assert {"lost_steps", "pull_out_share", "load_angle"} <= {one["name"] for one in document["checks"]}

@@ -13,7 +13,6 @@ import typer
 from drivesizer.commands.common import file_argument, file_option, whole_option
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.words import number_of
-from drivesizer.version import __version__
 
 if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
@@ -40,10 +39,9 @@ def open_named(names: list[str] | None) -> dict[str, Catalog]:
 
 
 def _text(document: dict[str, Any]) -> str:
-    """A JSON document with its head: schema and program version."""
-    from drivesizer.output.json.documents import SCHEMA_VERSION, as_text
+    from drivesizer.output.json.documents import as_text
 
-    return as_text({"schema_version": SCHEMA_VERSION, "drivesizer": __version__} | document)
+    return as_text(document)
 
 
 def known_section(section: str) -> str:

@@ -5,22 +5,29 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drivesizer.errors import DrivesizerError, InputError, NoLoopError, UnknownCatalogError, quoted
 
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Validation
+    from drivesizer.results.drive_set import DriveSet
+    from drivesizer.results.machine import MachineSizing
+    from drivesizer.spec.machine_record import MachineSpec
+    from drivesizer.spec.robot import RobotSpec
+
 __all__ = [
     "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "file_argument",
-    "file_option", "load", "load_axis", "number_option", "print_notes", "progress", "proven", "simulating", "sized",
-    "whole_option", "with_drives", "working",
+    "file_option", "in_closed_loop", "load", "load_axis", "number_option", "print_notes", "progress", "proven",
+    "simulating", "sized", "whole_option", "with_drives", "working",
 ]  # fmt: skip
 
 
@@ -134,8 +141,8 @@ class NothingFitsError(DrivesizerError):
     """The input is valid and no drive meets all limits: exit status 1."""
 
 
-def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
-    """Read a spec, or a machine of several axes, and add catalogues; their paths are relative to the current folder.
+def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> MachineSpec:
+    """Read a machine, of which a plain spec is one axis, and add catalogues; paths are relative to the current folder.
 
     Parameters
     ----------
@@ -144,41 +151,36 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
     more
         Further catalogues, by name or file.
     axis
-        Of a machine: the one that is wanted, with the drives that ride on it, which are sized for that.
+        Of several axes the one that is wanted, with the drives that ride on it, which are sized for that.
 
     Returns
     -------
-    RobotSpec or MachineSpec
-        The latter of several axes.
+    MachineSpec
+        With all axes, or with the one that is wanted.
     """
     from drivesizer.catalog import path_of, shipped
-    from drivesizer.spec.any_spec import load_any
+    from drivesizer.multi_axis.sizing import alone
+    from drivesizer.spec.any_spec import is_machine, load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
-    found: Any = load_any(path)  # once: a pipe has nothing more to read
+    found = load_any(path)  # once: a pipe has nothing more to read
     try:  # a file by its whole path, which is not beside the spec
         names = [one if one in ("all", *shipped()) else str(path_of(one).absolute()) for one in more or ()]
     except UnknownCatalogError as error:
         raise InputError(f"--catalog: {error}") from None
 
-    def with_more(one: Any) -> Any:
+    def with_more(one: RobotSpec) -> RobotSpec:
         select = one.select.model_copy(update={"catalogs": list(dict.fromkeys([*one.select.catalogs, *names]))})
         return one.model_copy(update={"select": select})
 
-    if not hasattr(found, "axes"):
-        if axis is not None:
-            raise InputError(f"--axis: {path} has no axes; leave it out")
-        return with_more(found) if names else found
+    if axis is not None and not is_machine(found.source):
+        raise InputError(f"--axis: {path} has no axes; leave it out")
     found = found.changed(with_more) if names else found
-    if axis is None and found.is_several:
-        return found
-    from drivesizer.multi_axis.sizing import laden
-
-    return laden(found, found.axes[0].name if axis is None else axis)
+    return found if axis is None else alone(found, axis)
 
 
-def load_axis(path: Path, more: list[str] | None = None, axis: str | None = None) -> Any:
+def load_axis(path: Path, more: list[str] | None = None, axis: str | None = None) -> RobotSpec:
     """Read the spec of a single axis, as :func:`load`; a machine of several is refused without one that is wanted.
 
     Parameters
@@ -192,21 +194,21 @@ def load_axis(path: Path, more: list[str] | None = None, axis: str | None = None
         The spec.
     """
     found = load(path, more, axis)
-    if not hasattr(found, "axes"):
-        return found
+    if not found.is_several:
+        return found.axes[0].spec
     names = [one.name for one in found.axes] + (["a joint of its robot"] if found.robot else [])
     raise InputError(f"{path}: a machine of several axes; expected --axis, one of {', '.join(names)}")
 
 
 def sized(
-    robot: Any, top: int, objective: str | None = None, sampling: tuple[Any, ...] = (), pareto: str | None = None,
-    choices: int = 0,
-) -> Any:  # fmt: skip
-    """Size all axes of a machine; a spec is one of a single axis.
+    machine: MachineSpec, top: int, objective: str | None = None, sampling: tuple[Any, ...] = (),
+    pareto: str | None = None, choices: int = 0,
+) -> MachineSizing:  # fmt: skip
+    """Size all axes of a machine.
 
     Parameters
     ----------
-    robot
+    machine
         Of :func:`load`.
     top
         Drives of each axis.
@@ -222,25 +224,16 @@ def sized(
     MachineSizing
         With the best drives of every axis.
     """
-    from drivesizer.results.machine import of_one_axis
+    from drivesizer.multi_axis.sizing import size_machine
     from drivesizer.search.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
 
     rank, front = None if objective is None else objective_of(objective), _pareto(pareto)
     with progress() as advance:
-        if hasattr(robot, "axes"):
-            from drivesizer.multi_axis.sizing import size_machine
-
-            return size_machine(
-                robot, top=top, objective=rank, pareto=front, progress=advance,
-                sampling=lambda spec: sampling_of(spec, *sampling),
-            )  # fmt: skip
-        from drivesizer.sizing import size
-
-        samples = sampling_of(robot, *sampling)
-        return of_one_axis(size(
-            robot, top=top, objective=rank, pareto=front, progress=advance, sampling=samples, choices=choices
-        ))  # fmt: skip
+        return size_machine(
+            machine, top=top, objective=rank, pareto=front, progress=advance, choices=choices,
+            sampling=lambda spec: sampling_of(spec, *sampling),
+        )  # fmt: skip
 
 
 def _pareto(text: str | None) -> tuple[str, ...]:
@@ -256,12 +249,14 @@ def _pareto(text: str | None) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def with_drives(robot: Any, chosen: list[str] | None, top: int = 1) -> tuple[list[tuple[str, Any, Any]], Any]:
+def with_drives(
+    machine: MachineSpec, chosen: list[str] | None, top: int = 1
+) -> tuple[list[tuple[str, RobotSpec, DriveSet]], MachineSizing | None]:
     """The drives that options name by their parts, else the best of the search.
 
     Parameters
     ----------
-    robot
+    machine
         Of :func:`load`.
     chosen
         MOTOR/GEARHEAD or ACTUATOR; of an axis of several AXIS=MOTOR/GEARHEAD.
@@ -271,7 +266,8 @@ def with_drives(robot: Any, chosen: list[str] | None, top: int = 1) -> tuple[lis
     Returns
     -------
     tuple
-        Name, spec and drive of each axis, and the MachineSizing with these drives; None where nothing was searched.
+        Name, spec and drive of each axis, the name of a single one empty, and the MachineSizing with these drives; None
+        where nothing was searched.
 
     Raises
     ------
@@ -280,36 +276,35 @@ def with_drives(robot: Any, chosen: list[str] | None, top: int = 1) -> tuple[lis
     InputError
         When an option names no parts, or no axis.
     """
-    several = hasattr(robot, "axes")
+    several = machine.is_several
     if chosen and not several:
         if len(chosen) > 1:
             raise InputError(f"--set: {quoted(chosen[1])} is a second drive of one axis; expected one")
-        return [("", robot, _named(robot, chosen[0]))], None
+        return [("", machine.axes[0].spec, _named(machine.axes[0].spec, chosen[0]))], None
     wanted = {}
     for text in chosen or ():
         axis, _, parts = text.partition("=")
         if not parts:
-            raise InputError(
-                f"--set: {quoted(text)} names no axis; expected AXIS=MOTOR/GEARHEAD, e.g. lift=118752/406764"
-            )
+            expected = "expected AXIS=MOTOR/GEARHEAD, e.g. lift=118752/406764"
+            raise InputError(f"--set: {quoted(text)} names no axis; {expected}")
         wanted[axis] = parts
-    result = sized(robot, top)
+    result = sized(machine, top)
     for name in wanted:
-        result.machine.axis(name)
-    axes = []
-    for axis in result.axes:
-        one = axis.result
-        if axis.name in wanted and several:
-            one = replace(one, sets=(_named(axis.spec, wanted[axis.name]),))
+        result.axis(name)
+    axes, found = [], []
+    for axis_sizing in result.axes:
+        name, one = axis_sizing.name, axis_sizing.result
+        if name in wanted:
+            one = replace(one, sets=(_named(axis_sizing.spec, wanted[name]),))
         if not one.sets:
             text = "no drive meets all limits; `drivesizer size` shows the closest rejected"
-            raise NothingFitsError(f"{axis.name}: {text}" if several else f"{text}, --set names one to validate")
-        axes.append(replace(axis, result=one))
-    found = [(axis.name if several else "", axis.spec, axis.best) for axis in axes]
+            raise NothingFitsError(f"{name}: {text}" if several else f"{text}, --set names one to validate")
+        axes.append(replace(axis_sizing, result=one))
+        found.append((name if several else "", axis_sizing.spec, one.sets[0]))
     return found, replace(result, axes=tuple(axes))
 
 
-def _named(spec: Any, chosen: str) -> Any:
+def _named(spec: RobotSpec, chosen: str) -> DriveSet:
     """The drive of these parts that passes best, with any belt of the spec."""
     from drivesizer.results.check import GRAVEST
     from drivesizer.sizing import explain
@@ -397,45 +392,7 @@ def working(on: str) -> Iterator[None]:
 # -- The recommended drives of a machine in closed loop, each in its hardest load case, or why they cannot be.
 
 
-def in_loop(
-    spec: Any,
-    one: Any,
-    machine: Any,
-    others: Any = None,
-    *,
-    profile: str | None = None,
-    case: str | None = None,
-    axis: str = "",
-) -> Any:
-    """A drive in closed loop, in its hardest load case unless one is named; one that fails with what helps.
-
-    Parameters
-    ----------
-    spec, one
-        The machine that the drive is in, and the drive.
-    machine, others
-        The machine as it is searched, and its next drives; searched for where none are given.
-    profile, case
-        As of ``drivesizer validate``.
-    axis
-        Name of the axis, of a machine of several.
-
-    Returns
-    -------
-    Validation
-        With the changes that were tried where it fails: each holds in ``size``, too.
-    """
-    from drivesizer.simulate import hardest_case, validate, with_remedies
-    from drivesizer.sizing import size
-
-    proof = validate(spec, one, profile=profile, load_case=case or hardest_case(spec, one))
-    if proof.status != "fail":
-        return proof
-    others = size(machine, top=3).sets if others is None else others
-    return with_remedies(proof, spec, others, profile=profile, axis=axis, sized=_as_sized)
-
-
-def _as_sized(spec: Any, one: Any) -> Any:
+def _as_sized(spec: RobotSpec, one: DriveSet) -> DriveSet:
     """A drive with the checks of ``size`` in a changed spec."""
     from drivesizer.sizing import explain
 
@@ -443,7 +400,7 @@ def _as_sized(spec: Any, one: Any) -> Any:
     return min(same, key=lambda other: other.rank, default=one)
 
 
-def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]]:
+def proven(result: MachineSizing, profile: str | None = None) -> tuple[MachineSizing, dict[str, Validation]]:
     """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load.
 
     Parameters
@@ -464,24 +421,62 @@ def proven(result: Any, profile: str | None = None) -> tuple[Any, dict[str, Any]
     InputError
         As ``validate``, of several axes with the name of the axis.
     """
-    axes, proofs = [], {}
+    axes, proofs, several = [], {}, not result.alone
     for axis in result.axes:
-        one, several = axis.result, not result.alone
+        one = axis.result
         axes.append(axis)
         if not one.sets:
             continue
-        best = one.sets[0]
-        with simulating(f"simulating {axis.name if several else 'the drive'} in closed loop"):
-            try:
-                others = one.sets[1:] or None
-                under = axis.name if several else ""
-                proofs[axis.name] = in_loop(one.spec, best, one.problem.machine, others, profile=profile, axis=under)
-            except NoLoopError as error:
-                reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
-                print_notes((f"{axis.name}: {reason}" if several else str(error),))
-                axes[-1] = replace(axis, result=replace(one, warnings=(*one.warnings, reason)))
-            except InputError as error:
-                if not several:
-                    raise
-                raise InputError(f"{axis.name}: {error}") from None
+        best, name = one.sets[0], axis.name if several else ""
+        try:
+            proofs[axis.name] = in_closed_loop(name, one.spec, best, others=one.sets[1:], profile=profile)
+        except NoLoopError as error:
+            reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
+            print_notes((f"{axis.name}: {reason}" if several else str(error),))
+            axes[-1] = replace(axis, result=replace(one, warnings=(*one.warnings, reason)))
     return replace(result, axes=tuple(axes)), proofs
+
+
+def in_closed_loop(
+    name: str, spec: RobotSpec, drive: DriveSet, *, others: Sequence[DriveSet] = (),
+    profile: str | None = None, case: str | None = None,
+) -> Validation:  # fmt: skip
+    """A drive in closed loop in its hardest load case, with what helps where it fails.
+
+    Parameters
+    ----------
+    name
+        Of the axis; empty of one alone.
+    spec, drive
+        The axis and its drive.
+    others
+        Further drives, which are tried where this one fails; without any the best of the search.
+    profile, case
+        As of ``drivesizer validate``; a case that the axis lacks is passed over.
+
+    Returns
+    -------
+    Validation
+        The simulation.
+
+    Raises
+    ------
+    NoLoopError
+        When it cannot be simulated.
+    InputError
+        As ``validate``, of several axes with the name of the axis.
+    """
+    from drivesizer.load_cases.of_machine import load_cases
+    from drivesizer.simulate import hardest_case, validate, with_remedies
+    from drivesizer.sizing import size
+
+    with simulating(f"simulating {name or 'the drive'} in closed loop"):
+        own = case if case in [one for _, one, _ in load_cases(spec)] else hardest_case(spec, drive)
+        try:
+            proof = validate(spec, drive, profile=profile, load_case=own)
+            more = others or size(spec, top=3).sets if proof.status == "fail" else ()
+            return with_remedies(proof, spec, more, profile=profile, axis=name, sized=_as_sized)
+        except NoLoopError:
+            raise
+        except InputError as error:
+            raise (InputError(f"{name}: {error}") if name else error) from None

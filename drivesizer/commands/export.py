@@ -38,20 +38,20 @@ def export(
 
     robot = common.load(spec, catalogs, axis)
     exports.accept(form, output)
-    bodies, several = exports.FORMATS[form].bodies, hasattr(robot, "axes")
+    bodies, several = exports.FORMATS[form].bodies, robot.is_several
     if wheel is not None and several:
         raise InputError("--wheel: it is of a single axis; expected --axis beside it")
     if wheel is not None:
-        exports.check_wheel(robot, wheel)  # before time is spent
+        exports.check_wheel(robot.axes[0].spec, wheel)  # before time is spent
     ((_, one, found), *_), result = common.with_drives(robot, chosen)
     with common.working("designing the controller"):
-        if several:
+        if several and result:
             of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)
-        elif wheel is None and robot.platform is not None and bodies:
+        elif wheel is None and one.platform is not None and bodies:
             of = exports.platform_alone(exports.platform_export(one, found))
         else:
             of = exports.one_axis(exports.export_of(one, found, wheel))
         written = exports.write(of, form, output)
-    common.print_notes((*of.said, *of.notes))
+    common.print_notes((*of.notes, *of.assumptions))
     for path in written:
         typer.echo(path)

@@ -80,9 +80,9 @@ def predict(
 
 def _answer(found: Prediction, json: bool) -> None:
     if json:
-        from drivesizer.output.json import behaviour, documents
+        from drivesizer.output.json.documents import as_text
 
-        typer.echo(documents.as_text(behaviour.prediction(found)))
+        typer.echo(as_text(found))
         return
     from drivesizer.output.terminal.prediction import predicted
 

@@ -349,9 +349,7 @@ def _written(paths: list[Path]) -> None:
 def schema(
     of: Annotated[
         str,
-        typer.Argument(
-            metavar="WHAT", help="spec, machine, study, catalog, report, machine-report, prediction or export."
-        ),
+        typer.Argument(metavar="WHAT", help="spec, machine, study, catalog, report, prediction or export."),
     ] = "spec",
 ) -> None:
     """Print the JSON Schema of robot.yaml, a machine, a study or a catalogue, or of a JSON document, for programs."""
@@ -359,15 +357,14 @@ def schema(
 
     from drivesizer.catalog.schema import catalog_schema
     from drivesizer.output.export.json_document import export_schema
-    from drivesizer.output.json.behaviour import prediction_schema
-    from drivesizer.output.json.schema import machine_report_schema, report_schema
+    from drivesizer.output.json.schema import prediction_schema, report_schema
     from drivesizer.spec.machine import machine_schema
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.study.plan import StudyFile
 
     made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
     made |= {"study": StudyFile.model_json_schema, "prediction": prediction_schema, "export": export_schema}
-    made |= {"machine": machine_schema, "machine-report": machine_report_schema}
+    made |= {"machine": machine_schema}
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))
@@ -379,13 +376,9 @@ def doctor(json: Json = False) -> None:
 
     found = examined()
     if json:
-        from drivesizer.output.json import documents as json_documents
+        from drivesizer.output.json.documents import as_text
 
-        typer.echo(
-            json_documents.as_text(
-                {"schema_version": json_documents.SCHEMA_VERSION, "findings": [f._asdict() for f in found]}
-            )
-        )
+        typer.echo(as_text({"findings": found}))
     else:
         print_findings(found)
     raise typer.Exit(0 if all(f.works for f in found) else 1)

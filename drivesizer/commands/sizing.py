@@ -82,7 +82,7 @@ def size(
     if json:
         from drivesizer.output.json import documents
 
-        typer.echo(documents.as_text(documents.sizing(one) if one else documents.machine_document(result)))
+        typer.echo(documents.as_text(result))
         raise typer.Exit(int(result.status == "fail"))
     chosen = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != TOP}
     details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
@@ -167,8 +167,10 @@ def explain(
     from drivesizer.sizing import explained, load_parts
 
     robot, found = common.load(spec, catalogs, axis), {}
-    several = hasattr(robot, "axes")
-    axes = {one.name: one.result.problem.machine for one in common.sized(robot, 1).axes} if several else {"": robot}
+    several = robot.is_several
+    axes = {"": robot.axes[0].spec}
+    if several:
+        axes = {one.name: one.result.problem.machine for one in common.sized(robot, 1).axes}
     for name, one in axes.items():  # of several each has the best drives of the others on it
         with common.working(f"examining the drive on {name}" if name else "examining the drive"):
             try:
@@ -179,9 +181,9 @@ def explain(
     if json:
         from drivesizer.output.json import documents
 
-        each = {name: documents.explanation(one) for name, one in found.items()}
-        document = {"schema_version": documents.SCHEMA_VERSION, "axes": each} if several else each[""]
-        typer.echo(documents.as_text(document))
+        names = found if several else [robot.name]
+        each = [{"name": name, **one._asdict()} for name, one in zip(names, found.values(), strict=True)]
+        typer.echo(documents.as_text({"axes": each}))
     elif several:
         terminal.machine_explained(robot.name, found)
     else:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from drivesizer.commands import common
 from drivesizer.commands.common import DEFAULT, Chosen, Json, More, OfAxis, Profile, Spec, file_argument, file_option
 from drivesizer.errors import InputError, NoLoopError, quoted
+
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Validation
+    from drivesizer.results.drive_set import DriveSet
+    from drivesizer.spec.machine_record import MachineSpec
+    from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["drive", "validate"]
 
@@ -44,7 +50,7 @@ def validate(
         if chosen or csv or drawings:
             raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, case, profile, top, json))
-    axes, several = common.with_drives(robot, chosen)[0], hasattr(robot, "axes")
+    axes, several = common.with_drives(robot, chosen)[0], robot.is_several
     proofs = _proofs(axes, case, profile)
     for name, proof in proofs.items():
         if drawings:
@@ -54,9 +60,8 @@ def validate(
         if csv:
             reports.write_series(proof, csv.with_name(f"{csv.stem}_{name}{csv.suffix}") if several else csv)
     if json:
-        each = {name: documents.validation(proof) for name, proof in proofs.items()}
-        document = {"schema_version": documents.SCHEMA_VERSION, "axes": each} if several else each[""]
-        typer.echo(documents.as_text(document))
+        each = [{"name": name or robot.name, "validations": [proof]} for name, proof in proofs.items()]
+        typer.echo(documents.as_text({"axes": each}))
     elif several:
         sizing.machine_proofs(robot.name, proofs)
     else:
@@ -65,63 +70,58 @@ def validate(
     raise typer.Exit(int(any(proof.status == "fail" for proof in proofs.values())))
 
 
-def _proofs(axes: list[tuple[str, Any, Any]], case: str | None, profile: str | None) -> dict[str, Any]:
+def _proofs(
+    axes: list[tuple[str, RobotSpec, DriveSet]], case: str | None, profile: str | None
+) -> dict[str, Validation]:
     """The drive of every axis in closed loop; of several without those that cannot be simulated, with a note."""
     proofs = {}
     for name, spec, found in axes:
-        with common.simulating(f"simulating {name or 'the drive'} in closed loop"):
-            own = case if case in _cases(spec) else None
-            try:
-                proofs[name] = common.in_loop(spec, found, spec, profile=profile, case=own, axis=name)
-            except NoLoopError as error:
-                if not name:
-                    raise
-                common.print_notes((f"{name}: not simulated in {'open' if found.steps else 'closed'} loop: {error}",))
-            except InputError as error:
-                if not name:
-                    raise
-                raise InputError(f"{name}: {error}") from None
+        try:
+            proofs[name] = common.in_closed_loop(name, spec, found, profile=profile, case=case)
+        except NoLoopError as error:
+            if not name:
+                raise
+            common.print_notes((f"{name}: not simulated in {'open' if found.steps else 'closed'} loop: {error}",))
     return proofs
 
 
-def _cases(spec: Any) -> list[str]:
+def _cases(spec: RobotSpec) -> list[str]:
     from drivesizer.load_cases.of_machine import load_cases
 
     return [case for _, case, _ in load_cases(spec)]
 
 
-def _known_case(robot: Any, name: str | None) -> None:
+def _known_case(machine: MachineSpec, name: str | None) -> None:
     """Refuse a name that no load case has; of several axes those that lack it are simulated in their hardest."""
     if name is None:
         return
-    axes = [one.spec for one in robot.axes if not one.is_joint] if hasattr(robot, "axes") else [robot]
-    found = dict.fromkeys(case for spec in axes for case in _cases(spec))
-    if name not in found and not getattr(robot, "robot", None):
+    found = dict.fromkeys(case for one in machine.axes if not one.is_joint for case in _cases(one.spec))
+    if name not in found and not machine.robot:
         raise InputError(f"--case: {quoted(name)} is not known; expected {', '.join(filter(None, found)) or 'none'}")
 
 
-def _all_of(robot: Any, case: str | None, profile: str | None, top: int, json: bool) -> int:
+def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: int, json: bool) -> int:
     """The best drives of the search in closed loop, of every axis those that pass first; the exit status."""
     from drivesizer.output.json import documents
     from drivesizer.output.terminal import sizing as terminal
     from drivesizer.simulate import validate_all
 
-    _, result = common.with_drives(robot, None, top)
-    each, failing, several = {}, False, not result.alone
+    result = common.with_drives(machine, None, top)[1]
+    assert result is not None  # nothing is named
+    each, failing, several = [], False, machine.is_several
     for axis in result.axes:
         with common.simulating("simulating the drives in closed loop"):
             own = case if case in _cases(axis.spec) else None
             proofs, notes = validate_all(axis.result, profile=profile, load_case=own)
         failing |= all(proof.status == "fail" for proof in proofs)
-        each[axis.name] = {"validations": [documents.validation(proof) for proof in proofs]}
+        each.append({"name": axis.name, "validations": proofs})
         if not json:
             if several:
                 typer.echo(f"\n{axis.name}\n")
             terminal.validations(proofs, axis.result.objective)
         common.print_notes(tuple(f"{axis.name}: {note}" if several else note for note in notes))
     if json:
-        found = {"axes": each} if several else each[result.axes[0].name]
-        typer.echo(documents.as_text({"schema_version": documents.SCHEMA_VERSION, **found}))
+        typer.echo(documents.as_text({"axes": each}))
     return int(failing)
 
 
@@ -167,10 +167,10 @@ def drive(
     runs = _followed(found, one, drawings) if follow else {}
     speeds = permitted_speeds(on_path, one) if one else None
     if json:
-        from drivesizer.output.json import behaviour as json_driving
-        from drivesizer.output.json import documents as json_documents
+        from drivesizer.output.json.documents import as_text
+        from drivesizer.output.json.documents import driving as document
 
-        typer.echo(json_documents.as_text(json_driving.driving(found, one, runs, speeds)))
+        typer.echo(as_text(document(found, one, runs, speeds)))
     else:
         from drivesizer.output.terminal import driving as terminal_driving
 
@@ -198,10 +198,11 @@ def _drive_on_path(robot: Any, on_path: Any, chosen: list[str] | None) -> Any:
     """The drive with its checks on the path: named by its parts, or the best for the spec's own motion; or None."""
     from drivesizer.catalog.view.mounted import OWN
     from drivesizer.sizing import explain
+    from drivesizer.spec.machine_record import machine_of
 
     if chosen:
-        return common.with_drives(on_path, chosen)[0][0][2]
-    sets = common.sized(robot, 1).axes[0].result.sets
+        return common.with_drives(machine_of(on_path), chosen)[0][0][2]
+    sets = common.sized(machine_of(robot), 1).axes[0].result.sets
     if not sets or (robot.motion == on_path.motion and robot.platform == on_path.platform):
         return sets[0] if sets else None
     best = sets[0]

@@ -17,10 +17,10 @@ from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.held import EngineMemory, Piece, StoppedError
 from drivesizer.output.derivation import margin
-from drivesizer.output.json import documents
-from drivesizer.output.json.documents import number
+from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting
 from drivesizer.results.check import gravest, worst
+from drivesizer.results.machine import of_one_axis
 from drivesizer.results.sizing import objective_figure
 from drivesizer.sizing import explained, load_parts, size
 from drivesizer.spec.any_spec import is_machine, read_any
@@ -134,7 +134,7 @@ def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterat
     listed = () if several else (*result.sets, *result.unsure, *result.misses)
     yield {"kind": "sections", "sections": sections, "drives": [_named(one) for one in listed]}
     held.go_on()
-    yield {"kind": "figures", "figures": documents.plain_data(figures)}
+    yield {"kind": "figures", "figures": plain(figures)}
     for name, draw in still.items():
         held.go_on()
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}
@@ -167,8 +167,8 @@ def _set(one: Any) -> Piece:
     figures += [("a drive", ", ".join(each))] if each else []
     figures += [("energy per cycle", show(energy, "J", "energy"))] if energy == energy else []
     return {
-        **_named(one), "status": one.status, "mass": number(one.mass), "price": number(one.price),
-        "energy": number(energy), "tight": _tight(worst(one.deciding)), "figures": figures,
+        **_named(one), "status": one.status, "mass": plain(one.mass), "price": plain(one.price),
+        "energy": plain(energy), "tight": _tight(worst(one.deciding)), "figures": figures,
     }  # fmt: skip
 
 
@@ -179,7 +179,7 @@ def _named(one: Any) -> Piece:
 def _tight(check: Any) -> Piece | None:
     if check is None:
         return None
-    return {"title": check.title, "margin": number(check.margin), "said": margin(check.margin), "status": check.status}
+    return {"title": check.title, "margin": plain(check.margin), "said": margin(check.margin), "status": check.status}
 
 
 # -- A figure of the spec over a range: where the best drive changes, and what rejects the one before it.
@@ -211,10 +211,10 @@ def _best(held: EngineMemory, text: str) -> Piece:
     if not one:
         return {"status": "fail", "label": "", "parts": [], "mass": None, "price": None}
     tight = worst(one.deciding)
-    said = {"tight": tight.title, "margin": number(tight.margin)} if tight else {}
+    said = {"tight": tight.title, "margin": plain(tight.margin)} if tight else {}
     return {"status": one.status if result.sets else "fail", "label": one.label,
             "parts": [one.motor.part, one.gearhead.part], **said,
-            "mass": number(one.mass), "price": number(one.price)}  # fmt: skip
+            "mass": plain(one.mass), "price": plain(one.price)}  # fmt: skip
 
 
 def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
@@ -268,8 +268,8 @@ def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
     """
     result = whole(held, text_of(held, request), front=True)
-    made = documents.machine_document(result) if hasattr(result, "axes") else documents.sizing(result)
-    yield _file("drive.json", f"{documents.as_text(made)}\n".encode())
+    sizing = result if hasattr(result, "axes") else of_one_axis(result)
+    yield _file("drive.json", f"{as_text(sizing)}\n".encode())
 
 
 def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:

@@ -26,7 +26,8 @@ from drivesizer.search.ranking import Progress
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import size
 from drivesizer.spec.drive import OBJECTIVES, Ranking
-from drivesizer.spec.machine import MachineSpec, carrying, joint_axis, sizing_order
+from drivesizer.spec.machine import carrying, joint_axis, sizing_order
+from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.units import show

@@ -33,7 +33,7 @@ from drivesizer.physics.power_stage import Feed
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.machine import Exceeded
 from drivesizer.results.problem import LoadCase, Problem
-from drivesizer.spec.machine import MachineSpec
+from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.units import show
 
@@ -75,7 +75,7 @@ def cycle_of(axes: Sequence[Moving], cycle_time: float | None) -> float:
 
 def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> Cycles:
     """Until when each axis waits at rest: for the others, or for the machine's ``cycle_time``."""
-    if not machine.synchronised or not machine.is_several:
+    if not machine.synchronised:
         return {}
     found = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}
 

@@ -18,7 +18,8 @@ from drivesizer.results.check import Check, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.machine import AxisSizing, MachinePower
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.spec.machine import MachineSpec, with_common_bus
+from drivesizer.spec.machine import with_common_bus
+from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["budget_checks", "machine_power", "over_tolerances", "with_choppers"]
@@ -67,10 +68,10 @@ def _supplied_axes(
 ) -> tuple[RobotSpec, Catalog, list[AxisPower]] | None:
     """Sections that axes on the machine's supply share, where its parts are listed, and these axes with their drives.
 
-    None of a single axis, and where one of them has no drive.
+    None where one of them has no drive, or each axis has its own supply.
     """
     on_it = [one for one in axes if not machine.axis(one.name).own_supply]
-    if not machine.is_several or not on_it:
+    if not on_it:
         return None
     found = []
     for one in on_it:
@@ -85,7 +86,7 @@ def _supplied_axes(
 def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower | None) -> tuple[Check, ...]:
     """Mass and price of all axes against the machine's budget."""
     budget, drives = machine.budget, [(one.result.problem, one.best) for one in axes if one.best]
-    if budget is None or not machine.is_several or len(drives) < len(axes):
+    if budget is None or len(drives) < len(axes):
         return ()
     catalog, found = _listing(machine, [problem.catalog for problem, _ in drives]), list[Check]()
     if budget.weighs:
@@ -102,7 +103,7 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
 def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalog]) -> MachineSpec:
     """The machine on a bus that rises to the lowest voltage of the choppers among which its spec leaves the choice."""
     section, on_it = machine.brake_resistor, [one.spec for one in machine.axes if not one.own_supply]
-    if section is None or section.chopper_voltage is not None or not machine.is_several or not on_it:
+    if section is None or section.chopper_voltage is not None or not on_it:
         return machine
     catalog = _listing(machine, [catalog_of(spec) for spec in on_it])
     resistor = with_parts_of_supply(shared_sections(machine, on_it), catalog).brake_resistor

@@ -34,7 +34,7 @@ from drivesizer.search.uncertainty.uncertain_figures import (
     of_a_class,
     of_the_file,
 )
-from drivesizer.spec.machine import MachineSpec
+from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["uncertain_machine", "with_samples"]

@@ -28,7 +28,7 @@ class Band(NamedTuple):
     """A demand at the ends of the band of estimated figures that it rests on."""
 
     low: float  # SI
-    high: float
+    high: float  # SI
     least_margin: float  # NaN where there is none
 
 
@@ -36,10 +36,10 @@ class Band(NamedTuple):
 class Check:
     """One demand against one limit."""
 
-    name: str
+    name: str  # stable
     title: str
-    method: str
-    case: str = ""
+    method: str  # paper, physics, budget or closed loop
+    case: str = ""  # the load case in which it is worst; empty where there is one
     demand: float  # SI; for a required minimum, what is required
     limit: float  # SI; for a required minimum, what there is
     kind: str
@@ -50,7 +50,7 @@ class Check:
     at_time: float | None = None  # s, of the worst moment
     by_choice: bool = False  # the smallest sufficient part was taken: its margin says nothing of the load
     advice: bool = False  # informational: of a part that is not required; no drive fails on it
-    note: str = ""
+    note: str = ""  # what is compared with what
     band: Band | None = None  # where estimated figures change the demand
     probability: float = nan  # that it passes, where it is open
 
@@ -212,8 +212,8 @@ class Reliability:
     unknown: tuple[str, ...]  # titles of checks that no sample decides
     weakest: str  # title of the check that fails most often, else of the tightest one
     low: float  # smallest margin that 95 % of samples exceed
-    middle: float
-    high: float
+    middle: float  # the median of it
+    high: float  # that 5 % exceed
     checks: tuple[Spread, ...]
     figures: tuple[FigureSpread, ...] = ()  # of drives that are shown
     drivers: tuple[Driver, ...] = ()  # all of them, the one that matters most first

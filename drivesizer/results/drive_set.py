@@ -315,9 +315,9 @@ class DriveParts:
     gearhead: Gearhead
     encoder: Encoder | None
     controller: Controller | None
-    belt_ratio: float
+    belt_ratio: float  # 1 without a belt
     belt_efficiency: float
-    total_ratio: float
+    total_ratio: float  # motor turns per turn of the load's shaft
     actuator: Actuator | None = None  # that motor and gearhead are inside of
     brake: Brake | None = None  # a holding brake, where there is one
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
@@ -436,12 +436,12 @@ class DriveParts:
 class DriveSet(DriveParts):
     """The parts of a drive with its checks and figures."""
 
-    rank: int
-    status: Status
-    mass: float
+    rank: int  # from 1
+    status: Status  # by the method that ranked
+    mass: float  # kg, of the parts that ``mass_of`` names
     mass_of: tuple[str, ...]
-    objective: float
-    objective_of: tuple[str, ...]
+    objective: float  # SI; of several objectives the weighted sum of shares
+    objective_of: tuple[str, ...]  # whose figures are summed
     requirements: tuple[Requirement, ...]  # (17)-(20) for this drive
     checks: tuple[Check, ...]  # of the method that ranked
     figures: tuple[Figure, ...]  # what it does that has no limit of its own

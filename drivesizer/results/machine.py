@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import fsum, isnan, nan
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,8 @@ from drivesizer.results.check import Check, Figure, Reliability, Status, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import RobotSpec
-
-if TYPE_CHECKING:
-    from drivesizer.spec.machine import MachineSpec
 
 __all__ = [
     "SUMMED", "AxisSizing", "CarriedMass", "Course", "Exceeded", "MachinePower", "MachineSizing", "objective_sum",
@@ -37,7 +35,7 @@ class Exceeded(NamedTuple):
     check: str  # name of the check that has this limit
     limit: float  # W out of the source
     least: float  # share of the time, 1; both are the same but for the width of the pieces
-    most: float
+    most: float  # the same
 
 
 class Course(NamedTuple):
@@ -147,7 +145,7 @@ class AxisSizing:
 class MachineSizing:
     """A machine: its axes in the order of the file, and the machine's own checks."""
 
-    machine: MachineSpec  # of one axis the spec itself, which has name and file too
+    machine: MachineSpec
     axes: tuple[AxisSizing, ...]
     objective: str
     searches: int  # sizings of single axes that were made
@@ -159,7 +157,7 @@ class MachineSizing:
     @property
     def alone(self) -> SizingResult | None:
         """The sizing of the axis of a machine that has no other; None of several."""
-        return None if hasattr(self.machine, "axes") else self.axes[0].result
+        return None if self.machine.is_several else self.axes[0].result
 
     @property
     def status(self) -> Status:
@@ -195,5 +193,6 @@ class MachineSizing:
 def of_one_axis(result: SizingResult) -> MachineSizing:
     """A machine of one axis."""
     axis = AxisSizing(name=result.spec.name, result=result, carried=())
-    machine = cast("MachineSpec", result.spec)
-    return MachineSizing(machine=machine, axes=(axis,), objective=result.objective, searches=1, certain=False, notes=())
+    return MachineSizing(
+        machine=machine_of(result.spec), axes=(axis,), objective=result.objective, searches=1, certain=False, notes=()
+    )

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from drivesizer.files.yaml_source import YamlSource, read
+from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import RobotSpec, read_spec
-
-if TYPE_CHECKING:
-    from drivesizer.spec.machine import MachineSpec
 
 __all__ = ["is_machine", "load_any", "read_any"]
 
@@ -19,13 +16,14 @@ def is_machine(source: YamlSource) -> bool:
     return isinstance(source.data, dict) and ("axes" in source.data or "robot" in source.data)
 
 
-def load_any(path: str | Path) -> RobotSpec | MachineSpec:
-    """The spec of one axis or of a machine, as the file has one or the other."""
-    return read_any(read(Path(path)))
+def load_any(path: str | Path) -> MachineSpec:
+    """The machine of a file; a plain spec is one of a single axis."""
+    found = read_any(read(Path(path)))
+    return machine_of(found) if isinstance(found, RobotSpec) else found
 
 
 def read_any(source: YamlSource) -> RobotSpec | MachineSpec:
-    """The spec of one axis or of a machine from YAML source; see :func:`load_any`."""
+    """The spec of one axis or of a machine from YAML source, as it has one or the other."""
     if not is_machine(source):
         return read_spec(source)
     from drivesizer.spec.machine import read_machine

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import reduce
 from graphlib import CycleError, TopologicalSorter
 from math import fsum
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 
@@ -21,6 +21,7 @@ from drivesizer.loads.kinds import Load
 from drivesizer.loads.rotary_table import RotaryTable
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
+from drivesizer.spec.machine_record import AxisSpec, Carried, MachineSpec
 from drivesizer.spec.messages import explained
 from drivesizer.spec.motions import Cam, Harmonic
 from drivesizer.spec.platform import Budget
@@ -30,104 +31,9 @@ from drivesizer.spec.sections import Environment, Margins, Mission, Supply, Titl
 from drivesizer.spec.tolerances import split_tolerances
 
 __all__ = [
-    "WHOLE", "AxisFields", "AxisSpec", "MachineFields", "MachineSpec", "carrying", "joint_axis", "load_machine",
-    "machine_schema", "read_machine", "sizing_order", "with_common_bus",
+    "WHOLE", "AxisFields", "MachineFields", "carrying", "joint_axis", "load_machine", "machine_schema", "read_machine",
+    "sizing_order", "with_common_bus",
 ]  # fmt: skip
-
-
-# -- A machine of several axes as data: named axes on one supply, each of them a spec of its own.
-
-
-class Carried(NamedTuple):
-    """An axis whose drives ride on another one."""
-
-    name: str
-    distance: float | None  # m, from the carrying axis; None along a line
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AxisSpec:
-    """An axis of a machine."""
-
-    name: str
-    spec: RobotSpec  # it alone, all shared sections in it
-    carries: tuple[Carried, ...]
-    start: float  # s, of its motion in the machine's cycle
-    repeats: bool | None  # its motion, at once; None: where it is not at rest at both ends of it
-    own_supply: bool  # whether it is not on the machine's
-    is_joint: bool  # of the robot, whose description gives its load
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MachineSpec:
-    """A machine.yaml: named axes, and what they share."""
-
-    name: str
-    axes: tuple[AxisSpec, ...]  # in the order of the file
-    order: tuple[str, ...]  # names, carried axes before those that carry them
-    synchronised: bool
-    cycle_time: float | None  # s
-    whole: bool  # whether carried drives are chosen for the best sum
-    few_kinds: float | None  # share of that sum that common drives may cost more; None: none are preferred
-    supply: Supply
-    environment: Environment
-    margins: Margins
-    mission: Mission | None
-    battery: Battery | None
-    equipment: tuple[Consumer, ...]
-    budget: Budget | None
-    brake_resistor: BrakeResistor | None
-    report: TitleBlock
-    robot: RobotSection | None  # whose joints are axes as well
-    source: YamlSource
-    changes: tuple[Callable[[RobotSpec], RobotSpec], ...] = ()  # that joints have yet to undergo
-
-    def axis(self, name: str) -> AxisSpec:
-        """The axis of a name."""
-        found = next((axis for axis in self.axes if axis.name == name), None)
-        if found is None:
-            names = [axis.name for axis in self.axes]
-            listed = f"{', '.join(names)}{nearest(name, names)}"
-            raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
-        return found
-
-    def carried(self, name: str) -> dict[str, float | None]:
-        """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one."""
-        direct = {one.name: one.distance for one in self.axis(name).carries}
-        found = dict(direct)
-        for other, distance in direct.items():
-            for further, beyond in self.carried(other).items():
-                found.setdefault(further, None if distance is None else distance + (beyond or 0.0))
-        return found
-
-    def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> MachineSpec:
-        """The machine with the same change in the specs of all its axes."""
-        axes = tuple(replace(axis, spec=axis.spec.changed(change)) for axis in self.axes)
-        return replace(self, axes=axes, changes=(*self.changes, change))
-
-    @property
-    def is_several(self) -> bool:
-        """Whether there is more than one axis, or a robot with joints."""
-        return len(self.axes) > 1 or self.robot is not None
-
-    @property
-    def file(self) -> str:
-        """Name of the file."""
-        return self.source.name
-
-    @property
-    def entered(self) -> dict[str, Any]:
-        """The machine as the user wrote it."""
-        return dict(self.source.data)
-
-    @property
-    def text(self) -> str:
-        """The file as the user wrote it."""
-        return self.source.text
-
-    def where(self, path: Path_) -> str:
-        """File, line and name of a field, for a message."""
-        return self.source.where(path)
 
 
 # -- Loads with the drives of other axes on them.

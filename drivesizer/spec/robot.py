@@ -43,6 +43,11 @@ class OfFile(fields.Section):
     _source: YamlSource | None = PrivateAttr(default=None)
 
     @property
+    def source(self) -> YamlSource:
+        """The file that it was read from; an empty one where there is none."""
+        return self._source or YamlSource("{}", "")
+
+    @property
     def entered(self) -> dict[str, Any]:
         """The spec as the user wrote it."""
         return dict(self._source.data) if self._source else {}

@@ -132,25 +132,19 @@ def _checks(document: Any) -> Iterator[dict[str, Any]]:
 
 def _of_schema(one: Ended) -> Iterator[Find]:
     document = json.loads(one.out)
-    if one.words[0] == "size" and "axes" not in document:  # a report has the same and these two
-        document |= {"parts_list": [], "validation": None}
-    of = "machine" if one.words[0] == "size" and "axes" in document else one.words[0]
-    if of in _SCHEMAS:
-        error = next(_validator(of).iter_errors(document), None)
-        if error is not None:
-            place = ".".join(str(step) for step in error.absolute_path if isinstance(step, str))
-            yield Find(f"{of} --json is not of its schema at {place}", error.message[:300])
+    error = next(_validator(one.words[0]).iter_errors(document), None)
+    if error is not None:
+        place = ".".join(str(step) for step in error.absolute_path if isinstance(step, str))
+        yield Find(f"{one.words[0]} --json is not of its schema at {place}", error.message[:300])
 
 
-_SCHEMAS = {"size", "machine", "predict"}
+_SCHEMAS = {"size", "predict"}
 
 
 @cache
 def _validator(of: str) -> Any:
     import jsonschema
 
-    from drivesizer.output.json.behaviour import prediction_schema
-    from drivesizer.output.json.schema import machine_report_schema, report_schema
+    from drivesizer.output.json.schema import prediction_schema, report_schema
 
-    made = {"size": report_schema, "machine": machine_report_schema, "predict": prediction_schema}
-    return jsonschema.Draft202012Validator(made[of]())
+    return jsonschema.Draft202012Validator(report_schema() if of == "size" else prediction_schema())

@@ -394,7 +394,7 @@ def test_the_formula_comes_back_as_it_was(run, small):
 def test_export_to_json(run, small):
     assert run("export", "--catalog", small, "-o", "parts.json")[0] == 0
     document = json.loads(Path("parts.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
-    assert document["schema_version"] == 1
+    assert document["schema"] == 2
     assert list(document["catalogs"]) == ["small"]
     assert [part["part"] for part in document["parts"]] == ["M1", "M2", "007", "M4", "G27", "G5", "E500", "C50", "C24"]
     assert document["parts"][4]["ratio"] == pytest.approx(3249 / 121)

@@ -101,7 +101,7 @@ def test_the_command(folder, drive):
     assert status == 0 and "wheel" in out and "9 m in" in out and "Friction needed" in out
     status, out, _ = drive("robot.yaml", "track.csv", "--csv", "over.csv", "--json")
     document = json.loads(out)
-    assert status in (0, 1) and document["length_m"] == pytest.approx(2.0)
+    assert status in (0, 1) and document["length"] == pytest.approx(2.0)
     assert [w["number"] for w in document["wheels"]] == [1, 2, 3, 4]
     rows = list(csv.reader(io.StringIO((folder / "over.csv").read_text())))
     assert rows[0][:4] == ["time (s)", "x (m)", "y (m)", "heading (deg)"]

@@ -49,26 +49,25 @@ def test_size_prints_every_axis_and_one_parts_list_within_80_columns(leg: Path) 
 def test_json_has_the_document_of_every_axis(leg: Path) -> None:
     status, text = called("size", leg, "--json", "--top", 1)
     document = json.loads(text)
-    assert status == 0 and list(document["axes"]) == ["hip", "knee"] and document["status"] == "pass"
-    one = json.loads(called("size", leg, "--axis", "knee", "--json", "--top", 1)[1])
-    assert document["axes"]["knee"]["sizing"]["sets"][0]["motor"] == one["sets"][0]["motor"]
-    assert document["axes"]["knee"]["sizing"]["sets"][0]["checks"] == one["sets"][0]["checks"]
+    assert status == 0 and [axis["name"] for axis in document["axes"]] == ["hip", "knee"]
+    (one,) = json.loads(called("size", leg, "--axis", "knee", "--json", "--top", 1)[1])["axes"]
+    assert document["status"] == "pass" and document["axes"][1]["result"]["sets"] == one["result"]["sets"]
 
 
 def test_the_closed_loop_of_one_axis_is_that_of_all(leg: Path) -> None:
-    together = json.loads(called("validate", leg, "--json")[1])["axes"]
-    alone = json.loads(called("validate", leg, "--axis", "hip", "--json")[1])
-    assert set(together) == {"hip", "knee"} and together["hip"]["checks"] == alone["checks"]
+    hip, knee = json.loads(called("validate", leg, "--json")[1])["axes"]
+    assert (hip["name"], knee["name"]) == ("hip", "knee")
+    assert json.loads(called("validate", leg, "--axis", "hip", "--json")[1])["axes"] == [hip]
 
 
 def test_a_drive_is_explained_on_every_axis_as_on_each_alone(leg: Path) -> None:
     pair = ("--motor", "118752", "--gearhead", "406764")
     status, text = called("explain", leg, *pair)
-    together = json.loads(called("explain", leg, *pair, "--json")[1])["axes"]
+    together = {axis["name"]: axis for axis in json.loads(called("explain", leg, *pair, "--json")[1])["axes"]}
     assert list(together) == ["hip", "knee"] and max(map(len, text.splitlines())) <= 80
     for axis, found in together.items():
         alone_status, alone = called("explain", leg, "--axis", axis, *pair, "--json")
-        assert found["sets"] == json.loads(alone)["sets"]
+        assert [found] == json.loads(alone)["axes"]
         assert (found["sets"][0]["status"] == "fail") == bool(alone_status)
         (row,) = (line for line in text.splitlines() if line.startswith(axis))
         assert ("FAIL" in row) == bool(alone_status)
@@ -110,14 +109,17 @@ def test_options_of_one_axis_hold_for_several(leg: Path, tmp_path: Path) -> None
     """Front, other method and derivation, named drives, all drives in closed loop, series and figures of each."""
     status, text = called("size", leg, "--pareto", "mass,price", "--checks", "--derivation")
     assert status == 0 and all(text.count(word) >= 2 for word in ("Pareto front", "hip", "knee"))
-    front = json.loads(called("size", leg, "--json", "--pareto", "mass,price")[1])["axes"]["knee"]["sizing"]["pareto"]
-    assert {"mass", "price"} <= {*front["objectives"]} and front["sets"]
+    knee = json.loads(called("size", leg, "--json", "--pareto", "mass,price")[1])["axes"][1]["result"]
+    assert {"mass", "price"} <= {*knee["pareto"]} and knee["front"]
     every = json.loads(called("validate", leg, "--all", "--top", 2, "--json")[1])["axes"]
-    assert [len(every[axis]["validations"]) for axis in ("hip", "knee")] == [2, 2]
-    other = every["knee"]["validations"][1]["set"]
+    assert [(axis["name"], len(axis["validations"])) for axis in every] == [("hip", 2), ("knee", 2)]
+    other = every[1]["validations"][1]["drive_set"]
     named = f"knee={other['motor']['part']}/{other['gearhead']['part']}"
     words = "--set", named, "--json", "--csv", tmp_path / "loop.csv", "--figures", tmp_path / "figures"
     text = called("validate", leg, *words)[1]
-    assert json.loads(text[text.index("{") :])["axes"]["knee"]["set"]["motor"]["part"] == other["motor"]["part"]
+    assert (
+        json.loads(text[text.index("{") :])["axes"][1]["validations"][0]["drive_set"]["motor"]["part"]
+        == other["motor"]["part"]
+    )
     assert sorted(path.name for path in tmp_path.glob("*.csv")) == ["loop_hip.csv", "loop_knee.csv"]
     assert all(list((tmp_path / f"figures_{axis}").iterdir()) for axis in ("hip", "knee"))

@@ -30,8 +30,8 @@ def test_json_is_of_the_printed_schema(words, run, printed_schema):
     document = json.loads(out)
     jsonschema.validate(document, printed_schema)
     assert (status, err) == (0, "".join(f"note: {text}\n" for text in document["warnings"]) * 0)
-    for one in document["figures"].values():
-        assert (one["value"] is None) <= (bool(one["missing"]) or one["never"] is not None)
+    for one in document["figures"]:
+        assert (one["band"]["nominal"] is None) <= (bool(one["missing"]) or one["never"] is not None)
 
 
 def test_text_names_conditions_bands_and_what_is_missing(run):

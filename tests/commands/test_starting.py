@@ -10,7 +10,6 @@ from drivesizer.cli import app
 from drivesizer.commands import setup, sizing
 from drivesizer.commands import setup as starting
 from drivesizer.spec.any_spec import load_any
-from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import load_spec
 
 
@@ -84,8 +83,9 @@ def test_every_kind_has_a_line_in_the_list(told):
 @pytest.mark.parametrize("name", sorted(starting.examples()))
 def test_an_example_comes_with_the_files_that_it_names(name, told):
     assert told("init", "--example", name).exit_code == 0
-    spec = load_any("robot.yaml")
-    trajectory = spec.robot.description if isinstance(spec, MachineSpec) else getattr(spec.motion, "trajectory", None)
+    machine = load_any("robot.yaml")
+    motion = machine.axes[0].spec.motion if machine.axes else None
+    trajectory = machine.robot.description if machine.robot else getattr(motion, "trajectory", None)
     assert trajectory is None or Path(trajectory).name in {path.name for path in Path().glob("*.*")}
     again = told("init", "--example", name, "-o", "other.yaml") if trajectory else told("init", "--example", name)
     assert "exists" in str(again.exception) and not Path("other.yaml").exists()

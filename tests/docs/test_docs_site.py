@@ -7,25 +7,21 @@ from __future__ import annotations
 
 import doctest
 import html
-import json
 import math
 import os
 import re
 
 import pytest
-from docs_pages import ROOT, Loads, blocks, held_against_the_page, page, rows
+from docs_pages import ROOT, Loads, blocks, page, rows
 
 from drivesizer import size, validate
 from drivesizer.equations import nominal_speed
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output import derivation
-from drivesizer.output.json import documents as json_documents
-from drivesizer.output.json import documents as json_file
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.platform import robot_figures
 from drivesizer.platform.matrix_equation import PLATFORM
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.sizing import explain
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
@@ -226,49 +222,6 @@ def test_every_field_of_a_spec_is_on_a_page(site):
     for name, model in models.items():
         lacking = set(model["properties"]) - shown - {"kind", "profile"}
         assert not lacking, f"{name}: {lacking}"
-
-
-RECORDS = {  # heading: where such a record is in a document
-    "Sizing": lambda sizing, proof: [sizing],
-    "Set": lambda sizing, proof: [*sizing["sets"], *sizing["misses"], proof["set"]],
-    "Requirement": lambda sizing, proof: [
-        requirement for part in (sizing, sizing["sets"][0]) for requirement in part["requirements"].values()
-    ],
-    "Check": lambda sizing, proof: [*sizing["sets"][0]["checks"], *proof["checks"]],
-    "Figure": lambda sizing, proof: [*proof["figures"].values(), *proof["set"]["figures"].values()],
-    "Change": lambda sizing, proof: sizing["explained"]["changes"],
-    "Validation": lambda sizing, proof: [proof],
-    "Loop": lambda sizing, proof: proof["loops"],
-}
-
-
-@pytest.fixture(scope="module")
-def documents(spec, catalog, proofs):
-    """Of a sizing with misses and changes, and of a closed loop."""
-    result = size(spec, catalog=catalog)
-    document = json.loads(json_documents.as_text(json_documents.sizing(result)))
-    fallen = spec.model_copy(update={"method": "physics"})
-    heavy = fallen.model_copy(update={"load": fallen.load.model_copy(update={"mass": 300.0})})
-    found = explain(heavy, "118752", "406764", catalog=catalog)[0]
-    document["explained"] = json.loads(json_documents.as_text(json_documents.drive_set(found)))
-    assert document["misses"] and document["explained"]["changes"]
-    return document, json.loads(json_documents.as_text(json_documents.validation(proofs[1])))
-
-
-def test_the_table_of_the_parts_list_is_the_document(result):
-    held_against_the_page("Line", json_file.document(result, None)["parts_list"])
-
-
-def test_the_tables_of_a_prediction_are_the_document(run):
-    set_ = ("DCX22S01EBKL598", "--gearhead", "GPX22HPKLSL44D0CPLW", "--catalog", "maxon", "--json")
-    document = json.loads(run("predict", *set_)[1])
-    held_against_the_page("Prediction", [document])
-    held_against_the_page("Predicted figure", document["figures"].values())
-
-
-@pytest.mark.parametrize("heading", RECORDS)
-def test_the_tables_of_the_json_page_are_the_documents(documents, heading):
-    held_against_the_page(heading, RECORDS[heading](*documents))
 
 
 # --- the paper, command by command

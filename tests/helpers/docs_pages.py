@@ -15,7 +15,7 @@ sys.path[:0] = [str(DOCS), str(DOCS / "hooks"), str(DOCS / "generated")]
 
 from blocks import blocks  # noqa: E402
 
-__all__ = ["DOCS", "ROOT", "Loads", "bare", "blocks", "held_against_the_page", "page", "rows", "signs"]
+__all__ = ["DOCS", "ROOT", "Loads", "bare", "blocks", "page", "rows", "signs"]
 
 TYPES = {"string": str, "integer": int, "number": (int, float), "boolean": bool, "array": list, "object": dict}
 
@@ -59,18 +59,3 @@ def bare(text):
     plain = unicodedata.normalize("NFD", plain)
     accents = str.maketrans({"˙": "\u0307", "¨": "\u0308", "¯": "\u0304", "ᵀ": "T", "⁺": "+"} | dict.fromkeys("[];,"))
     return signs(plain.translate(accents)).translate(accents)
-
-
-def held_against_the_page(heading, found):
-    """A table has the keys of all records, and their types."""
-    told = {row[0].strip("`"): row[1] for row in rows(page("json"), f"## {heading}")}
-    assert found
-    for record in found:
-        assert set(record) - {"explained"} == set(told), heading
-        for key, said in told.items():
-            kinds = [kind for kind in said.split(" or ") if kind != "null"]
-            value = record[key]
-            fits = any(
-                isinstance(value, TYPES[kind]) and isinstance(value, bool) == (kind == "boolean") for kind in kinds
-            )
-            assert fits or (value is None and "null" in said), f"{heading}.{key}: {value!r}"

@@ -19,7 +19,7 @@ from drivesizer.errors import InputError
 from drivesizer.live.engine import done
 from drivesizer.live.held import EngineMemory, StoppedError
 from drivesizer.output.derivation import margin
-from drivesizer.output.json import documents
+from drivesizer.output.json.documents import as_text
 from drivesizer.output.report import write
 from drivesizer.results.machine import of_one_axis
 from drivesizer.sizing import explain, size
@@ -76,11 +76,11 @@ def test_random_states_answer_what_the_command_line_does(seed: int, tmp_path: Pa
     path = tmp_path / "robot.yaml"
     path.write_text(spec["text"], encoding="utf-8")
     result = size(load_spec(path), top=10, pareto=FRONT)
-    found = documents.as_text(documents.sizing(result))
+    found = as_text(of_one_axis(result))
     assert document(SPEC, sent) == f"{found}\n"
-    listed = json.loads(found)["sets" if result.sets else "closest_rejected"]
+    listed = json.loads(found)["axes"][0]["result"]["sets" if result.sets else "misses"]
     assert [one["motor"] for one in ranked["sets"]] == [(one["actuator"] or one["motor"])["part"] for one in listed]
-    assert [one["mass"] for one in ranked["sets"]] == [one["mass_kg"] for one in listed]
+    assert [one["mass"] for one in ranked["sets"]] == [one["mass"] for one in listed]
     assert (ranked["considered"], ranked["feasible"]) == (result.counts.considered, result.counts.feasible)
 
 

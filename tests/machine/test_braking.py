@@ -15,7 +15,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.output.json.documents import drive_set as document
+from drivesizer.output.json.documents import plain as document
 from drivesizer.output.parts import machine_parts, totals
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.sizing import explain, load_parts

@@ -122,9 +122,9 @@ def test_every_output_prints_them(result, capsys):
     whole = best.pieces[-1]
     (peak,) = (check for check in best.beside if check.name == "controller_peak_current")
     assert whole.current == pytest.approx(peak.demand)
-    listed = documents.sizing(result)["sets"][0]["pieces"]
+    listed = documents.plain(result)["sets"][0]["pieces"]
     assert [one["name"] for one in listed] == [one.name for one in best.pieces]
-    assert listed[-1]["rms_torque_Nm"] == pytest.approx(whole.rms_torque)
+    assert listed[-1]["rms_torque"] == pytest.approx(whole.rms_torque)
     sizing(result, details=frozenset({"checks"}))
     printed = capsys.readouterr().out
     assert "The motor piece by piece" in printed

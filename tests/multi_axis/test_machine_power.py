@@ -14,8 +14,8 @@ from drivesizer.errors import InputError
 from drivesizer.multi_axis.common_supply import shared_sections
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import laden, size_machine
-from drivesizer.output.json.documents import as_text, machine_document
-from drivesizer.output.json.schema import machine_report_schema
+from drivesizer.output.json.documents import as_text
+from drivesizer.output.json.schema import report_schema
 from drivesizer.output.parts import machine_parts_of_axes
 from drivesizer.output.terminal.sizing import machine_sizing
 from drivesizer.results.check import tightest
@@ -66,15 +66,15 @@ def test_a_machine_is_judged_on_its_supply(sizing):
 
 
 def test_its_document_obeys_the_schema_and_has_its_course(sizing):
-    document = json.loads(as_text(machine_document(sizing)))
-    validator = jsonschema.Draft202012Validator(machine_report_schema())
-    validator.check_schema(machine_report_schema())
+    document = json.loads(as_text(sizing))
+    validator = jsonschema.Draft202012Validator(report_schema())
+    validator.check_schema(report_schema())
     validator.validate(document)
-    for key, wrong in (("axes", {"x": {}}), ("total", "1 kg"), ("status", "good"), ("further", 1)):
+    for key, wrong in (("axes", [{}]), ("total", "1 kg"), ("status", "good"), ("further", 1)):
         assert not validator.is_valid({**document, key: wrong})
     power, course = sizing.power, document["power"]["course"]
-    lasting = np.diff(course["time_s"])
-    assert course["total_W"] @ lasting == pytest.approx(power.total @ np.diff(power.time))
+    lasting = np.diff(course["time"])
+    assert course["total"] @ lasting == pytest.approx(power.total @ np.diff(power.time))
     short = power.course(50)
     assert len(short.total) <= 50 and short.time[-1] == power.time[-1]
     assert short.drawn @ np.diff(short.time) == pytest.approx(power.drawn @ np.diff(power.time))

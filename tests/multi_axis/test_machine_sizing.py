@@ -14,13 +14,15 @@ from small_arms import arm, catalogue, least_of_all, two_joints
 from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.sizing import laden, size_machine
-from drivesizer.results.machine import MachineSizing
+from drivesizer.multi_axis.sizing import alone, size_machine
+from drivesizer.output.json.documents import as_text, report
+from drivesizer.results.machine import MachineSizing, of_one_axis
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
 from drivesizer.sizing import explain, load_parts, size
-from drivesizer.spec.machine import MachineSpec, load_machine
+from drivesizer.spec.machine import load_machine
+from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import load_spec
 from drivesizer.units import show
 
@@ -69,18 +71,27 @@ def test_the_carrier_is_sized_with_the_mass_of_the_carried_drives(gantry: Machin
     heavier["supply"] = {**heavier["supply"], "accepts": "all"}
     spec, best = load_spec(heavier), bridge.best
     assert best.objective == size(spec, top=1).sets[0].objective  # several weigh the same
-    (alone,) = explain(spec, best.motor.part, best.gearhead.part)
-    for one, other in zip(best.checks, alone.checks, strict=True):
+    (by_itself,) = explain(spec, best.motor.part, best.gearhead.part)
+    for one, other in zip(best.checks, by_itself.checks, strict=True):
         assert one.name.removeprefix("common_") == other.name
         assert one.demand == pytest.approx(other.demand, rel=1e-12, nan_ok=True)
-    assert laden(gantry.machine, "bridge").load.mass == pytest.approx(12.0 + riding.mass, rel=1e-15)
+    assert alone(gantry.machine, "bridge").axes[0].spec.load.mass == pytest.approx(12.0 + riding.mass, rel=1e-15)
+
+
+def test_a_machine_of_one_axis_is_that_spec() -> None:
+    shared = {name: value for name, value in GANTRY.items() if name != "axes"}
+    sections = GANTRY["axes"]["lift"]
+    machine, spec = load_machine({**shared, "axes": {"lift": sections}}), load_spec({**shared, **sections})
+    one, other = (size_machine(of, top=1) for of in (machine, machine_of(spec)))
+    assert as_text(one) == as_text(other) == as_text(of_one_axis(size(spec, top=1)))
+    assert as_text(report(one, {})) == as_text(report(other, {}))
 
 
 def test_an_axis_alone_has_the_drive_that_is_the_best_for_all(tmp_path: Path) -> None:
     found = size_machine(arm(Random(31), tmp_path, "price"), top=1)  # a dearer and lighter drive is worth its price
     moved = next(axis for axis in found.axes if axis.for_all)
-    alone = size(laden(found.machine, moved.name), top=1).sets[0]
-    assert alone.label == moved.best.label and repr(alone.checks) == repr(moved.best.checks)
+    best = size_machine(alone(found.machine, moved.name), top=1).axes[0].best
+    assert best.label == moved.best.label and repr(best.checks) == repr(moved.best.checks)
 
 
 def test_distances_of_what_rides_add_along_the_chain() -> None:

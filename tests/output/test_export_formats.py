@@ -110,8 +110,8 @@ def test_what_is_unknown_stays_unknown(spec, found):
         gearhead={"continuous_torque": nan},
     )  # fmt: skip
     assert math.isnan(export_of(spec, lasting).limits.continuous_torque.value)
-    told = document(export_of(spec, lasting))["limits_at_shaft"]["continuous_torque"]
-    assert (told["value"], told["by"], len(told["unknown"])) == (None, None, 3)
+    told = document(export_of(spec, lasting))["limits"]["continuous_torque"]
+    assert (told["value"], told["by"], len(told["unknown"])) == (None, "", 3)
 
 
 # --- what is reflected to the shaft
@@ -285,8 +285,8 @@ def test_the_document_obeys_its_schema(export, spec, found):
     ):
         made = json.loads(rendered(one, "json"))
         jsonschema.Draft202012Validator(export_schema()).validate(made)
-    assert made["controller_limits"]["peak_current"]["value"] is None
-    made["drive"].pop("ratio")
+    assert made["axes"][0]["peak_current"] is None
+    made["axes"][0]["train"].pop("gear_ratio")
     assert not jsonschema.Draft202012Validator(export_schema()).is_valid(made)
 
 
@@ -298,7 +298,7 @@ def test_the_document_obeys_its_schema(export, spec, found):
 )
 def test_no_name_is_markup(name, export):
     """A user's name, whatever it is: well-formed XML with nothing in it that was not there, and YAML that is read."""
-    odd = replace(export, name=name, label=f"{name}{name}", said=(name,))
+    odd = replace(export, name=name, label=f"{name}{name}", assumptions=(name,))
     for form in ("mjcf", "urdf", "sdf", "ros2_control"):
         plain, made = ET.fromstring(rendered(export, form)), ET.fromstring(rendered(odd, form))
         assert [e.tag for e in made.iter()] == [e.tag for e in plain.iter()]

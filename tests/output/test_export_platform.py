@@ -406,7 +406,7 @@ def test_one_wheel_has_its_own_motion(mecanum):
     for number, one in enumerate(own, 1):
         top = np.abs(of.kinematics.E[number - 1] @ of.eta).max()
         assert np.abs(one.cycle.speed).max() == pytest.approx(top, rel=1e-6)
-        assert any(f"those of wheel {number}" in line or f"{number} and" in line for line in one.said)
+        assert any(f"those of wheel {number}" in line or f"{number} and" in line for line in one.assumptions)
     assert np.abs(own[0].cycle.speed).max() != pytest.approx(np.abs(own[1].cycle.speed).max(), rel=0.1)
     with pytest.raises(InputError, match="--wheel: 5 is no driven wheel; expected one of 1, 2, 3, 4"):
         export_of(spec, found, 5)

@@ -12,7 +12,6 @@ import jsonschema
 import numpy as np
 import openpyxl
 import pytest
-from docs_pages import held_against_the_page
 from printed import blank_figures, text_of
 from two_axes import STEPPER, two_axes
 from typer.testing import CliRunner
@@ -22,8 +21,8 @@ from drivesizer.commands.common import proven
 from drivesizer.errors import InputError
 from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.paper import paper_data
-from drivesizer.output.json.documents import as_text, machine_document
-from drivesizer.output.json.schema import machine_report_schema
+from drivesizer.output.json.documents import as_text
+from drivesizer.output.json.schema import report_schema
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -42,7 +41,8 @@ def machine(tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.fixture(scope="module")
 def validated(machine: Any) -> dict[str, dict[str, Any]]:
     """What `drivesizer validate --json` prints of each axis."""
-    return json.loads(called("validate", machine.file, "--json"))["axes"]
+    axes = json.loads(called("validate", machine.file, "--json"))["axes"]
+    return {axis["name"]: axis["validations"][0] for axis in axes}
 
 
 @pytest.fixture(scope="module")
@@ -67,14 +67,13 @@ def content(machine: Any) -> MachineContent:
 
 def test_the_report_has_what_validate_prints(files, validated):
     axes = json.loads(files["a.json"])["axes"]
-    assert [*axes] == [*validated] == ["x", "table"]
-    for name, one in axes.items():
-        series = one["validation"].pop("series")
-        assert one["validation"] == validated[name] and len(series["columns"]["time"]) > 100
+    assert [one["name"] for one in axes] == [*validated] == ["x", "table"]
+    for one in axes:
+        assert one["validation"] == validated[one["name"]] and len(one["series"]["columns"]["time"]) > 100
 
 
 def test_the_rms_current_of_the_series_is_that_of_the_check_weighed_by_time(files, validated):
-    series = json.loads(files["a.json"])["axes"]["x"]["validation"]["series"]["columns"]
+    series = json.loads(files["a.json"])["axes"][0]["series"]["columns"]
     time, current = (np.array(series[name]) for name in ("time", "current"))
     squares = (current[1:] ** 2 + current[:-1] ** 2 + current[1:] * current[:-1]) / 3
     rms = np.sqrt((squares * np.diff(time)).sum() / (time[-1] - time[0]))
@@ -137,15 +136,11 @@ def test_pdf_and_page_show_the_loops(files):
 
 
 def test_documents_with_and_without_loops_obey_the_schema(files, content):
-    validator = jsonschema.Draft202012Validator(machine_report_schema())
+    validator = jsonschema.Draft202012Validator(report_schema())
     report = json.loads(files["a.json"])
     validator.validate(report)
-    validator.validate(json.loads(as_text(machine_document(content.sizing))))  # of size, and of earlier versions
-    assert machine_document(content.sizing, {})["axes"]["x"]["validation"] is None
-    held_against_the_page("Machine", [report])
-    held_against_the_page("Axis", report["axes"].values())
-    held_against_the_page("Power", [report["power"]])
-    report["axes"]["x"]["validation"]["profile"] = 1
+    validator.validate(json.loads(as_text(content.sizing)))  # of size
+    report["axes"][0]["validation"]["profile"] = 1
     assert not validator.is_valid(report)
 
 

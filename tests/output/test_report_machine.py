@@ -22,7 +22,7 @@ from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.output.document.content import Content, driven_over, machine_words
 from drivesizer.output.document.machine import FOLLOWED, PERMITTED, mass_blocks
 from drivesizer.output.document.records import Table
-from drivesizer.output.json.documents import sizing
+from drivesizer.output.json.documents import plain
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report.csv import report_csv
 from drivesizer.output.report.figures import cycle as motion
@@ -242,8 +242,9 @@ def test_every_report_has_the_platforms_matrices(result):
     wheel = 40e-4 + result.sets[0].rotors_at_load
     assert float(rows["M_bar_x_x"]["value"]) == pytest.approx(45 + 4 * wheel / 0.0762**2, rel=1e-9)
     assert {"28", "29", "32", "43", "45", "50", "51", "55", "58", "59"} <= {row["equation"] for row in rows.values()}
-    document = sizing(result)["platform_numbers"]
-    assert document["tables"]["E"]["values"][0][2] == pytest.approx(4.9013, abs=1e-4)
+    document = plain(result)["platform_numbers"]
+    (matrix,) = (one for one in document["matrices"] if one["name"] == "E")
+    assert matrix["values"][0][2] == pytest.approx(4.9013, abs=1e-4)
     schema = report_schema()
     jsonschema.validate(document, schema["$defs"]["PlatformNumbers"] | {"$defs": schema["$defs"]})
 
@@ -286,7 +287,7 @@ def test_path_following_is_in_the_report_of_a_spec_that_has_it(result):
     wanted = content.behaviour.followed["dynamic model"]
     assert by["dynamic_model_position"] == pytest.approx(np.hypot(*(wanted.posture - wanted.planned.posture)[:2]).max())
     assert content.drawings["followed"]("svg") == content.drawings["followed"]("svg")
-    assert list(json.loads(report_json(content))["platform"]["following"]) == names[1:]
+    assert list(json.loads(report_json(content))["axes"][0]["path"]["following"]) == names[1:]
 
 
 def test_a_platform_that_tips_over_is_not_followed_and_its_report_says_so():

@@ -204,37 +204,48 @@ def from_xlsx(folder: Path, run: Run) -> Facts:
 
 def from_json(folder: Path, run: Run) -> Facts:
     document = json.loads((folder / "report.json").read_text(encoding="utf-8"), parse_constant=pytest.fail)
+    (axis,) = document["axes"]
+    document, driven = axis["result"], axis["validation"] or {"checks": [], "figures": []}
     best = (document["sets"] or document["unsure"] or document["misses"])[0]
     found: Facts = {}
+    records = run.result.requirements, run.best.requirements, run.best.every_check, run.best.machine
+    proven = (run.proof.checks, run.proof.figures) if run.proof else ((), ())
+    trade = {(one.name, one.kind): one.unit for some in (*records, *proven) for one in some}
+    energy = best["energy"]
+    trade |= {(one.name, one.kind): one.unit for one in (run.best.energy.figures if run.best.energy else ())}
+
+    def shown(one: dict[str, Any], key: str = "value") -> float:
+        """A figure of the document, in SI, in the unit of the trade."""
+        return float(from_si(number(one[key]), trade[one["name"], one["kind"]], one["kind"]))
+
+    def unit(one: dict[str, Any]) -> str:
+        return label(trade[one["name"], one["kind"]])
+
     for place, requirements in enumerate((document["requirements"], best["requirements"])):
-        for name, r in requirements.items():
-            found["requirement", place, name] = Fact(number(r["value"]), unit=label(r["unit"]))
-    driven = document["validation"] or {"checks": [], "figures": {}}
-    for where, checks in (("check", best["checks"]), ("validation", driven["checks"])):
+        for r in requirements:
+            found["requirement", place, r["name"]] = Fact(shown(r), unit=unit(r))
+    own = [c for name in ("checks", "beside", "budget") for c in best[name]]
+    for where, checks in (("check", own), ("validation", driven["checks"])):
         for c in checks:
-            numbers = (number(c[key]) for key in ("demand", "limit", "margin"))
-            found[where, c["method"], c["name"]] = Fact(*numbers, label(c["unit"]), c["status"])
+            numbers = shown(c, "demand"), shown(c, "limit"), number(c["margin"])
+            found[where, c["method"], c["name"]] = Fact(*numbers, unit(c), c["status"])
     for s in (*document["sets"], *document["misses"]):
         whole = [s["actuator"]] if s["actuator"] else [s["motor"], s["gearhead"]]
-        pulleys = (s["belt"]["pulleys"] or {}).values()
-        prices = [p["price"] for p in (*whole, s["belt"]["part"], *pulleys, s["encoder"], s["controller"])
+        belt = [part for part in (s["belt_drive"] or {}).values() if isinstance(part, dict)]
+        prices = [p["price"] for p in (*whole, *belt, s["encoder"], s["controller"])
                   if p and not p.get("inside") and p["part"] != "direct" and p["price"] is not None]  # fmt: skip
-        found["candidate", s["rank"], "mass"] = Fact(1000.0 * number(s["mass_kg"]), unit="g")
+        found["candidate", s["rank"], "mass"] = Fact(1000.0 * number(s["mass"]), unit="g")
         found["candidate", s["rank"], "price"] = Fact(sum(prices) if prices else nan, unit="EUR")
         found["candidate", s["rank"], "total_ratio"] = Fact(s["total_ratio"])
         found["candidate", s["rank"], "verdict"] = Fact(status=s["status"])
-    for name, f in driven["figures"].items():
-        found["figure", name] = Fact(number(f["value"]), unit=label(f["unit"]))
-    energy = best["energy"]
+    for f in driven["figures"]:
+        found["figure", f["name"]] = Fact(shown(f), unit=unit(f))
     for m in best["masses"]:
-        found["mass", m["name"]] = Fact(number(m["total_kg"]), unit="kg")
-    for f in best["machine"]:
-        found["machine", f["title"]] = Fact(number(f["value"]), unit=label(f["unit"]))
-    titles = {f.name: f.title for f in run.best.energy.figures} if energy else {}
-    for name, f in energy["figures"].items() if energy else ():
-        found["machine", titles[name]] = Fact(number(f["value"]), unit=label(f["unit"]))
+        found["mass", m["name"]] = Fact(number(m["total"]), unit="kg")
+    for f in (*best["machine"], *(energy["figures"] if energy else ())):
+        found["machine", f["title"]] = Fact(shown(f), unit=unit(f))
     for c in energy["consumers"] if energy else ():
-        found["consumer", c["name"]] = Fact(number(c["mean_W"]), number(c["peak_W"]), unit="W")
+        found["consumer", c["name"]] = Fact(number(c["mean"]), number(c["peak"]), unit="W")
     return found
 
 

@@ -91,9 +91,9 @@ def test_a_set_that_no_loop_can_drive_is_reported_without(tmp_path, monkeypatch,
     monkeypatch.chdir(tmp_path)
     status, _, err = run("report", "-o", "report.json", "-o", "report.html")
     assert status == 0 and "rotor inertia not in the catalogue" in err
-    document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    assert document["validation"] is None
-    assert any(said.startswith("not simulated in closed loop: motor") for said in document["warnings"])
+    (axis,) = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["axes"]
+    assert axis["validation"] is None
+    assert any(said.startswith("not simulated in closed loop: motor") for said in axis["result"]["warnings"])
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "not simulated in closed loop: motor" in page and "from from" not in page
 

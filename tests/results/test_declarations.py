@@ -22,7 +22,7 @@ import drivesizer
 from drivesizer.loads.kinds import AXES
 from drivesizer.results.check_columns import at_least, at_most, fits
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.units import KINDS, scale
+from drivesizer.units import KINDS, from_si, scale
 
 PACKAGE = Path(drivesizer.__file__).parent
 HELPERS = Path(__file__).resolve().parent.parent / "helpers"
@@ -134,7 +134,7 @@ def told(copy):
     """Terminal, JSON and page of the copy."""
     folder, printed = copy
     document, page = ((folder / f"report.{kind}").read_text(encoding="utf-8") for kind in ("json", "html"))
-    return printed, json.loads(document), page
+    return printed, json.loads(document)["axes"][0]["result"], page
 
 
 def test_one_declaration_makes_a_check(told, catalog):
@@ -145,8 +145,8 @@ def test_one_declaration_makes_a_check(told, catalog):
     assert names.index("below_no_load") == names.index("motor_speed") + 1
     check, speed = best["checks"][names.index("below_no_load")], best["checks"][names.index("motor_speed")]
     motor = catalog.motors.record(catalog.motors.rows[best["motor"]["part"]])
-    assert (check["unit"], check["status"]) == ("rpm", "pass")
-    assert check["limit"] == pytest.approx(motor.no_load_speed * 30.0 / math.pi)
+    assert (check["unit"], check["status"]) == ("rad/s", "pass")
+    assert check["limit"] == pytest.approx(motor.no_load_speed)
     assert check["demand"] == speed["demand"]
     assert "Speed below no load" in terminal and "Speed below no load" in page
 
@@ -154,8 +154,9 @@ def test_one_declaration_makes_a_check(told, catalog):
 def test_the_check_is_in_every_medium(copy):
     """The same demand in PDF, page, workbook and CSV, without a line in any renderer."""
     folder, _ = copy
-    reel = json.loads((folder / "reel.json").read_text(encoding="utf-8"))["sets"][0]
-    demand = next(check["demand"] for check in reel["checks"] if check["name"] == "below_no_load")
+    reel = json.loads((folder / "reel.json").read_text(encoding="utf-8"))["axes"][0]["result"]["sets"][0]
+    speed = next(check["demand"] for check in reel["checks"] if check["name"] == "below_no_load")
+    demand = float(from_si(speed, "rpm", "rotary_speed"))
     assert "Speed below no load" in "".join(texts_of((folder / "reel.pdf").read_bytes()))
     page = html.fromstring((folder / "reel.html").read_text(encoding="utf-8"))
     assert page.xpath("//tr[@data-check='below_no_load']//data/@value")[0] == str(demand)
@@ -184,10 +185,10 @@ def test_one_declaration_makes_an_objective(told, catalog):
 def test_one_file_and_one_line_make_a_kind_of_load(copy):
     """Its fields are read, its torque is sized for, and its reports name it."""
     folder, _ = copy
-    document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))
-    required = document["requirements"]
-    assert required["maximum_torque_per_motor"]["si"] == pytest.approx(23.0 * 0.035)
-    assert required["nominal_speed"]["si"] == pytest.approx(0.4 / 0.035)
+    document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))["axes"][0]["result"]
+    required = {one["name"]: one["value"] for one in document["requirements"]}
+    assert required["maximum_torque_per_motor"] == pytest.approx(23.0 * 0.035)
+    assert required["nominal_speed"] == pytest.approx(0.4 / 0.035)
     assert document["spec"]["load"]["kind"] == "wire_winder" and document["sets"][0]["status"] == "pass"
     text = "".join(texts_of((folder / "reel.pdf").read_bytes()))
     assert "wire_winder" in text and "23 N" in text
@@ -197,7 +198,7 @@ def test_one_record_makes_a_section_in_every_medium(copy):
     """At the terminal, on paper, on the page, in a sheet of its own and in the table: the same figure."""
     folder, printed = copy
     assert re.search(r"Speeds without a load\n.*\nno-load speed +\d+ rpm", printed)
-    document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))
+    document = json.loads((folder / "reel.json").read_text(encoding="utf-8"))["axes"][0]["result"]
     speed = document["sets"][0]["motor"]["no_load_speed"]
     text = "".join(texts_of((folder / "reel.pdf").read_bytes()))
     page = html.fromstring((folder / "reel.html").read_text(encoding="utf-8"))

@@ -100,7 +100,7 @@ def test_a_catalogue_may_be_named_at_the_command_line(direct, monkeypatch, run):
     for more, parts in (([], {"two-90"}), (["--catalog", "one.yaml"], {"one-90", "two-90"})):
         status, out, _ = run("size", "fan.yaml", "--json", *more)
         assert status == 0
-        assert {s["motor"]["part"] for s in json.loads(out)["sets"]} == parts
+        assert {s["motor"]["part"] for s in json.loads(out)["axes"][0]["result"]["sets"]} == parts
 
 
 def test_a_partner_of_a_catalogue_that_is_not_loaded_is_left_out_alone(direct):

@@ -10,7 +10,7 @@ from specs import estimates_off, poorer
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.document.candidates import probability_table
-from drivesizer.output.json import documents as contract
+from drivesizer.output.json.documents import plain
 from drivesizer.results.check_columns import at_most
 from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.uncertainty.options import Sampling
@@ -54,8 +54,8 @@ def test_samples_in_closed_loop_do_not_say_so_either(pair):
         "Motor permissible speed", "Motor voltage", "Supply current, all drives"
     }  # fmt: skip
     assert math.isnan(found.loop.passing)
-    written = contract.written(contract.schema.Reliability, found)["closed_loop"]
-    assert written["probability"] is None and written["none_fails"] == found.loop.probability
+    written = plain(found)["loop"]
+    assert written["passing"] is None and written["probability"] == found.loop.probability
     cell = probability_table("", pair.sets, "").rows[0].cells["loop"]
     assert cell.text == "unknown" and cell.note.startswith("none fails: ")
 

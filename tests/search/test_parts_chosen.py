@@ -7,7 +7,7 @@ from drivesizer.catalog import load
 from drivesizer.catalog.query import find, open_catalogs
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.json.documents import sizing
+from drivesizer.output.json.documents import plain
 from drivesizer.output.parts import machine_parts
 from drivesizer.sizing import explain, explained, size
 from drivesizer.spec.robot import read_spec
@@ -163,10 +163,10 @@ def test_a_mass_that_nobody_knows_is_not_nothing(fan):
     unknown = PARTS.replace("25, 700, 300]", "25, 700, null]")
     result = size(fan(catalog=unknown))
     assert [one.motor.part for one in result.sets] == ["heavy", "light"]
-    told = [sizing(result)["sets"][n] for n in (0, 1)]
-    assert [one["mass_kg"] for one in told] == [0.4 + 0.020 + 0.045, None]  # with encoder and controller, assumed
+    told = [plain(result)["sets"][n] for n in (0, 1)]
+    assert [one["mass"] for one in told] == [0.4 + 0.020 + 0.045, None]  # with encoder and controller, assumed
     assert [one["objective"] for one in told] == [0.4 + 0.020 + 0.045, None]
-    assert [one["objective"] for one in sizing(size(fan(catalog=unknown), objective="price"))["sets"]] == [None, None]
+    assert [one["objective"] for one in plain(size(fan(catalog=unknown), objective="price"))["sets"]] == [None, None]
 
 
 SERVO = """

@@ -17,7 +17,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.output.json.documents import as_text, sizing
+from drivesizer.output.json.documents import as_text
 from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
@@ -231,7 +231,7 @@ def test_size_with_a_required_confidence(path: Path, parts: Catalog) -> None:
     weak = found.unsure[0].reliability
     assert weak and weak.weakest == "Pull-out torque at the speed"
     assert weak.drivers[0].name == "load.inertia" and weak.drivers[0].low_margin > weak.drivers[0].high_margin
-    assert '"pull_out_at_rest"' in as_text(sizing(found))
+    assert '"pull_out_at_rest"' in as_text(found)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.spec.any_spec import load_any
 from drivesizer.spec.machine import carrying, load_machine
-from drivesizer.spec.robot import RobotSpec, load_spec
+from drivesizer.spec.robot import load_spec
 
 TEXT = """\
 name: cell
@@ -56,12 +56,14 @@ def test_a_field_keeps_its_line_wherever_it_stands(tmp_path: Path) -> None:
     assert bridge.where(("environment", "ambient")).endswith("cell.yaml:3: environment.ambient")
 
 
-def test_a_file_with_axes_is_a_machine_and_any_other_a_spec(tmp_path: Path) -> None:
-    assert not isinstance(load_any(written(tmp_path)), RobotSpec)
+def test_a_plain_spec_is_a_machine_of_one_axis(tmp_path: Path) -> None:
+    assert load_any(written(tmp_path)).is_several
     one = tmp_path / "one.yaml"
     one.write_text("name: a\nsupply: {nominal: 24 V}\nload: {kind: flywheel, inertia: 1 kg*m^2}\n"
                    "motion: {speed: 60 rpm, acceleration_time: 1 s, cruise_time: 1 s}\n", encoding="utf-8")  # fmt: skip
-    assert isinstance(load_any(one), RobotSpec)
+    machine = load_any(one)
+    assert not machine.is_several and [axis.name for axis in machine.axes] == ["a"] == [*machine.order]
+    assert machine.entered == machine.axes[0].spec.entered == load_spec(one).entered
 
 
 @pytest.mark.parametrize(

@@ -76,7 +76,7 @@ def test_each_variant_is_what_size_says_of_the_machine_with_these_figures(folder
         text = text.replace("mass: 1 kg", f"mass: {whole['axes.left elbow.load.mass (kg)']} kg")
         (folder / "by_hand.yaml").write_text(text, encoding="utf-8")
         found = json.loads(run("size", folder / "by_hand.yaml", "--json", "--top", 1)[1])
-        axes = {name: axis["sizing"] for name, axis in found["axes"].items()}
+        axes = {axis["name"]: axis["result"] for axis in found["axes"]}
         assert whole["status"] == found["status"] and single["rank"] == (1 if axes["left elbow"]["sets"] else None)
         if not axes["left elbow"]["sets"]:
             assert (single["status"], whole["machine_mass_kg"], whole["left elbow.set"], whole["peak_W"]) == (
@@ -92,7 +92,7 @@ def test_each_variant_is_what_size_says_of_the_machine_with_these_figures(folder
         assert (single["set"], single["status"]) == (whole["left elbow.set"], elbow["status"])
         assert single["motor_part"] == elbow["motor"]["part"] and whole["drives"] == 2
         for row, some in ((whole, [*sets.values()]), (single, [elbow])):
-            assert row["machine_mass_kg"] == close(sum(one["mass_kg"] for one in some))
+            assert row["machine_mass_kg"] == close(sum(one["mass"] for one in some))
             assert row["machine_price_EUR"] == close(
                 sum(one[part]["price"] for one in some for part in ("motor", "gearhead"))
             )

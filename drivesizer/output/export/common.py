@@ -35,7 +35,7 @@ from drivesizer.version import __version__
 
 __all__ = [
     "LEAST_INERTIA", "PROGRAM", "Export", "Limit", "Link", "TorqueLaw", "Vector", "behind_gear", "brief",
-    "check_wheel", "document", "drive_count_text", "export_of", "far_above", "identifier", "lacking", "limited",
+    "check_wheel", "document", "drive_count_text", "export_of", "far_above", "identifier", "lacking",
     "link_of", "number", "refuse_doubles", "remark", "remarks", "speed_at", "text", "torque_law", "vector", "whose",
 ]  # fmt: skip
 
@@ -267,7 +267,7 @@ class Export:
     lever: Lever | None  # this drive's share of a load that gravity turns
     gravity: float  # m/s^2
     cycle: Cycle
-    said: tuple[str, ...]  # assumptions
+    assumptions: tuple[str, ...]
     stepper: OpenLoopStepper | None = None  # in the place of the controller and the electrical figures of ``train``
 
     @property
@@ -397,7 +397,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
             load_time=tuple(left[:, 0].tolist()),
             load_torque=tuple(left[:, 1].tolist()),  # none of a lever, whose weight depends on its angle
         ),
-        said=(*said, *whose(case, spec), *behind_gear(spec)),
+        assumptions=(*said, *whose(case, spec), *behind_gear(spec)),
         stepper=stepper,
     )
 
@@ -537,12 +537,6 @@ def far_above(lever: Lever) -> Vector:
     return (0.0, _FAR * lever.length * rest, _FAR * lever.length * lever.share)
 
 
-def limited(of: Export) -> dict[str, str]:
-    """Effort and velocity of the joint; what is unknown is left out."""
-    named = {"effort": of.limits.peak_torque, "velocity": of.limits.peak_speed}
-    return {name: number(limit.value) for name, limit in named.items() if limit.by}
-
-
 def drive_count_text(of: Export) -> str:
     """The sentence that the file is one of several drives; empty for one."""
     return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
@@ -580,7 +574,7 @@ def remarks(of: Export) -> list[str]:
         velocity,
         f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
         f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input {rotor}.",
-        *(f"Assumed: {line}." for line in of.said),
+        *(f"Assumed: {line}." for line in of.assumptions),
     ]  # fmt: skip
     if of.constant_weight:
         said.append(f"Left out: a torque of {brief(of.constant_weight)} N*m against forward motion, the load's weight.")

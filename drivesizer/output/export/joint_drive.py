@@ -17,27 +17,33 @@ J and M of the belt before it; those of a belt behind it are parts of J_w and T_
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import nan
+
+import numpy as np
 
 from drivesizer.joints.inverse_dynamics import Attached
 from drivesizer.output.export.common import Export, brief, number
 
 __all__ = ["JointDrive"]
 
+_NOWHERE = Attached("", np.zeros(3))  # of an axis, whose load has the masses
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointDrive:
-    """The drive of a joint."""
+    """The drive of a joint of a description, of a wheel, or of an axis that is a joint of its own."""
 
     joint: str
     of: Export
-    travel: float  # of the joint per angle of the driven shaft [1, or m/rad]
-    turns_by: Mapping[str, float]  # joints by whose angles the drive turns: its own 1, and those that its belt passes
-    mass: float  # kg, of what is known of it, without its controller
-    lacking: tuple[str, ...]  # parts of unknown mass
-    place: Attached  # of the mass
-    stage_inertia: float  # kg*m^2 at the driven shaft, of a belt and a further gear that drives
-    stage_friction: float  # N*m
+    motor: str  # name of its actuator
+    travel: float = 1.0  # of the joint per angle of the driven shaft [1, or m/rad]
+    turns_by: Mapping[str, float] = field(default_factory=dict)  # where its belt passes joints: theirs, and its own 1
+    mass: float = nan  # kg, of what is known of it, without its controller
+    lacking: tuple[str, ...] = ()  # parts of unknown mass
+    place: Attached = _NOWHERE  # of the mass
+    stage_inertia: float = 0.0  # kg*m^2 at the driven shaft, of a belt and a further gear that drives
+    stage_friction: float = 0.0  # N*m
     gear_efficiency: float = 1.0  # of a further gear, driving
     back_efficiency: float = 1.0  # of it where the load drives
     slides: bool = False  # the joint

@@ -20,7 +20,7 @@ from drivesizer.joints.places import coupling, drive_places, fixed_positions, pa
 from drivesizer.joints.trajectory import motion_of
 from drivesizer.loads.stage_losses import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of
+from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.platform import PlatformExport
 from drivesizer.results.machine import AxisSizing, MachineSizing
@@ -66,7 +66,7 @@ class MachineExport:
     axes: tuple[tuple[str, Export], ...] = ()  # that are joints of their own, by name
     robot: RobotExport | None = None
     platform: PlatformExport | None = None
-    said: tuple[str, ...] = ()  # how the drives were chosen
+    notes: tuple[str, ...] = ()  # how the drives were chosen
 
     @property
     def exports(self) -> tuple[tuple[str, Export], ...]:
@@ -76,18 +76,30 @@ class MachineExport:
         return (*robot, *platform, *self.axes)
 
     @property
+    def shafts(self) -> tuple[tuple[str, JointDrive], ...]:
+        """The axes with their drives, whose names begin with that of the axis where there are several."""
+        named = [(name, f"{identifier(name)}_" if name else "", of) for name, of in self.axes]
+        return tuple((name, JointDrive(joint=f"{b}shaft", motor=f"{b}motor", of=of)) for name, b, of in named)
+
+    @property
+    def drives(self) -> tuple[JointDrive, ...]:
+        """The drives of all joints."""
+        own = (*(self.robot.drives if self.robot else ()), *(self.platform.drives.values() if self.platform else ()))
+        return (*own, *(drive for _, drive in self.shafts))
+
+    @property
     def alone(self) -> Export | None:
         """The drive of an axis alone."""
         return self.axes[0][1] if self.axes and not self.axes[0][0] else None
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def assumptions(self) -> tuple[str, ...]:
         """Assumptions on all drives, each once with the axes that it is of."""
         if self.platform:
-            return self.platform.said
+            return self.platform.assumptions
         found: dict[str, list[str]] = {}
         for name, of in self.exports:
-            for line in of.said:
+            for line in of.assumptions:
                 found.setdefault(line, []).append(name)
         return tuple(f"{', '.join(names)}: {line}".removeprefix(": ") for line, names in found.items())
 
@@ -135,7 +147,7 @@ def machine_export(sizing: MachineSizing, *, one_rate: bool = False, bodies: boo
         gravity=machine.environment.gravity,
         robot=_robot(sizing, {name: of for name, of in exports.items() if name in joints}) if joints else None,
         axes=tuple((name, of) for name, of in exports.items() if name not in joints),
-        said=(*sizing.notes, *wheels),
+        notes=(*sizing.notes, *wheels),
     )
 
 
@@ -156,7 +168,8 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
         root = chain[-1].parent if chain else robot.joints[name].parent  # where a drive on the base is
         drives.append(JointDrive(
             joint=name,
-            of=replace(of, said=tuple(line for line in of.said if line not in behind_gear(axis.spec))),
+            motor=f"{name}_motor",
+            of=replace(of, assumptions=tuple(line for line in of.assumptions if line not in behind_gear(axis.spec))),
             travel=radius_of(robot.joints[name], place.travel_per_turn) / stages.ratio,
             turns_by={other: share for other, share in zip(joints, row, strict=True) if share},
             mass=riding_mass(axis.result.problem, axis.best),
@@ -225,7 +238,7 @@ def head(of: MachineExport) -> list[str]:
             f"Axes {beside}({', '.join(name for name, _ in of.axes)}): each a joint of its own at the origin, its load "
             "with all drives that ride on it; names begin with the axis."
         )
-    return [*said, *(f"Assumed: {line}." for line in (*of.said, *of.notes))]
+    return [*said, *(f"Assumed: {line}." for line in (*of.notes, *of.assumptions))]
 
 
 def in_urdf(robot: RobotExport) -> RobotExport:

@@ -258,7 +258,8 @@ def _axis_remarks(of: Export) -> list[str]:
         f"W + {number(train.load_inertia)} qacc + {number(of.load_friction)} sign(qvel) + any further load, by the "
         "shaft's qacc and qvel of the step before.",
     ]
-    first, assumed = f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V.", [f"Assumed: {x}." for x in of.said]
+    first = f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V."
+    assumed = [f"Assumed: {line}." for line in of.assumptions]
     elastic = ["The spec's elastic shaft is left out: motor and load are one body here."] if of.elastic else []
     count = common.drive_count_text(of)
     if stepper:

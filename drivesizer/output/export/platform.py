@@ -72,7 +72,7 @@ class PlatformExport:
     reach: Reach
     time: Array  # s, of its motion, shape (points,)
     eta: Array  # m/s, m/s, rad/s: velocity at these, shape (3, points)
-    said: tuple[str, ...]  # assumptions
+    assumptions: tuple[str, ...]
 
     @property
     def radius(self) -> float:
@@ -98,7 +98,7 @@ class PlatformExport:
             )
         one = next(iter(self.drives.values()))
         said.append(f"{', '.join(drive.joint for drive in self.drives.values())}, each: {' '.join(one.remarks)}")
-        return said + [f"Assumed: {line}." for line in self.said]
+        return said + [f"Assumed: {line}." for line in self.assumptions]
 
     def of_wheel(self, place: int) -> str:
         """Remark on the joint of a wheel: what resists."""
@@ -141,9 +141,8 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
         name, at = wheel_name(place), platform.wheels[place]
         drives[place] = JointDrive(
             joint=name,
+            motor=f"{name}_motor",
             of=of,
-            travel=1.0,
-            turns_by={name: 1.0},
             mass=fsum(row.each for row in own if not isnan(row.each)),  # part of the base
             lacking=tuple(row.name for row in own if isnan(row.each)),
             place=Attached(BASE, np.array([at.x, at.y, at.radius])),
@@ -165,8 +164,8 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
         reach=_reached(d.kinematics, of, float(rolling.max()), section.limits, eta_dot),
         time=time,
         eta=eta,
-        said=(
-            *(line for line in of.said if line not in left),
+        assumptions=(
+            *(line for line in of.assumptions if line not in left),
             *controller,
             *(line.rstrip(".") for line in platform_assumptions(section, load)),
         ),

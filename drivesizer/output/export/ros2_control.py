@@ -35,9 +35,10 @@ import numpy as np
 from drivesizer.errors import InputError, quoted
 from drivesizer.output.export import common
 from drivesizer.output.export.common import Export, identifier, number, remark, text, torque_law
+from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.export.platform import PlatformExport, Reach, wheel_name
-from drivesizer.output.export.urdf import FOOTPRINT, DrivenJoint, driven_joints, robot_of
+from drivesizer.output.export.urdf import FOOTPRINT, robot_of
 
 __all__ = ["controllers", "render"]
 
@@ -64,7 +65,7 @@ def render(of: MachineExport) -> bytes:
     SubElement(plugin, "plugin").text = _MOCK
     stepped = ("velocity",) if of.platform else ("position",)  # what commands a stepper
     for joint in joints:
-        added = SubElement(block, "joint", name=joint.name)
+        added = SubElement(block, "joint", name=joint.joint)
         takes = stepped if joint.of.stepper else ("velocity", "effort")
         for name in takes:
             command = SubElement(added, "command_interface", name=name)
@@ -73,29 +74,28 @@ def render(of: MachineExport) -> bytes:
         for name in ("position", "velocity", "effort") if "effort" in takes else ("position", "velocity"):
             SubElement(added, "state_interface", name=name)
     for joint in joints:
-        added = SubElement(block, "transmission", name=f"{joint.name}_transmission")
+        added = SubElement(block, "transmission", name=f"{joint.joint}_transmission")
         SubElement(added, "plugin").text = "transmission_interface/SimpleTransmission"
         SubElement(added, "actuator", name=joint.motor, role=joint.motor)
-        of_joint = SubElement(added, "joint", name=joint.name, role=joint.name)
+        of_joint = SubElement(added, "joint", name=joint.joint, role=joint.joint)
         SubElement(of_joint, "mechanical_reduction").text = number(direction * joint.ratio)
     return common.document(root)
 
 
-def _joints(of: MachineExport) -> list[DrivenJoint]:
+def _joints(of: MachineExport) -> tuple[JointDrive, ...]:
     """All joints with a drive, whose names ROS takes."""
-    joints = driven_joints(of)
-    for joint in joints:
+    for joint in of.drives:
         if joint.coupled:
             raise InputError(
-                f"{joint.name}: its belt passes other joints, which ros2_control's simple transmission has no place "
+                f"{joint.joint}: its belt passes other joints, which ros2_control's simple transmission has no place "
                 "for; expected --format mjcf or urdf"
             )
-        if not _PARAMETER.fullmatch(joint.name) or joint.name.lower() in _WORDS:
+        if not _PARAMETER.fullmatch(joint.joint) or joint.joint.lower() in _WORDS:
             raise InputError(
-                f"joint {quoted(joint.name)}: ROS has no parameters of this name; expected letters, digits and "
+                f"joint {quoted(joint.joint)}: ROS has no parameters of this name; expected letters, digits and "
                 "underscores, a letter first"
             )
-    return joints
+    return of.drives
 
 
 def controllers(of: MachineExport) -> bytes:
@@ -104,9 +104,9 @@ def controllers(of: MachineExport) -> bytes:
     looped, steppers = ([one for one in joints if bool(one.of.stepper) is steps] for steps in (False, True))
     slowest = max((one.of for one in looped), key=lambda one: one.period, default=None)
     base = base_controller(platform) if platform else None
-    said = [f"{joint.name}: {joint.of.label}" for joint in joints]
+    said = [f"{joint.joint}: {joint.of.label}" for joint in joints]
     if platform:
-        said = [f"{', '.join(joint.name for joint in joints)}: {platform.of.label}"]
+        said = [f"{', '.join(joint.joint for joint in joints)}: {platform.of.label}"]
     elif of.alone:
         said = [of.alone.label]
     said += [common.PROGRAM, *dict.fromkeys(line for one in looped for line in common.lacking(one.of))]
@@ -126,8 +126,8 @@ def controllers(of: MachineExport) -> bytes:
         said.append("steppers run open-loop: they go to the commanded positions, or lose steps unseen")
     if platform:
         said += [*_base_remarks(platform), *base.said] if base else [_NO_BASE]
-    gains = {one.name: _gains(one) for one in looped}
-    along = [] if platform else [one.name for one in steppers]
+    gains = {one.joint: _gains(one) for one in looped}
+    along = [] if platform else [one.joint for one in steppers]
     rate = _rate(slowest) if slowest else _TRAJECTORY
     named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
     named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if along else {}
@@ -143,7 +143,7 @@ def controllers(of: MachineExport) -> bytes:
     return ("".join(f"# {' '.join(text(line).split())}\n" for line in said) + body).encode()
 
 
-def _gains(joint: DrivenJoint) -> str:
+def _gains(joint: JointDrive) -> str:
     """Gains and clamps of one joint's velocity loop, as lines of YAML."""
     of, travel, efficiency = joint.of, joint.travel, joint.gear_efficiency
     law, train = torque_law(of), of.train

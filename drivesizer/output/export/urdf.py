@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from math import asin, atan2, hypot, isnan, pi
-from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -25,13 +24,13 @@ import numpy as np
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array
 from drivesizer.output.export import common
-from drivesizer.output.export.common import Export, brief, identifier, number, remark, vector
+from drivesizer.output.export.common import brief, identifier, number, remark, vector
 from drivesizer.output.export.machine import MachineExport, RobotExport, free_name, head, in_urdf
 from drivesizer.output.export.platform import BASE as PLATFORM_BASE
 from drivesizer.output.export.platform import PlatformExport, wheel_name
 from drivesizer.spec.description_record import Body, together
 
-__all__ = ["FOOTPRINT", "DrivenJoint", "driven_joints", "render", "robot_of"]
+__all__ = ["FOOTPRINT", "render", "robot_of"]
 
 FOOTPRINT = "base_footprint"
 BASE = "base"
@@ -41,45 +40,17 @@ _CASTER = 0.25  # radius of a caster over that of the wheels: assumed
 _SDF = "1.7"  # the first with parent="world"; read by every Gazebo since
 
 
-class DrivenJoint(NamedTuple):
-    """A joint with a drive, as transmissions and controllers see it."""
-
-    name: str
-    motor: str
-    of: Export
-    limits: dict[str, str]  # effort and velocity, as far as they are known
-    ratio: float
-    travel: float = 1.0  # of the joint per angle of the driven shaft
-    gear_efficiency: float = 1.0  # of a gear behind the driven shaft
-    slides: bool = False
-    coupled: bool = False
-
-
-def driven_joints(of: MachineExport) -> list[DrivenJoint]:
-    """All joints with a drive."""
-    found = []
-    robot, platform = of.robot.drives if of.robot else (), of.platform.drives.values() if of.platform else ()
-    for drive in (*robot, *platform):
-        own = drive.travel, drive.gear_efficiency, drive.slides, drive.coupled
-        found.append(DrivenJoint(drive.joint, f"{drive.joint}_motor", drive.of, drive.limits, drive.ratio, *own))
-    for name, one in of.axes:
-        before = f"{identifier(name)}_" if name else ""
-        limits, ratio = common.limited(one), one.train.ratio
-        found.append(DrivenJoint(f"{before}shaft", f"{before}motor", one, limits, ratio))
-    return found
-
-
 def render(of: MachineExport) -> bytes:
     """The file of a machine, with transmissions as ROS 1 and MoveIt read them; ros2_control has its own."""
     root = robot_of(of)
-    for joint in driven_joints(of):
-        added = SubElement(root, "transmission", name=f"{joint.name}_transmission")
+    for drive in of.drives:
+        added = SubElement(root, "transmission", name=f"{drive.joint}_transmission")
         SubElement(added, "type").text = "transmission_interface/SimpleTransmission"
-        interface = "Position" if joint.of.stepper else "Effort"
-        of_joint = SubElement(added, "joint", name=joint.name)
+        interface = "Position" if drive.of.stepper else "Effort"
+        of_joint = SubElement(added, "joint", name=drive.joint)
         SubElement(of_joint, "hardwareInterface").text = f"hardware_interface/{interface}JointInterface"
-        of_motor = SubElement(added, "actuator", name=joint.motor)
-        SubElement(of_motor, "mechanicalReduction").text = number(joint.ratio)
+        of_motor = SubElement(added, "actuator", name=drive.motor)
+        SubElement(of_motor, "mechanicalReduction").text = number(drive.ratio)
     return common.document(root)
 
 
@@ -96,8 +67,8 @@ def robot_of(of: MachineExport, direction: float = 1.0) -> Element:
         base = next(name for name in described.robot.links if name not in described.robot.above)
     else:
         SubElement(root, "link", name=BASE)
-    for name, one in of.axes:
-        before = f"{identifier(name)}_" if name else ""
+    for name, drive in of.shafts:
+        one, before = drive.of, drive.joint.removesuffix("shaft")
         if name:
             remark(root, f"Axis {identifier(name)}.", *common.remarks(one))
         moved = common.link_of(one, reflected=True)
@@ -108,10 +79,10 @@ def robot_of(of: MachineExport, direction: float = 1.0) -> Element:
             SubElement(inertial, "origin", xyz=vector(moved.centre), rpy="0 0 0")
         SubElement(inertial, "mass", value=number(moved.mass))
         SubElement(inertial, "inertia", _moments(moved.inertia * np.eye(3)))
-        joint = SubElement(root, "joint", name=f"{before}shaft", type="continuous")
+        joint = SubElement(root, "joint", name=drive.joint, type="continuous")
         _between(joint, base, f"{before}load")
         SubElement(joint, "axis", xyz=vector(moved.axis))
-        SubElement(joint, "limit", _required(one.label, common.limited(one)))
+        SubElement(joint, "limit", _required(one.label, drive.limits))
         SubElement(joint, "dynamics", damping=number(one.damping), friction=number(one.friction))
         common.refuse_doubles(root, ("link", "joint"), name)
     return root
@@ -275,8 +246,8 @@ def render_sdf(of: MachineExport) -> bytes:
     fixed = SubElement(model, "joint", name="stand", type="fixed")
     SubElement(fixed, "parent").text = "world"
     SubElement(fixed, "child").text = BASE
-    for name, one in of.axes:
-        before = f"{identifier(name)}_" if name else ""
+    for name, drive in of.shafts:
+        one, before = drive.of, drive.joint.removesuffix("shaft")
         if name:
             remark(model, f"Axis {identifier(name)}.", *common.remarks(one))
         moved = common.link_of(one, reflected=True)
@@ -289,13 +260,13 @@ def render_sdf(of: MachineExport) -> bytes:
         inertia = SubElement(inertial, "inertia")
         for moment, value in _moments(moved.inertia * np.eye(3)).items():
             SubElement(inertia, moment).text = value
-        joint = SubElement(model, "joint", name=f"{before}shaft", type="revolute")
+        joint = SubElement(model, "joint", name=drive.joint, type="revolute")
         SubElement(joint, "parent").text = BASE
         SubElement(joint, "child").text = f"{before}load"
         axis = SubElement(joint, "axis")
         SubElement(axis, "xyz").text = vector(moved.axis)
         limit = SubElement(axis, "limit")
-        for limited, value in {"lower": "-1e16", "upper": "1e16", **common.limited(one)}.items():
+        for limited, value in {"lower": "-1e16", "upper": "1e16", **drive.limits}.items():
             SubElement(limit, limited).text = value
         dynamics = SubElement(axis, "dynamics")
         springs = {"spring_reference": 0.0, "spring_stiffness": 0.0}  # required by the format

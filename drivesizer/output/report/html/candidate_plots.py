@@ -14,7 +14,7 @@ from drivesizer.output.document.candidates import gearhead_words
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import Picture
-from drivesizer.output.json.documents import number
+from drivesizer.output.json import documents
 from drivesizer.output.report.html.curves import Plot, above, figure, line, plain
 from drivesizer.output.words import number_of
 from drivesizer.results.sizing import Choice, Choices, SizingResult, objective_figure, used_share, weighted_order
@@ -316,7 +316,7 @@ def _table(chosen: Choices, offered: list[Criterion]) -> dict[str, Any]:
          "score": "unknown" if found.lacking[row] or isnan(found.score[row]) else f"{found.score[row]:.3f}"}
         for place, row in enumerate(found.order.tolist(), 1)
     ]  # fmt: skip
-    data = {"figures": {one.name: [*map(number, one.figures)] for one in offered}, "first": chosen.first}
+    data = {"figures": {one.name: documents.plain(one.figures) for one in offered}, "first": chosen.first}
     return {"rows": rows, "belts": any(row["belt"] for row in rows), "data": data, "first": chosen.first}
 
 
