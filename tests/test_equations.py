@@ -253,7 +253,7 @@ def test_where_printed_and_computed_agree_they_give_the_same_number(number):
 
 def test_formulas_as_text_and_typst():
     assert derivation.text(EQUATIONS[1].printed, paper=True) == "60 V_nom / (π d η)"
-    assert derivation.text(derivation.computed(EQUATIONS[1])) == "2 V_nom / (d η_speed)".replace("speed", "v")
+    assert derivation.text(EQUATIONS[1].computed) == "2 V_nom / (d η_speed)".replace("speed", "v")
     assert derivation.typst("a / (b + c)") == "(a) / (b + c)"
     assert derivation.text("a - (b - c)") == "a − (b − c)"
     assert derivation.text("(a / b)**2") == "(a / b)²"

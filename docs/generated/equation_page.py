@@ -35,7 +35,7 @@ def _equation(e: Equation) -> str:
 
 def _forms(e: Equation) -> list[str]:
     """The printed form, the result of the unit check, and the computed form."""
-    left, computed = symbol(e.symbol), derivation.computed(e)
+    left, computed = symbol(e.symbol), e.computed
     used = f"{left} = {expression(computed)}" if expression(computed) != left else left
     if not e.printed:
         return ["Not in the paper; as computed:", displayed(used)]

@@ -6,7 +6,8 @@ import ast
 import re
 import unicodedata
 
-from drivesizer.platform.matrix_equation import Notation, symbol
+from drivesizer.physics.notation import Notation
+from drivesizer.platform.matrix_equation import symbol
 
 __all__ = ["equation", "expression", "term", "text"]
 
@@ -84,14 +85,14 @@ def expression(source: str) -> str:
     >>> expression("-inv(J_2) @ J_1")
     '-J_{\\text{2}}^{-1}\\,J_{\\text{1}}'
     """
-    return _Latex().visit(ast.parse(source, mode="eval").body)
+    return _Latex(term, r"\,").of(source)
 
 
 class _Latex(Notation):
     """The same with signs of LaTeX: fractions, powers, and a list of numbers as a column."""
 
-    power = {"T": r"^{\text{T}}", "inv": "^{-1}", "pinv": "^{+}", "2": "^{2}", "3": "^{3}"}  # noqa: RUF012
-    times, minus = r"\,", "-"
+    powers = {"T": r"^{\text{T}}", "inv": "^{-1}", "pinv": "^{+}", "2": "^{2}", "3": "^{3}"}  # noqa: RUF012
+    minus = "-"
     brackets = r"\left(", r"\right)"
 
     def matrix(self, rows):
@@ -99,9 +100,6 @@ class _Latex(Notation):
 
     def listed(self, cells):
         return _matrix([[cell] for cell in cells])
-
-    def visit_Name(self, node):  # noqa: N802 - the visitor's own spelling
-        return term(node.id)
 
     def function(self, name, argument):
         if name == "diag" and isinstance(argument, ast.List):

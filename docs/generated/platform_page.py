@@ -7,7 +7,7 @@ from equation_page import escaped
 from latex import displayed, inline
 
 from drivesizer.physics.equation import Term
-from drivesizer.platform import matrix_equation, robot_figures
+from drivesizer.platform import robot_figures
 from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
 
 __all__ = ["platform_equations"]
@@ -26,7 +26,7 @@ def _equation(e: MatrixEquation) -> str:
 
 def _forms(e: MatrixEquation) -> list[str]:
     """The printed form with its findings, and the computed form where it differs."""
-    found, computed = robot_figures.finding(e), matrix_equation.computed(e)
+    found, computed = robot_figures.finding(e), e.computed
     units = (
         f'<span class="fails">Fails the unit check:</span> {escaped(found.units)}.' if found.units else "Units agree"
     )

@@ -7,7 +7,6 @@ import inspect
 import json
 import math
 import re
-import textwrap
 from collections.abc import Callable
 from functools import cache
 from importlib import resources
@@ -17,20 +16,15 @@ import numpy as np
 
 from drivesizer import equations  # noqa: F401 - declares them
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
+from drivesizer.physics.notation import Notation
 from drivesizer.results.drive_set import Requirement
 from drivesizer.units import KINDS, from_si, label, registry
-
-__all__ = [
-    "clean", "cleaned", "computed", "evaluated_failures", "find", "margin", "minus", "numbers_in", "printed_failure",
-    "short", "step", "symbol", "symbol_text", "text", "typst", "use",
-]  # fmt: skip
-
 
 # -- A declared equation as text for the terminal and typst mathematics for the report.
 #
 # The computed form is read from the function's own return expression, so that what is shown is what runs; the
-# printed form is an expression in the declaration. Both are small Python expressions; one table of operators
-# turns their syntax tree into either notation. ``printed_failure`` evaluates a printed form with units and says
+# printed form is an expression in the declaration. Both are small Python expressions, and ``physics.notation``
+# walks their syntax tree for either notation. ``printed_failure`` evaluates a printed form with units and says
 # what is wrong with it.
 
 
@@ -39,7 +33,6 @@ _GREEK = {
 }  # fmt: skip
 _NAMES = {"eta_speed": "eta_v", "eta_robot": "eta_R", "eta_gear": "eta_g", "eta_b": "eta_b", "J_mK2": "J_m K²"}
 _PAPER = {"eta_speed": "eta", "eta_robot": "eta", "eta_gear": "eta", "U": "upsilon"}
-_BINDING = {ast.Add: 1, ast.Sub: 1, ast.Mult: 2, ast.Div: 2, ast.USub: 3, ast.Pow: 4}
 
 
 def find(key: str) -> Equation | None:
@@ -49,20 +42,6 @@ def find(key: str) -> Equation | None:
         return EQUATIONS.get(int(bare))
     everything = {e.name: e for e in EQUATIONS.values()} | COMPANIONS
     return everything.get(bare)
-
-
-@cache
-def computed(declared: Equation) -> str:
-    """The expression that a declared equation computes, from its source.
-
-    >>> from drivesizer.equations import acceleration
-    >>> computed(acceleration)
-    'V_nom / t_acc'
-    """
-    tree = ast.parse(textwrap.dedent(inspect.getsource(declared.formula)))
-    returned = next(node for node in ast.walk(tree) if isinstance(node, ast.Return))
-    assert returned.value is not None
-    return ast.unparse(returned.value).replace("np.", "")
 
 
 def symbol_text(name: str, *, paper: bool = False) -> str:
@@ -89,20 +68,8 @@ def text(expression: str, *, paper: bool = False, values: dict[str, str] | None 
     >>> text("60 * V_nom / (pi * d * eta_speed)", paper=True)
     '60 V_nom / (π d η)'
     """
-
-    def divide(a: str, b: str) -> str:
-        return f"{a} / {b}"
-
-    def root(a: str) -> str:
-        return f"√({a})"
-
-    def power(a: str, b: str) -> str:
-        return f"{a}{ {'2': '²', '3': '³'}.get(b) or '^' + b }"
-
-    def name(n: str) -> str:
-        return (values or {}).get(n) or symbol_text(n, paper=paper)
-
-    return _render(expression, name, divide, root, power, bracket=True, between=" · " if values else " ")
+    known = values or {}
+    return Notation(lambda n: known.get(n) or symbol_text(n, paper=paper), " · " if values else " ").of(expression)
 
 
 def typst(expression: str, *, paper: bool = False, values: dict[str, str] | None = None) -> str:
@@ -113,74 +80,26 @@ def typst(expression: str, *, paper: bool = False, values: dict[str, str] | None
     >>> typst("V_nom / t_acc")
     '(V_"nom") / (t_"acc")'
     """
-
-    def name(n: str) -> str:
-        return (values or {}).get(n) or symbol_typst(n, paper=paper)
-
-    def divide(a: str, b: str) -> str:
-        return f"({a}) / ({b})"
-
-    def root(a: str) -> str:
-        return f"sqrt({a})"
-
-    def power(a: str, b: str) -> str:
-        return f"{a}^({b})"
-
-    between = " dot " if values else " "
-    return _render(expression, name, divide, root, power, bracket=False, between=between)
+    known = values or {}
+    return _Typst(lambda n: known.get(n) or symbol_typst(n, paper=paper), " dot " if values else " ").of(expression)
 
 
-def _render(
-    expression: str,
-    name: Callable[[str], str],
-    divide: Callable[[str, str], str],
-    root: Callable[[str], str],
-    power: Callable[[str, str], str],
-    *,
-    bracket: bool,
-    between: str = " ",
-) -> str:
-    """Walk the tree; ``bracket`` says that a fraction is written on one line and needs its own brackets."""
+class _Typst(Notation):
+    """The same with signs of typst, which draws fractions and roots."""
 
-    def inside(node: ast.expr, least: int, *, strict: bool = False) -> str:
-        level = _level(node)
-        return f"({walk(node)})" if level < least or (strict and level == least) else walk(node)
+    minus = "-"
 
-    def walk(node: ast.expr) -> str:
-        match node:
-            case ast.Constant(value=value):
-                return f"{value:g}" if isinstance(value, float) else str(value)
-            case ast.Name(id=identifier):
-                return name(identifier)
-            case ast.Call(func=ast.Name(id="sqrt"), args=[argument]):
-                return root(walk(argument))
-            case ast.Call(func=ast.Name(id=function), args=[argument]):
-                return f"{function} {inside(argument, 3)}"
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                return f"-{inside(operand, 3)}"
-            case ast.BinOp(left=left, op=ast.Pow(), right=right):
-                if ast.unparse(right) == "1 / 2":
-                    return root(walk(left))
-                return power(inside(left, 4, strict=True), walk(right))
-            case ast.BinOp(left=left, op=ast.Div(), right=right):
-                if bracket:
-                    return divide(inside(left, 2), inside(right, 2, strict=True))
-                return divide(walk(left), walk(right))
-            case ast.BinOp(left=left, op=ast.Mult(), right=right):
-                return f"{inside(left, 2)}{between}{inside(right, 2, strict=bracket)}"
-            case ast.BinOp(left=left, op=ast.Add(), right=right):
-                return f"{walk(left)} + {walk(right)}"
-            case ast.BinOp(left=left, op=ast.Sub(), right=right):
-                return f"{walk(left)} {'−' if bracket else '-'} {inside(right, 1, strict=True)}"
-        raise ValueError(f"no notation for {ast.unparse(node)}")
+    def root(self, node: ast.expr) -> str:
+        return f"sqrt({self.visit(node)})"
 
-    return walk(ast.parse(expression, mode="eval").body)
+    def power(self, base: str, exponent: str) -> str:
+        return f"{base}^({exponent})"
 
+    def quotient(self, node: ast.BinOp) -> str:
+        return f"({self.visit(node.left)}) / ({self.visit(node.right)})"
 
-def _level(node: ast.expr) -> int:
-    if isinstance(node, ast.BinOp):
-        return _BINDING[type(node.op)]
-    return 3 if isinstance(node, ast.UnaryOp) else 5
+    def product(self, node: ast.BinOp) -> str:
+        return f"{self.inside(node.left, 2)}{self.times}{self.inside(node.right, 2)}"
 
 
 def printed_failure(declared: Equation) -> str | None:
@@ -314,7 +233,7 @@ def evaluated_failures() -> dict[str, str]:
 def _expression(r: Requirement) -> str:
     """Expression that was computed; the printed form where only its quantities were put in (one shown beside ours)."""
     assert r.declared is not None
-    used = computed(r.declared)
+    used = r.declared.computed
     return r.declared.printed if r.name.endswith("_as_printed") else used
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.physics.notation import computed
 from drivesizer.units import KINDS, kind_of_unit, noun
 
 Value = float | NDArray[np.float64]
@@ -75,6 +76,11 @@ class Equation:
     def name(self) -> str:
         """The function's name, which is also the requirement's name in results."""
         return self.formula.__name__
+
+    @property
+    def computed(self) -> str:
+        """The expression that it computes, from its source."""
+        return computed(self.formula)
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Compute with numbers and arrays in SI, or with pint quantities in any unit of their terms.

@@ -419,9 +419,7 @@ def finding(declared: MatrixEquation) -> Finding:
         no_inverse = replace(declared, printed=declared.printed.replace("inv(", "pinv("))  # has the same units
         return Finding(finding(no_inverse).units, f"Eᵀ is {rows} × {columns}, and only a square matrix has an inverse")
     units = _where(again / _factors(declared.result.unit), plain)
-    return Finding(
-        f"in other base units {units}" if units else None, _where(plain, _value(matrix_equation.computed(declared)))
-    )
+    return Finding(f"in other base units {units}" if units else None, _where(plain, _value(declared.computed)))
 
 
 def find(key: str) -> MatrixEquation | None:
@@ -444,7 +442,7 @@ def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
         ("as printed", f"{declared.printed_symbol or left} = {matrix_equation.text(declared.printed)}"),
         ("unit check", f"fails: {found.units}" if found.units else "passes"),
         ("value check", f"fails: {found.values}" if found.values else "passes"),
-        ("as computed", f"{left} = {matrix_equation.text(matrix_equation.computed(declared))}"),
+        ("as computed", f"{left} = {matrix_equation.text(declared.computed)}"),
         *note, ("result", meaning(declared.result)),
         *((matrix_equation.symbol(t.name), meaning(t)) for t in declared.terms), ("source", SOURCE),
     ]  # fmt: skip

@@ -19,7 +19,7 @@ MATRICES = [PLATFORM[number] for number in sorted(PLATFORM)]
 @pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
 def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
     """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
-    for form, paper in ((derivation.computed(declared), False), (declared.printed, True)):
+    for form, paper in ((declared.computed, False), (declared.printed, True)):
         if form:
             made = mathematics.mathml(latex.expression(form, paper=paper), "block")
             assert signs(made) == signs(derivation.text(form, paper=paper))
@@ -32,7 +32,7 @@ def test_an_equation_of_the_platform_on_the_page_is_the_one_at_the_terminal(decl
     import matrices
 
     left = declared.printed_symbol or declared.symbol
-    for side, form in ((left, declared.printed), (declared.symbol, matrix_equation.computed(declared))):
+    for side, form in ((left, declared.printed), (declared.symbol, declared.computed)):
         made = mathematics.mathml(matrices.equation(side, form), "block")
         side, _, vector = side.partition("] / ")  # what stands on the left as divided by a vector is multiplied by it
         right = matrix_equation.text(form)

@@ -11,7 +11,7 @@ from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, car, differential, m
 from wheel_sets import contact_row, figure, turn, wheel_sets
 
 from drivesizer.errors import InputError
-from drivesizer.platform import equations, matrix_equation, robot_figures
+from drivesizer.platform import equations, robot_figures
 from drivesizer.platform.dynamics import dynamics
 from drivesizer.platform.kinematics import kinematics, to_robot, to_world, velocity, wheel_speeds
 from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
@@ -273,12 +273,8 @@ def test_a_declaration_says_what_its_function_does(number):
     names = list(e.formula.__annotations__)
     assert [t.name for t in e.terms] == names[:-1] and all(t.meaning for t in e.terms)
     figures = {t.name: robot_figures.sample()[t.name] for t in e.terms}
-    again = robot_figures.finding(
-        replace(e, printed=matrix_equation.computed(e))
-    )  # the function's own form, in other units
+    again = robot_figures.finding(replace(e, printed=e.computed))  # the function's own form, in other units
     assert again.units is None and again.values is None
-    assert np.asarray(e(**figures)) == pytest.approx(
-        np.asarray(robot_figures._value(matrix_equation.computed(e))), abs=1e-12
-    )
+    assert np.asarray(e(**figures)) == pytest.approx(np.asarray(robot_figures._value(e.computed)), abs=1e-12)
     told = dict(robot_figures.rows(e))
     assert told["as computed"].startswith(f"{e.symbol} = ") and "None" not in told["as printed"]

@@ -34,11 +34,11 @@ def equations() -> None:
     for declared in [*EQUATIONS.values(), *COMPANIONS.values()]:
         number = f"({declared.number})" if declared.number else ""
         mark = " *" if derivation.printed_failure(declared) else ""
-        computed = f"{declared.symbol} = {derivation.text(derivation.computed(declared))}{mark}"
+        computed = f"{declared.symbol} = {derivation.text(declared.computed)}{mark}"
         table.add_row(number, Text(declared.title), Text(computed), label(declared.shown))
     for _, matrix in sorted(PLATFORM.items()):
         mark = " *" if any(robot_figures.finding(matrix)) else ""
-        computed = f"{matrix.symbol} = {matrix_equation.text(matrix_equation.computed(matrix))}{mark}"
+        computed = f"{matrix.symbol} = {matrix_equation.text(matrix.computed)}{mark}"
         table.add_row(f"({matrix.number})", Text(matrix.title), Text(computed), _unit(matrix.result.unit))
     console.print(table)
     console.print("* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why.")
@@ -58,7 +58,7 @@ def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = ""
     if declared.printed:
         rows.append(("as printed", f"{declared.symbol} = {derivation.text(declared.printed, paper=True)}"))
         rows.append(("unit check", f"fails: {failure}" if failure else "passes"))
-    rows.append(("as computed", f"{declared.symbol} = {derivation.text(derivation.computed(declared))}"))
+    rows.append(("as computed", f"{declared.symbol} = {derivation.text(declared.computed)}"))
     if declared.note:
         rows.append(("note", declared.note))
     rows.append(("result", f"{declared.result.meaning} [{label(declared.shown) or '1'}]"))
