@@ -17,7 +17,6 @@ from drivesizer.machine.set_cycle import SetCycle, turned
 from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.load_cycle import Ends
-from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.physics.winding import heat, housing_loss, volts_of
 from drivesizer.results.drive_set import DriveSet
@@ -115,13 +114,10 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     The hot winding is the permitted one, for a line that is valid in any permitted cycle; where that is unknown it is
     the mean of this cycle in the long run, and the line is this cycle's alone.
     """
-    motor, gearhead, encoder = (one_row(p) for p in (drive_set.motor, drive_set.gearhead, drive_set.encoder))
-    cycle = CycleAtBelt(load_cycle(spec), drive_set.belt_efficiency).behind(drive_set.belt_ratio)
-    demand = demands(cycle, motor, gearhead, encoder, drive_set.brake_inertia)
+    motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
+    cycle, demand = turned(spec, drive_set, CycleAtBelt(load_cycle(spec), drive_set.belt_efficiency))
     ambient, feed, k_t = spec.environment.ambient, spec.feed_of(drive_set.controller), drive_set.motor.torque_constant
-    if drive_set.steps:
-        demand = turned(spec, drive_set)[1]
-    else:  # where it is incomplete, or friction is unknown, NaN
+    if not drive_set.steps:  # where it is incomplete, or friction is unknown, NaN
         c = np.where(demand.left_out, nan, demand.coefficients)
         for place, figure in zip((DIRECTION, SPEED), friction(motor), strict=True):
             c[np.isnan(figure), place] = nan

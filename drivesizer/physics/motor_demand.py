@@ -60,14 +60,7 @@ class Coefficients(NamedTuple):
     back_emf: Array  # V*s/rad, of the motor
 
 
-def demands(
-    at: AtGearhead,
-    motor: Figures,
-    gearhead: Figures,
-    encoder: Figures | None,
-    braking: Any = 0.0,
-    known: Coefficients | None = None,
-) -> Demands:
+def demands(at: AtGearhead, motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Any = 0.0) -> Demands:
     r"""Torque and current of every candidate's motor.
 
     .. math:: \tau = \frac{T}{i e} \text{ or } \frac{T e}{i} + (J_m + J_g + J_e) i a + (k_t I_0 + T_0)\, \mathrm{sgn} w
@@ -83,8 +76,6 @@ def demands(
         an encoder, thousands of times smaller than the load's, is left out.
     braking
         Inertia of a brake as the motor's shaft feels it [kg*m^2]; as a rotor's where it is unknown.
-    known
-        What ``coefficients`` gives of the same parts, where it is at hand.
 
     Returns
     -------
@@ -96,7 +87,7 @@ def demands(
     Friction, e and T_0 are those of ``drive_train``.
     """
     i, k_t = gearhead["ratio"], motor["torque_constant"]
-    c, left_out, back_emf = known or coefficients(at.acts, motor, gearhead, encoder, braking)
+    c, left_out, back_emf = coefficients(at.acts, motor, gearhead, encoder, braking)
     rms_torque = np.sqrt(np.maximum(_least_square(at, c, left_out), 0.0))
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf, left_out)
 

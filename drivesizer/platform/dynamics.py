@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
@@ -144,7 +144,7 @@ def contact_loads(
 #
 # Where the set of wheels does not allow every motion, η = S ν and the equation is taken along S: what the wheels
 # hold does no work. n driven wheels and m motions leave n − m torques open; of all that make the motion, those with
-# the least sum of squares are given (or of squares over weights), :math:`τ = D (\bar M \dot η + \bar C η - F)`, by
+# the least sum of squares are given, :math:`τ = D (\bar M \dot η + \bar C η - F)`, by
 # the Moore-Penrose inverse :math:`D = (S^T E^T)^+ S^T`. In the wheels' own space this is (57)-(59).
 #
 # Rolling resistance is against each wheel's turning and nothing at rest, C_rr N r; N is what the wheel carries at
@@ -166,16 +166,13 @@ class Dynamics:
     distribution: Array  # (n, 3), D: torques of the driven wheels over force and moment on the platform
 
 
-def dynamics(platform: Platform, weights: Sequence[float] | None = None) -> Dynamics:
+def dynamics(platform: Platform) -> Dynamics:
     """The matrices of a platform.
 
     Parameters
     ----------
     platform
         Wheels and mass.
-    weights
-        Of the driven wheels, where torque is not shared alike: one with twice the weight takes twice the torque of
-        another in the same place.
 
     Returns
     -------
@@ -185,18 +182,13 @@ def dynamics(platform: Platform, weights: Sequence[float] | None = None) -> Dyna
     Raises
     ------
     InputError
-        When the wheels are singular (see ``kinematics``) or a weight is not above 0.
+        When the wheels are singular (see ``kinematics``).
     """
     k, p = kinematics(platform.wheels), platform
     M_R = eq.mass_matrix(p.mass, p.inertia + p.mass * (p.x**2 + p.y**2), p.x, p.y)
     M_phi = eq.wheel_inertias(np.array([w.inertia + w.rotor_inertia for w in p.wheels]))
     M, C = eq.inertia_matrix(M_R, k.E, M_phi), eq.coriolis_matrix(1.0, p.mass, p.x, p.y)
-    share = np.ones(len(k.driven)) if weights is None else columns(weights, len(k.driven), "weights")
-    if not (share > 0.0).all():
-        raise InputError(f"weights: must be above 0, got {', '.join(f'{w:g}' for w in share)}")
-    root = np.sqrt(share)[:, None]
-    D = root * (np.linalg.pinv((root * (k.E[list(k.driven)] @ k.motions)).T) @ k.motions.T)
-    return Dynamics(p, k, M, C, D)
+    return Dynamics(p, k, M, C, np.linalg.pinv((k.E[list(k.driven)] @ k.motions).T) @ k.motions.T)
 
 
 def signs(rows: Array, eta: Array, reach: float) -> Array:
