@@ -265,6 +265,21 @@ def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
     return spec.mission.duration if spec.mission else nan
 
 
+def load_of(spec: Any, section: Battery, pack: Pack, mean: Any, peak: Any, speed: Any, strings: Any = 1.0) -> Load:
+    """Load of a battery, of so many times its strings, by the powers that are drawn [W]: figures, or columns.
+
+    Lowest is the voltage at the peak, at the end of the time; unknown where no current gives that power.
+    """
+    full = run_time(pack, mean / strings)
+    along = nan if section.range is None else section.range / speed
+    required = np.fmax(required_autonomy(spec, section), along)
+    drawn = np.where(np.isnan(required), pack.available, required / full)
+    charge = pack.start - np.minimum(drawn, pack.available)
+    emf = pack.emf(charge)
+    lowest = laws.terminal_voltage(laws.current_of_power(peak, emf, pack.resistance), emf, pack.resistance)
+    return Load(mean, peak, nan, nan, speed, full, required, charge, lowest)
+
+
 def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
     """Every limit of a battery, in the order in which people read them."""
     *drawn, continuous, peak = drawn_columns(spec, section, pack, load)
@@ -375,32 +390,26 @@ def _battery_load(
 ) -> tuple[Load, Array]:
     """Load of a battery, and mean power from it in each piece [W].
 
-    Lowest is the voltage at the peak, at the end of the time; unknown where no current gives that power. Highest is
-    that at the largest return, with the charge of the start and all else switched off. A polarised battery is at rest
-    at first, and then comes to what the cycle makes of it: the higher of both counts.
+    Highest is the voltage at the largest return, with the charge of the start and all else switched off. A polarised
+    battery is at rest at first, and then comes to what the cycle makes of it: the higher of both counts.
     """
     power = np.asarray(drive.drawn - spec.supply.regeneration * drive.returned + sum(c.mean for c in others))
     mean, peak = drive.mean(power), float(drive.peak.max()) + sum(c.peak for c in others)
-    back, speed = accepted(spec) * float(drive.returned_peak.max()), drive.distance / drive.total
-    full = float(run_time(pack, mean))
-    along = nan if battery.range is None else battery.range / speed
-    required = float(np.fmax(required_autonomy(spec, battery), along))
-    drawn = pack.available if isnan(required) else required / full
-    charge = nan if isnan(drawn) else pack.start - min(drawn, pack.available)
-    at_peak, raised, R = pack.emf(charge), float(_resting_voltage(pack, mean)), pack.resistance
+    found = load_of(spec, battery, pack, mean, peak, drive.distance / drive.total)
+    back, R = accepted(spec) * float(drive.returned_peak.max()), pack.resistance
+    load = Load(*map(float, found))._replace(rms=float(np.sqrt(drive.mean(power**2))), back=back)
+    raised = float(_resting_voltage(pack, mean))
     if pack.polarisation > 0.0:  # the cycle charges the pair, peak and return come on top
         pair, off = (pack.polarisation, pack.time_constant), np.asarray(drive.drawn - accepted(spec) * drive.returned)
-        current = laws.current_of_power(power, at_peak, R)
-        at_peak = float(np.minimum(*laws.polarised_voltage(drive.duration, current, at_peak, 0.0, *pair)).min())
+        emf = pack.emf(load.charge)
+        current = laws.current_of_power(power, emf, R)
+        emf = float(np.minimum(*laws.polarised_voltage(drive.duration, current, emf, 0.0, *pair)).min())
+        load = load._replace(lowest=float(laws.terminal_voltage(laws.current_of_power(peak, emf, R), emf, R)))
         current, start = laws.current_of_power(off, raised, R), raised
         for rested in (True, False):
             ends = laws.polarised_voltage(drive.duration, current, start, 0.0, *pair, rested=rested)
             raised = max(raised, float(np.maximum(*ends).max()))
-    rms, lowest = float(np.sqrt(drive.mean(power**2))), laws.current_of_power(peak, at_peak, R)
-    load = Load(
-        mean, peak, rms, back, speed, full, required, charge,
-        lowest=float(laws.terminal_voltage(lowest, at_peak, R)), highest=float(raised_voltage(pack, back, raised)),
-    )  # fmt: skip
+    load = load._replace(highest=float(raised_voltage(pack, back, raised)))
     return load, power
 
 

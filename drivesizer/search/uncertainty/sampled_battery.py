@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import Load, Pack, drawn_columns, pack_of, required_autonomy, run_time
-from drivesizer.physics.battery import current_of_power, terminal_voltage
+from drivesizer.machine.battery import Pack, drawn_columns, load_of, pack_of
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
@@ -143,15 +142,8 @@ def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequenc
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
     slip = spec.platform.slip if spec.platform else 0.0
     mean = (drawn / (1.0 - slip) - share * returned) / total + feeds.mean
-    full = np.asarray(run_time(feeds.pack, mean / feeds.charge))  # of so many parallel strings
-    required, distance = required_autonomy(spec, spec.battery), spec.battery.range
-    required = np.fmax(required, nan if distance is None else distance / speed)
-    drawn_share = np.where(np.isnan(required), feeds.pack.available, required / full)
-    left = feeds.pack.start - np.minimum(drawn_share, feeds.pack.available)
     peak = np.maximum(draws[0].peak, 0.0) / (1.0 - slip) + feeds.peak
-    emf, resistance = feeds.pack.emf(left), feeds.pack.resistance
-    lowest = terminal_voltage(current_of_power(peak, emf, resistance), emf, resistance)
-    load = Load(mean=mean, peak=peak, rms=nan, back=nan, speed=speed, full=full, charge=left, lowest=lowest)
+    load = load_of(spec, spec.battery, feeds.pack, mean, peak, speed, feeds.charge)  # of so many parallel strings
     checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
     checked -= {*BATTERY_VOLTAGES} if feeds.pack.polarisation else set()
     return [check for check in drawn_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
