@@ -7,7 +7,7 @@ import inspect
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -30,6 +30,7 @@ from drivesizer.units import KINDS, from_si, label, registry
 
 _GREEK = {
     "eta": "η", "delta": "δ", "theta": "θ", "kappa": "κ", "rho": "ρ", "tau": "τ", "pi": "π", "alpha": "α", "omega": "ω",
+    "beta": "β", "mu": "μ", "phi": "φ", "epsilon": "ε",
 }  # fmt: skip
 _NAMES = {"eta_speed": "eta_v", "eta_robot": "eta_R", "eta_gear": "eta_g", "eta_b": "eta_b", "J_mK2": "J_m K²"}
 _PAPER = {"eta_speed": "eta", "eta_robot": "eta", "eta_gear": "eta", "U": "upsilon"}
@@ -173,6 +174,38 @@ def step(r: Requirement) -> dict[str, Any]:
     made["result"] = _result(r)
     made["failure"] = _failures().get(r.declared.name, "")
     return made
+
+
+def value_of(expression: str, terms: Mapping[str, tuple[float, str]]) -> float:
+    """An expression of ours with the values of its terms.
+
+    >>> value_of("m * g * sin(beta)", {"m": (2.0, "kg"), "g": (9.8, "m/s^2"), "beta": (math.pi / 2, "rad")})
+    19.6
+    """
+    space: dict[str, Any] = {"sqrt": math.sqrt, "sin": math.sin, "cos": math.cos}
+    space |= {term: value for term, (value, _) in terms.items()}
+    return float(eval(expression, {"__builtins__": {}}, space))  # noqa: S307 - our own formulas
+
+
+def worked(
+    name: str, title: str, left: str, expression: str, terms: Mapping[str, tuple[float, str]], unit: str, kind: str,
+    note: str = "", *, bare: bool = False,
+) -> tuple[dict[str, Any], float]:  # fmt: skip
+    """A formula with its numbers put in, as a step of a derivation, and its value; ``bare``: numbers without units."""
+    value = value_of(expression, terms)
+    raised, values = _raised(expression), {}
+    for term, (x, of) in terms.items():
+        number, of = (math.degrees(x), "deg") if of == "rad" else (x, "1" if bare else of)
+        written = _with_unit(number, of)
+        bracket = x < 0.0 or (term in raised and written != _with_unit(number, "1"))
+        values[term] = f"({written})" if bracket else written
+    sign = symbol_typst(left)
+    made = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
+        "number": "", "title": title, "symbol": sign, "symbol_value": f"{sign} = {quantity(value, unit, kind)}",
+        "used": f"{sign} = {typst(expression)}", "numbers": f"{sign} = {typst(expression, values=values)}",
+        "result": quantity(value, unit, kind), "note": note, "exact": {"name": name, "value": value},
+    }  # fmt: skip
+    return made, value
 
 
 def symbol(text: str) -> str:

@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping
 from html import escape
 from math import cos, hypot, pi, sin
 
-__all__ = ["SKETCHES", "sketch"]
-
 _WIDTH, _HEIGHT = 460, 204
 _LONGEST = 40  # letters beside a symbol
 _INK, _SOFT, _FORCE, _MOTION = "#000000", "#555555", "#D55E00", "#0072B2"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from drivesizer.output.document import appendix, at_work, candidates, machine, summary
+from drivesizer.output.document import appendix, at_work, candidates, machine, summary, worked
 from drivesizer.output.document.content import Content, machine_words
 from drivesizer.output.document.records import PAPER, Document, Printed, Section
 
@@ -45,6 +45,7 @@ SECTIONS: tuple[Section, ...] = (  # what to buy, whether it holds, how close ot
     candidates.REJECTED,
     appendix.SPECIFICATION,
     at_work.DERIVATION,
+    worked.WORKED,
     summary.ASSUMPTIONS,
     summary.PHYSICS,
     machine.PLATFORM_NUMBERS,

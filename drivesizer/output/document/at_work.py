@@ -70,7 +70,7 @@ def _derivation(content: Content) -> Iterator[Block]:
     notes = "".join(f", {note}" for note in dict.fromkeys(r.note for r in found if r.note)) if not by_paper else ""
     table = requirements_table(f"The {content.shaft}, of one drive{notes}", found, halves=True)
     yield Picture("sketch", "The load with its symbols, and what was entered for them.",
-                  "the load with its symbols", small=True)  # fmt: skip
+                  "the load with its symbols", about="is the load with its symbols.", small=True)  # fmt: skip
     if by_paper:
         yield from _equations(content)
         yield replace(table, media="listed")
