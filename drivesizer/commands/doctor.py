@@ -57,7 +57,9 @@ def _libraries() -> Iterator[Finding]:
     for line in metadata.requires("drivesizer") or ():
         required = re.match(r"([\w.-]+)\s*>=\s*([\d.]+)(?:\s*;\s*(.*))?$", line)
         extra = re.search(r"extra\s*==\s*['\"](\w+)", line)
-        if required is None or not _meant(required[3]) or (extra and extra[1] == "dev"):
+        below = re.search(r"python_version\s*<\s*['\"]([\d.]+)", (required and required[3]) or "")
+        of_later = below is not None and sys.version_info[:2] >= tuple(_number(below[1]))
+        if required is None or of_later or (extra and extra[1] == "dev"):
             continue
         name, least = required[1], required[2]
         try:
@@ -67,12 +69,6 @@ def _libraries() -> Iterator[Finding]:
             yield Finding(name, said, extra is not None, f"pip install '{name}>={least}'")
             continue
         yield Finding(name, version, _number(version) >= _number(least), f"pip install '{name}>={least}'")
-
-
-def _meant(condition: str | None) -> bool:
-    """Whether a requirement is meant for this Python."""
-    below = re.search(r"python_version\s*<\s*['\"]([\d.]+)", condition or "")
-    return below is None or sys.version_info[:2] < tuple(_number(below[1]))
 
 
 def _number(version: str) -> list[int]:
@@ -110,23 +106,16 @@ def _catalogues() -> Iterator[Finding]:
         warnings.simplefilter("ignore", CacheWarning)  # the cache's own finding says it
         parts = load(("all",))
     counts = ", ".join(f"{len(getattr(parts, name).rows)} {name}" for name in ("motors", "gearheads", "actuators"))
-    yield Finding(
-        "catalogues",
-        f"{number_of(len(parts.digests), 'file')}: {counts}",
-        bool(parts.digests),
-        "install drivesizer anew",
-    )
+    said = f"{number_of(len(parts.digests), 'file')}: {counts}"
+    yield Finding("catalogues", said, bool(parts.digests), "install drivesizer anew")
 
 
 def _machine_code() -> Iterator[Finding]:
     from drivesizer.control.engine import is_compiled
 
-    now = (
-        "ready as machine code"
-        if is_compiled()
-        else "not at hand as machine code, some hundred times slower without numba"
-    )
-    yield Finding("closed loop", now, is_compiled(), "install drivesizer anew")
+    ready = is_compiled()
+    slow = "not at hand as machine code, some hundred times slower without numba"
+    yield Finding("closed loop", "ready as machine code" if ready else slow, ready, "install drivesizer anew")
 
 
 def _report() -> Iterator[Finding]:

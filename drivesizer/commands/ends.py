@@ -6,7 +6,7 @@ import contextlib
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -85,59 +85,43 @@ def _line_of(error: Any, program: Any, words: list[str]) -> str:
         if word not in getattr(command, "commands", {}):
             break
         path, command = f"{path} {word}".lstrip(), command.commands[word]
-    said = _SAID.get(type(error).__name__, _unknown_command)(error, command)
     example = (command.epilog or f"drivesizer {path} --help".replace("  ", " ")).removeprefix("Example: ")
-    return f"{path and f'{path}: '}{said}, e.g. `{example}`"
+    return f"{path and f'{path}: '}{_found_and_expected(error, command)}, e.g. `{example}`"
 
 
-def _missing(error: Any, command: Any) -> str:
-    name = _name(error.param)
-    return f"{name} is missing; expected {f'{name} with its value' if name.startswith('-') else 'one'}"
-
-
-def _unknown_option(error: Any, command: Any) -> str:
-    known = [name for one in command.params for name in _names(one) if name.startswith("--")]
-    expected = f"expected {', '.join(known) or 'none'}"
-    return f"{quoted(error.option_name)} is no option; {expected}{nearest(error.option_name, known)}"
-
-
-def _option_misused(error: Any, command: Any) -> str:
-    """An option without its value, or one that takes none with one."""
-    flags = [name for one in command.params if getattr(one, "is_flag", False) for name in _names(one)]
-    if error.option_name in flags:
-        return f"{error.option_name} takes no value; expected {error.option_name} alone"
-    return f"{error.option_name} has no value; expected one behind it"
-
-
-def _unknown_command(error: Any, command: Any) -> str:
-    """A command that there is not, or words too many, of one type of error."""
+def _found_and_expected(error: Any, command: Any) -> str:
+    """What is wrong with a command line, by the type of error and, of some, by its words."""
+    arguments = [one for one in command.params if one.param_type_name == "argument"]
+    flags = [name for one in command.params if getattr(one, "is_flag", False)
+             for name in (*one.opts, *one.secondary_opts)]  # fmt: skip
     message = error.format_message()
+    match type(error).__name__:
+        case "MissingParameter" if error.param.param_type_name == "argument":
+            return f"{_argument(error.param)} is missing; expected one"
+        case "MissingParameter":
+            name = max(error.param.opts, key=len)
+            return f"{name} is missing; expected {name} with its value"
+        case "NoSuchOption":
+            options = (name for one in command.params for name in (*one.opts, *one.secondary_opts))
+            known = [name for name in options if name.startswith("--")]
+            expected = f"expected {', '.join(known) or 'none'}"
+            return f"{quoted(error.option_name)} is no option; {expected}{nearest(error.option_name, known)}"
+        case "BadOptionUsage" if error.option_name in flags:
+            return f"{error.option_name} takes no value; expected {error.option_name} alone"
+        case "BadOptionUsage":
+            return f"{error.option_name} has no value; expected one behind it"
     if hasattr(command, "commands") and (found := re.search(r"No such command '(.*?)'", message)):
         known = list(command.commands)
         return f"{quoted(found[1])} is no command; expected {', '.join(known)}{nearest(found[1], known)}"
     if found := re.search(r"unexpected extra arguments?(?:\(s\))? \((.*)\)", message):
-        names = [_name(one) for one in command.params if one.param_type_name == "argument"]
-        return f"{quoted(found[1])} is more than it takes; expected {' and '.join(names) or 'no argument'}"
+        expected = " and ".join(map(_argument, arguments)) or "no argument"
+        return f"{quoted(found[1])} is more than it takes; expected {expected}"
     return f"{message.rstrip('.')}; expected what its --help says"
 
 
-def _names(parameter: Any) -> list[str]:
-    """All that one may type for an option, ``--maps`` and ``--no-maps``."""
-    return [*parameter.opts, *parameter.secondary_opts]
-
-
-def _name(parameter: Any) -> str:
-    """An argument or option as the help names it."""
-    if parameter.param_type_name == "argument":
-        return str(parameter.metavar or parameter.name.upper())
-    return str(max(parameter.opts, key=len))
-
-
-_SAID: Mapping[str, Callable[[Any, Any], str]] = {
-    "MissingParameter": _missing,
-    "NoSuchOption": _unknown_option,
-    "BadOptionUsage": _option_misused,
-}
+def _argument(parameter: Any) -> str:
+    """An argument as the help names it."""
+    return str(parameter.metavar or parameter.name.upper())
 
 
 # -- End of a command: every failure becomes one line on stderr and an exit status.
