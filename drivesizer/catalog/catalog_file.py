@@ -206,13 +206,13 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
     """All tables of a section under each other."""
     shape, found_tables, places = schema.table(section), [empty(section)], list[Path_]()  # of every row, for messages
     for entry, path in reader.entries(given, (section,), shape):
-        found = _table(reader, section, entry, path)
+        head = {"manufacturer": maker, "family": reader.plain_text(entry["family"], (*path, "family"))}
+        found: dict[str, Any] = dict(_table(reader, section, entry, path))
         count = len(found["part"])
-        found |= {"manufacturer": maker, "family": reader.plain_text(entry["family"], (*path, "family"))}
         places += [(*path, "rows", row) for row in range(count)]
         source = np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32)
-        found_tables.append(Table(section, filled(section, found, count), source, np.zeros(count, bool)))
-        _read_notes(reader, section, entry, path, found)
+        found_tables.append(Table(section, filled(section, found | head, count), source, np.zeros(count, bool)))
+        _read_notes(reader, section, entry, path, found | head)
     whole = {name: np.concatenate([one[name] for one in found_tables]) for name in columns_of(section)}
     numbers = whole["part"].tolist()
     first: dict[str, int] = {}
@@ -336,9 +336,7 @@ def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
     return figure
 
 
-def _read_notes(
-    reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: dict[str, NDArray[Any]]
-) -> None:
+def _read_notes(reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: Mapping[str, Any]) -> None:
     here = {str(part) for part in columns["part"]}
     for note, at in reader.entries(entry.get("notes"), (*path, "notes"), schema.NOTE):
         parts = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))

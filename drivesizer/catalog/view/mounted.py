@@ -175,7 +175,8 @@ def view_for(catalog: Catalog, kind: str | None, estimated: bool = True, phase_c
     own = estimates(catalog.steppers)
     if share := own.get("pull_out_share"):  # a printed curve needs none
         keep = ~np.isin(share.rows, catalog.pull_outs.stepper)
-        own["pull_out_share"] = Estimates(share.rows[keep], *(column[keep] for column in share[1:]))
+        kept: tuple[Any, ...] = tuple(column[keep] for column in share)
+        own["pull_out_share"] = Estimates(*kept)
     found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
     middle, *ends = (_viewed(replace(found, **completed(found, end)), phase_current) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
