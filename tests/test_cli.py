@@ -181,27 +181,6 @@ def test_equations_with_the_numbers_of_a_spec(run, example):
     assert max(map(cell_len, out.splitlines())) <= 80
 
 
-def test_equations_of_two_wheels_on_an_axle(run, tmp_path):
-    """K⁺ by hand: half of the radius forwards, radius over track in turning, nothing sideways."""
-    text = """
-name: cart
-load: {kind: wheeled_vehicle, mass: 30 kg, driven_wheels: 2, wheel_diameter: 120 mm, rolling_resistance: 2 %,
-  inertia: 20 kg*cm^2}
-platform: {layout: {kind: differential, track: 300 mm}, casters: [{x: 200 mm, y: 0 mm}], inertia: 1 kg*m^2}
-motion: {speed: 1 m/s, acceleration_time: 2 s, cruise_time: 3 s}
-transmission: [{kind: gearhead}]
-supply: {nominal: 24 V}
-select: {catalogs: [maxon]}
-"""
-    (tmp_path / "cart.yaml").write_text(text)
-    status, out, _ = run("equations", "54", "cart.yaml")
-    rows = [line.split() for line in out.splitlines()]
-    assert status == 0 and ["x", "0.03", "m", "0.03", "m"] in rows
-    assert ["y", "0", "0"] in rows and ["θ", "0.2", "-0.2"] in rows  # the first wheel is the right one
-    status, _, err = run("equations", "33", "cart.yaml")
-    assert status == 2 and "cart.yaml:5: platform: equation (33) is written for four driven wheels" in err
-
-
 def test_validate_the_papers_set(run, example):
     status, out, err = run("validate", example)
     text = " ".join(out.split())
@@ -246,30 +225,6 @@ def test_a_reader_that_goes_away_is_no_error(example):
     command = f"{sys.executable} -m drivesizer equations | head -1"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60, check=False)
     assert "Traceback" not in done.stderr
-
-
-@pytest.mark.slow
-def test_objectives_and_front_from_the_command_line(run, example, tmp_path):
-    text = example.read_text(encoding="utf-8").replace("method: paper", "method: physics")
-    spec = tmp_path / "robot.yaml"
-    spec.write_text(text[: text.index("select:")], encoding="utf-8")
-    status, out, err = run("size", spec, "--json", "--objective", "mass=2,price=1", "--pareto", "mass,energy")
-    assert status == 0, err
-    document = json.loads(out)["axes"][0]["result"]
-    assert document["objective"] == "2 mass + 1 price"
-    front = [(s["mass"], *(f["value"] for f in s["figures"] if f["name"] == "energy")) for s in document["front"]]
-    assert len(front) > 2
-    assert front == sorted(front)
-    assert [energy for _, energy in front] == sorted((energy for _, energy in front), reverse=True)
-    for option, value, word in (
-        ("--objective", "weight", "expected mass"),
-        ("--objective", "mass=x", "above 0"),
-        ("--pareto", "mass", "several"),
-        ("--pareto", "mass,weight", "expected mass"),
-    ):
-        status, out, err = run("size", spec, option, value)
-        assert (status, out) == (2, "")
-        assert word in err and err.count("\n") == 1
 
 
 def test_the_list_of_commands_fits_80_columns_and_each_has_an_example(run, monkeypatch):

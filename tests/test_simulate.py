@@ -8,7 +8,6 @@ from math import nan
 
 import numpy as np
 import pytest
-import yaml
 from scipy.integrate import solve_ivp
 from specs import HEAT
 
@@ -19,7 +18,6 @@ from drivesizer.errors import InputError
 from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain
-from drivesizer.spec.robot import load_spec
 
 PERIOD = 4e-4  # s, of the EPOS4's speed loop
 
@@ -138,48 +136,6 @@ def test_python_control_along_the_paper_s_profile(spec, chosen):
     assert any("of 244 s are simulated: of a constant stretch" in said for said in proof.linear.left_out)
 
 
-BUMP = Profile("bump", (0.0, 0.0204, 0.08, 0.14, 0.3), (1.0, 1.0, 1.02, 0.99, 0.99))
-CASCADE = {"structure": "cascade", "speed_from": "exact", "velocity": {"bandwidth": "30 Hz"}}
-
-
-@pytest.mark.parametrize(
-    ("control", "plant", "slower"),
-    [
-        ({"speed_from": "exact"}, {}, 1),
-        (CASCADE, {}, 1),
-        (CASCADE | {"position": {}}, {}, 1),
-        (CASCADE | {"position": {}}, {}, 3),
-        ({"speed_from": "exact"}, {"model": "two_mass", "stiffness": "300 N*m/rad", "damping_ratio": 0.02}, 1),
-    ],
-    ids=["voltage PID", "cascade", "position", "slower position", "two masses"],
-)
-def test_where_the_machine_is_linear_python_control_is_the_engine(example, chosen, control, plant, slower):
-    """Uphill at speed, the motor driving throughout, the winding cold: the same to rounding, whatever the structure."""
-    data = yaml.safe_load(example.read_text(encoding="utf-8"))
-    data["load"]["slope"] = "3 deg"
-    data |= {"control": control, "plant": {"warming": False} | plant}
-    rates = replace(chosen.controller, position_loop=chosen.controller.speed_loop / slower)
-    drive = replace(chosen, controller=rates, gearhead=replace(chosen.gearhead, backlash=0.0))
-    proof = validate(load_spec(data), drive, profile=BUMP)
-    ours, theirs = proof.series, proof.linear.series
-    at = np.searchsorted(theirs["time"], ours["time"] - 1e-9).clip(0, len(theirs["time"]) - 1)
-    same = (np.abs(theirs["time"][at] - ours["time"]) < 1e-9) & (ours["time"] < 0.15)
-    assert same.sum() > 300 and np.ptp(theirs["speed"]) > 0.02
-    for name, near in (("speed", 1e-9), ("error", 1e-9), ("current", 1e-8), ("voltage", 1e-8)):
-        assert ours[name][same] == pytest.approx(theirs[name][at[same]], abs=near), name
-
-
-def test_braking_has_the_current_of_the_load_cycle(spec, chosen):
-    """Downhill the gears' losses help the brake: settled, both models hold the load with e/K of its torque."""
-    hill = changed(spec, "load", slope=math.radians(-6.0))
-    proof = validate(hill, chosen, profile=Profile("down", (0.0, 1.0), (1.0, 1.0)))
-    K, e = 3249 / 121 * 1.1, 0.80 * 0.95
-    weight = 45 / 4 * 9.80665 * 0.0762 * (math.sin(math.radians(6.0)) - 0.02 * math.cos(math.radians(6.0)))
-    held = 36.9e-3 - weight * e / K / 23.4e-3  # A
-    assert proof.linear.series["current"] == pytest.approx(held, rel=1e-6)
-    assert proof.series["current"][-1] == pytest.approx(held, rel=1e-6)
-
-
 def test_gains_by_the_rule(spec, chosen):
     train, _ = drive_train(spec, chosen, PERIOD)
     gains = design(changed(spec, "control", bandwidth=20.0), train, PERIOD)
@@ -213,32 +169,6 @@ def test_bandwidth_asked_for_is_reached_or_refused(spec, chosen):
     assert check(validate(changed(spec, "needs", bandwidth=2000.0), chosen), "bandwidth").status == "fail"
     with pytest.raises(InputError, match=r"control\.bandwidth: 2000 Hz is faster .* expected at most"):
         validate(changed(spec, "control", bandwidth=2000.0), chosen)
-
-
-# --- energy and time
-
-
-@pytest.mark.parametrize("degrees", [0.0, 2.0, -6.0])
-def test_energy_balance(spec, chosen, degrees):
-    """Electrical work = copper + friction + gears + power stage + work on the load, to 0.1 % of what is turned over."""
-    hilly = changed(changed(spec, "load", slope=math.radians(degrees)), "motion", cruise_time=1.0, rest_time=0.5)
-    proof = validate(hilly, chosen)
-    train, s = drive_train(hilly, chosen, PERIOD)[0], proof.series
-    wheel = s["motor_speed"] / train.ratio
-    driving = s["gearhead_torque"] * wheel > 0.0
-    at_wheel = s["gearhead_torque"] * 1.1 * np.where(driving, 0.95, 1 / 0.95)
-    gears = np.abs(at_wheel * wheel) * np.where(driving, 1 / (0.8 * 0.95) - 1, 1 - 0.8 * 0.95)
-    resistance = train.forward_torque * wheel  # it never goes backward
-    lost = {
-        "copper": figure(proof, "rms_current") ** 2 * 2.32 * s["time"][-1],
-        "friction": np.trapezoid(0.0234 * 0.0369 * s["motor_speed"], s["time"]),
-        "gears": np.trapezoid(gears, s["time"]),
-        "load": np.trapezoid(resistance, s["time"]),
-        "power stage": np.trapezoid(1.0 * np.abs(s["current"]), s["time"]),  # a drop of 1 V is printed
-    }
-    electrical = (figure(proof, "energy_in") - figure(proof, "energy_returned")) / 4
-    assert s["speed"].min() > -1e-3  # m/s, a stop overshoots a little
-    assert electrical == pytest.approx(sum(lost.values()), abs=1e-3 * sum(map(abs, lost.values())))
 
 
 # --- verdicts
@@ -346,14 +276,6 @@ def test_standing_on_a_slope(spec, chosen):
     assert proof.series["current"] == pytest.approx(weight / ratio / 0.0234)
     assert check(proof, "gearhead_intermittent_torque").demand == pytest.approx(weight / 1.1)
     assert check(proof, "gearhead_continuous_torque").demand == pytest.approx(weight / 1.1)  # held on and on
-
-
-def test_there_and_back_again_is_symmetric(spec, chosen):
-    there = validate(spec, chosen, profile=Profile("there", (0.0, 1.0, 2.0, 3.0), (0.0, 1.2, 1.2, 0.0)))
-    back = validate(spec, chosen, profile=Profile("back", (0.0, 1.0, 2.0, 3.0), (0.0, -1.2, -1.2, 0.0)))
-    assert back.series["current"] == pytest.approx(-there.series["current"], abs=1e-12)
-    for a, b in zip(there.checks, back.checks, strict=True):
-        assert a.demand == pytest.approx(b.demand, nan_ok=True)
 
 
 def test_what_is_not_known_is_unknown_and_never_passes(spec, chosen):

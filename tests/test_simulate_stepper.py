@@ -14,10 +14,8 @@ import numpy as np
 import pytest
 import yaml
 from exports import rendered
-from typer.testing import CliRunner
 
 from drivesizer import load_spec, size
-from drivesizer.cli import app
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.output.export import Export, export_of
@@ -202,16 +200,6 @@ def test_json_has_pulses_in_the_place_of_gains(proof: Validation) -> None:
     assert document["gains"]["microsteps"] == 16
     assert document["controller_gains"] == document["loops"] == []
     assert {"lost_steps", "pull_out_share", "load_angle"} <= {one["name"] for one in document["checks"]}
-
-
-def test_commands_say_open_loop(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("robot.yaml").write_text(json.dumps(spec_of(path)), encoding="utf-8")
-    shown = CliRunner().invoke(app, ["validate", "--checks", "--csv", "t.csv"])
-    assert shown.exit_code == 0, shown.output
-    assert "Checks of the open loop" in shown.output and "Microsteps of a full step" in shown.output
-    assert "a stepper follows its pulses in open loop, and nothing is fed back." in " ".join(shown.output.split())
-    assert "load_angle (deg)" in Path("t.csv").read_text(encoding="utf-8").splitlines()[0]
 
 
 # --- exports

@@ -114,23 +114,6 @@ def test_the_whole_cycle_of_the_robot(sps, proof):
     assert run[1][-1] == pytest.approx(0.0, abs=0.4)  # rad/s: it stops
 
 
-def test_what_braking_takes_too_much(sps, proof):
-    """Decelerating, inertia drives the wheels: by 1/e where the drive has e."""
-    spec, found = sps
-    export = export_of(spec, found)
-    train, s = export.train, proof.series
-    torque = train.load_inertia * 0.75 / train.radius - train.forward_torque  # N*m that comes back: 1.5 m/s in 2 s
-    own = train.motor_inertia * train.ratio * 0.75 / train.radius - train.friction
-    simulated = -(torque * train.efficiency / train.ratio + own) / train.torque_constant
-    theirs = -(torque / train.efficiency / train.ratio + own) / train.torque_constant
-    model = mujoco.MjModel.from_xml_string(rendered(export, "mjcf").decode())
-    model.opt.timestep = export.period
-    time, _, current = driven(export, model)
-    assert np.interp(243.0, s["time"], s["current"]) == pytest.approx(simulated, abs=2e-3)
-    assert np.interp(243.0, time, current) == pytest.approx(theirs, abs=2e-3)
-    assert theirs - simulated == pytest.approx(-0.408, abs=0.01)  # A
-
-
 ARM = """name: arm
 load: {kind: arm, mass: 2 kg, length: 200 mm, start_angle: -40 deg, tilt: 30 deg}
 motion: {speed: 60 deg/s, acceleration_time: 0.4 s, cruise_time: 1 s}
@@ -205,24 +188,6 @@ def test_every_figure_of_the_motor_arrives(sps):
     assert np.allclose(motor.forcerange, [-0.0234 * 15.0, 0.0234 * 15.0])
     assert [model.nu, model.na] == [4, 1]
     assert model.opt.timestep == 1e-4
-
-
-def test_a_free_motor_runs_up_as_its_time_constant_says(sps):
-    """The file on plain voltage, as its remark says: R J / k^2 with all inertia, and the no-load speed."""
-    spec, found = sps
-    root = ET.fromstring(rendered(export_of(spec, found), "mjcf").decode())
-    motor = root.find("actuator/dcmotor")
-    motor.attrib.pop("controller")
-    motor.set("input", "voltage")
-    root.find("worldbody/body/joint").attrib.pop("frictionloss")
-    model = mujoco.MjModel.from_xml_string(ET.tostring(root, encoding="unicode"))
-    data = mujoco.MjData(model)
-    data.ctrl[0] = 12.0
-    K, e = 3249 / 121 * 1.1, 0.76
-    J = 1.134e-6 + export_of(spec, found).train.load_inertia / (K * K * e)
-    tau = 2.32 * J / 0.0234**2
-    mujoco.mj_step(model, data, round(tau / model.opt.timestep))
-    assert K * data.qvel[0] == pytest.approx(12.0 / 0.0234 * (1.0 - np.exp(-1.0)), rel=2e-3)
 
 
 def test_torque_by_current_and_voltage_by_speed_may_differ(sps):

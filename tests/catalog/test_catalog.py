@@ -164,49 +164,6 @@ def test_no_candidate_holds_an_excluded_part(spec, catalog: Catalog) -> None:
     assert not catalog.gearheads.excluded[found.gearhead].any()
 
 
-# --- units: the same parts as two makers print them ----------------------------------------------------------------
-
-INCH, POUND, GRAVITY = 0.0254, 0.45359237, 9.80665  # by definition
-OZ_IN = POUND / 16 * GRAVITY * INCH  # N*m
-TURN = 2 * np.pi
-MOTOR = {  # field: datasheet column and figure, column in other units and the same figure there
-    "stall_torque": ("mN*m", 243.0, "oz-in", 0.243 / OZ_IN),
-    "nominal_torque": ("mN*m", 26.3, "lb-in", 0.0263 / (16 * OZ_IN)),
-    "mass": ("g", 130.0, "lb", 0.130 / POUND),
-    "length": ("mm", 54.5, "inch", 0.0545 / INCH),
-    "diameter": ("mm", 25.0, "in", 0.025 / INCH),
-    "rotor_inertia": ("g*cm^2", 10.8, "oz-in-s2", 10.8e-7 / OZ_IN),
-    "torque_constant": ("mN*m/A", 23.4, "oz-in/A", 0.0234 / OZ_IN),
-    "speed_constant": ("rpm/V", 408.0, "rad/s/V", 408.0 * TURN / 60),
-    "speed_torque_gradient": ("rpm/(mN*m)", 40.5, "rpm/oz-in", 40.5 * OZ_IN * 1000),
-    "no_load_speed": ("rpm", 9560.0, "rev/s", 9560.0 / 60),
-    "resistance": ("ohm", 2.32, "mohm", 2320.0),
-    "inductance": ("mH", 0.238, "uH", 238.0),
-    "no_load_current": ("mA", 36.9, "A", 0.0369),
-    "mechanical_time_constant": ("ms", 4.58, "s", 0.00458),
-    "motor_time_constant": ("s", 612.0, "min", 10.2),
-    "assigned_power": ("W", 20.0, "hp", 20.0 / (550 * 12 * INCH * POUND * GRAVITY)),
-    "max_radial_load": ("N", 32.0, "lbf", 32.0 / (POUND * GRAVITY)),
-    "max_winding_temperature": ("degC", 125.0, "degF", 257.0),
-    "max_efficiency": ("%", 85.0, "1", 0.85),
-}
-
-
-def test_odd_units_give_the_same_columns() -> None:
-    def motors(unit: int, value: int) -> Catalog:
-        head = ", ".join(f'"{name} ({row[unit]})"' for name, row in MOTOR.items())
-        cells = ", ".join(repr(row[value]) for row in MOTOR.values())
-        return acme(
-            'catalog: 1\nmanufacturer: A\nsources: {s: {document: "A", confidence: quoted}}\nmotors:\n'
-            f'- {{family: M, source: s, columns: [part, {head}], rows: [["1", {cells}]]}}\n'
-        )
-
-    metric, odd = motors(0, 1), motors(2, 3)
-    for name in MOTOR:
-        np.testing.assert_allclose(odd.motors[name], metric.motors[name], rtol=1e-12, err_msg=name)
-    assert metric.motors["rotor_inertia"][0] == pytest.approx(1.08e-6, rel=1e-15)
-
-
 # --- compatibility, against sets written out in plain Python -------------------------------------------------------
 
 NAMES = {"motors": {"F": ["f1", "f2"], "H": ["h1", "h2", "h3"]}, "gearheads": {"P": ["p1", "p2", "p3"], "S": ["s1"]}}

@@ -10,7 +10,6 @@ import control
 import numpy as np
 import pytest
 from linear_machines import cascade_control
-from scipy.linalg import expm
 
 from drivesizer.control.drive_train import DriveTrain, Regime, modes
 from drivesizer.control.gains import (
@@ -32,7 +31,6 @@ from drivesizer.control.loop_models import (
     current_open_loop,
     dc_motor,
     from_error,
-    position_open_loop,
     resonance,
     velocity_open_loop,
     voltage_open_loop,
@@ -183,61 +181,6 @@ def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
 
 
 # --- sampled loops
-
-
-def by_hand(train, cascade, samples):
-    """A step of the angle and of the speed, simulated by current periods in plain Python; physical coordinates."""
-    share = 1.0 / (K * E)  # driving: torque at the wheel to torque at the motor
-    d, c = train.damping, train.stiffness
-    twist = np.array([[0, 1 / K, -1, 0, 0]]), np.array([[0, 0, 0, 1 / K, -1]])  # of speeds, of angles, at the wheel
-    torque = d * twist[0] + c * twist[1]
-    A = np.zeros((5, 5))  # i, w motor, w wheel, angle motor, angle wheel
-    A[0, :2] = -R / L, -K_E / L
-    A[1] = -share * torque / J_M
-    A[1, 0] = K_T / J_M
-    A[2] = torque / J_L
-    A[3, 1] = A[4, 2] = 1.0
-    T = cascade.current_period
-    held = expm(np.block([[A, np.array([[1 / L, 0, 0, 0, 0]]).T], [np.zeros((1, 6))]]) * T)
-    result = {}
-    for kind in ("velocity", "position"):
-        x, u, current, speed = np.zeros(5), 0.0, (0.0, 0.0), (0.0, 0.0)
-        q_i = q_w = derivative = last = 0.0
-        n, m, rows = cascade.current_steps, cascade.velocity_steps, []
-        every = n * m if kind == "position" else n
-        for k in range(samples * every):
-            if kind == "position" and k % (n * m) == 0:
-                rows.append(x[3])
-                speed = (speed[1], cascade.position_kp * (1.0 - x[3]))
-            if k % n == 0:
-                if kind == "velocity":
-                    rows.append(x[1])
-                error = (1.0 if kind == "velocity" else speed[0]) - x[1]
-                q_w += cascade.velocity_ki * cascade.velocity_period * error
-                filtered = cascade.filter_time + cascade.velocity_period
-                derivative = (cascade.filter_time * derivative + cascade.velocity_kd * (error - last)) / filtered
-                last = error
-                current = (current[1], cascade.velocity_kp * error + q_w + derivative)
-            q_i += cascade.current_ki * T * (current[0] - x[0])
-            new = cascade.current_kp * (current[0] - x[0]) + q_i
-            x, u = held[:5, :5] @ x + held[:5, 5] * u, new
-        result[kind] = np.array(rows)
-    return result
-
-
-def test_the_lifted_loops_are_exact():
-    train = replace(TRAIN, stiffness=30_000.0, damping=2.0)
-    cascade = replace(
-        designed(train, Rates(4e-5, 4e-4, 1.2e-3), bandwidth=4.0, position=True), velocity_kd=2e-5, filter_time=5e-4
-    )
-    assert (cascade.current_steps, cascade.velocity_steps) == (10, 3)
-    simulated = by_hand(train, cascade, 120)
-    mode = modes(train)[Regime.FORWARD_DRIVING]
-    for kind, opened in (("velocity", velocity_open_loop), ("position", position_open_loop)):
-        closed = control.feedback(from_error(opened(train, mode, cascade))[1, 0], 1)
-        y = control.step_response(closed, np.arange(120) * closed.dt).outputs
-        assert y == pytest.approx(simulated[kind], rel=1e-7, abs=1e-9)
-        assert 0.1 < y[-1] < 1.5  # it does something
 
 
 def test_the_sampled_current_loop_is_the_magnitude_optimum():

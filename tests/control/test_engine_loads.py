@@ -89,21 +89,6 @@ def test_a_load_of_many_corners_within_a_sample_keeps_its_size():
     assert run.series["motor_speed"][late] == pytest.approx(expected, abs=1e-3)
 
 
-def test_hours_under_loads_that_are_constant_in_pieces_are_carried():
-    m = machine(friction=1e-3, forward_torque=0.1, backward_torque=-0.1)
-    jumps = (1200.0, math.nextafter(1200.0, 2e3), 2400.0, math.nextafter(2400.0, 3e3))
-    task = Task(time=(0.0, 3600.0), speed=(20.0, 20.0), load_time=jumps, load_torque=(0.0, 0.2, 0.2, 0.4))
-    drive = Drive(train=m, controller=gains(kp=0.02, ki=0.5), supply=Supply(voltage=24.0))
-    run = simulate(drive, task)
-    share = 1.0 / (m.ratio * m.efficiency)
-    currents = [(1e-3 + T * share) / m.torque_constant for T in (0.1, 0.3, 0.5)]
-    assert figure(run, "rms_current") == pytest.approx(math.sqrt(sum(i * i for i in currents) / 3.0), rel=1e-5)
-    w = 20.0 * m.ratio
-    energy = 1200.0 * sum((2.32 * i + 0.026 * w) * i for i in currents)
-    assert figure(run, "energy_in") == pytest.approx(energy, rel=1e-5)
-    assert figure(run, "steps") < 0.01 * 3600.0 / PERIOD
-
-
 # --- what the housing loses
 
 

@@ -17,8 +17,6 @@ from blocks import blocks  # noqa: E402
 
 __all__ = ["DOCS", "ROOT", "Loads", "bare", "blocks", "page", "rows", "signs"]
 
-TYPES = {"string": str, "integer": int, "number": (int, float), "boolean": bool, "array": list, "object": dict}
-
 
 def page(name):
     return (DOCS / f"{name}.md").read_text(encoding="utf-8")

@@ -283,18 +283,6 @@ def test_a_joint_that_slides_needs_the_travel_per_turn_of_its_shaft(folder: Path
     assert found.notes[0] == "joints that the trajectory does not move are held: turn at 0 rad, spin at 0 rad"
 
 
-def test_files_that_are_not_there(folder: Path) -> None:
-    file = str(folder / "machine.yaml")
-    with pytest.raises(
-        FieldError, match=r'^"no\.xml" cannot be read \(no such file or directory\); expected a URDF or MJCF'
-    ):
-        joint_torques(between(*MOVES, limits=ALL).model_copy(update={"description": "no.xml"}), file)
-    with pytest.raises(
-        FieldError, match=r'^"no\.csv" cannot be read \(no such file or directory\); expected a CSV file'
-    ):
-        joint_torques(section(trajectory="no.csv"), file)
-
-
 def test_drives_that_carry_each_other_are_refused(tmp_path: Path) -> None:
     """Two branches, the drive of each on the other's link."""
     text = ROBOT.replace('<parent link="b"/>', '<parent link="base"/>')

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from own_catalogue import HOSTILE, RIGHT
+from own_catalogue import RIGHT
 
 from drivesizer.files.text import hand_over
 from drivesizer.files.yaml_edit import Edit, edited
@@ -129,22 +129,6 @@ def test_a_part_is_that_of_the_command(do, run, monkeypatch, catalogue, section,
         assert all(" ".join(cell.split()) in printed for part in cells for cell in part.split("; "))
     assert all(" ".join(line.split()) in printed for line in found["remarks"])
     assert all(text in printed for document in found["documents"] for text in document)
-
-
-def test_what_is_not_there_is_one_line(do):
-    for body in ({"catalogue": "maxon", "part": "no"}, {"catalogue": "gone.yaml", "part": "x"}):
-        assert do("part", section="motors", **body)["kind"] == "wrong"
-    assert do("part", section="gearheads", catalogue=NAME, part="direct")["kind"] == "wrong"
-
-
-def test_hostile_names_are_texts_and_nothing_that_plotly_reads(held, do):
-    take_over(held, {NAME: HOSTILE.encode()})
-    try:
-        found = do("part", catalogue=NAME, section="motors", part="OWN-1")
-        assert found["head"] == "<b>Any</b> <img src=x onerror=alert(1)>"
-        assert "<img" not in json.dumps(found["figures"])
-    finally:
-        take_over(held, {NAME: RIGHT.encode()})
 
 
 # -- into the spec

@@ -6,7 +6,6 @@ import base64
 import os
 import signal
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -153,25 +152,3 @@ def test_a_catalogue_that_is_dropped_is_checked_ranked_with_and_never_markup(pag
     opened(page)
     page.get_by_role("button", name="give it up").click()
     until(page, lambda: page.locator("#headline.wrong").count() == 1)
-
-
-def test_it_fits_a_telephone(page: Any) -> None:
-    too_wide = "one => one.scrollWidth - one.clientWidth"
-    for width in (390, 768):
-        page.set_viewport_size({"width": width, "height": 800})
-        assert page.locator("#browser").evaluate(too_wide) <= 0
-        page.locator("#browser .filter").evaluate("one => { one.open = true; }")
-        page.locator("#browser .listed tbody button").first.click()
-        page.locator("#browser .sheets").wait_for()
-        assert page.locator("#browser").evaluate(too_wide) <= 0
-        page.get_by_role("button", name="Back to the list").click()
-    page.set_viewport_size({"width": 1400, "height": 1000})
-
-
-def test_a_file_elsewhere_on_the_page_does_not_lead_away(page: Any, tmp_path: Path) -> None:
-    page.keyboard.press("Escape")
-    make = "text => { const moved = new DataTransfer(); moved.items.add(new File([text], 'a.yaml')); return moved; }"
-    page.dispatch_event("main", "drop", {"dataTransfer": page.evaluate_handle(make, "name: x\n")})
-    until(page, lambda: "a.yaml is no catalogue" in page.locator("#notices").inner_text())
-    page.dispatch_event("main", "drop", {"dataTransfer": page.evaluate_handle(make, RIGHT)})
-    page.locator("#browser .own strong", has_text="dropped/a.yaml").wait_for()

@@ -5,8 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import random
-import subprocess
-import sys
 import zipfile
 from io import BytesIO
 from pathlib import Path
@@ -18,11 +16,10 @@ from drivesizer.commands.common import proven
 from drivesizer.errors import InputError
 from drivesizer.live.engine import done
 from drivesizer.live.held import EngineMemory, StoppedError
-from drivesizer.output.derivation import margin
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.report import write
 from drivesizer.results.machine import of_one_axis
-from drivesizer.sizing import explain, size
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
 SPEC = """\
@@ -84,13 +81,6 @@ def test_random_states_answer_what_the_command_line_does(seed: int, tmp_path: Pa
     assert (ranked["considered"], ranked["feasible"]) == (result.counts.considered, result.counts.feasible)
 
 
-def test_it_is_what_the_command_prints(tmp_path: Path) -> None:
-    (tmp_path / "robot.yaml").write_text(SPEC, encoding="utf-8")
-    command = [sys.executable, "-m", "drivesizer", "size", "--json", "--top", "10", "--pareto", ",".join(FRONT)]
-    run = subprocess.run(command, cwd=tmp_path, capture_output=True, check=True, encoding="utf-8")
-    assert document(SPEC, []) == run.stdout
-
-
 @pytest.mark.parametrize(
     ("edit", "line", "path", "said"),
     [
@@ -133,19 +123,6 @@ def _data() -> dict[str, Any]:
     from drivesizer.files.yaml_source import YamlSource
 
     return dict(YamlSource(SPEC, "robot.yaml").data)
-
-
-def test_drives_side_by_side_are_those_of_explain() -> None:
-    result = size(load_spec(_data()), top=2)
-    parts = [[one.motor.part, one.gearhead.part] for one in result.sets]
-    found = one("compare", SPEC, sets=parts)
-    assert found["heads"] == [one.label for one in result.sets]
-    rows = {row["title"]: row["cells"] for row in found["rows"]}
-    for n, (motor, gearhead) in enumerate(parts):
-        (explained,) = explain(load_spec(_data()), motor, gearhead)
-        for check in explained.checks:
-            assert rows[check.title][n] == margin(check.margin)
-        assert motor in rows["motor"][n] and gearhead in rows["gearhead"][n]
 
 
 def test_files_are_those_of_the_command_line(tmp_path: Path) -> None:

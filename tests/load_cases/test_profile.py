@@ -265,12 +265,6 @@ def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["gone.csv", ".", "a\0b.csv"])
-def test_unreadable_file(tmp_path, name):
-    with pytest.raises(InputError, match="cannot be read"):
-        from_csv(tmp_path / name)
-
-
 @pytest.fixture
 def robot(tmp_path):
     """Makes a spec of a vehicle or a table, read from a file."""
@@ -297,16 +291,6 @@ def test_a_load_that_turns_has_its_own_units(robot, tmp_path):
     assert profile(spec, str(path)).speed == pytest.approx((0.0, math.pi, 0.0))
     with pytest.raises(InputError, match=r"run\.csv:2: speed: .m/s. is a unit of speed, not of rotary speed"):
         profile(spec, str(write(tmp_path, HEAD + "0,0\n1,1\n")))
-
-
-@pytest.mark.parametrize(("rotary", "unit"), [(False, "m/s"), (True, "rad/s")])
-def test_a_spec_names_a_file_beside_it(robot, tmp_path, monkeypatch, rotary, unit):
-    (tmp_path / "runs").mkdir()
-    (tmp_path / "runs" / "a.csv").write_text(f"speed,time\n{unit},ms\n0,0\n3,500\n0,1500\n")
-    spec = robot(motion={"profile": "csv", "file": "runs/a.csv"}, rotary=rotary)
-    monkeypatch.chdir("/")
-    found = profile_of(spec)
-    assert (found.name, found.time, found.speed) == ("runs/a.csv", (0.0, 0.5, 1.5), (0.0, 3.0, 0.0))
 
 
 def test_name_or_file(spec, tmp_path):

@@ -7,7 +7,6 @@ from importlib import resources
 
 import numpy as np
 import pytest
-from specs import HEAT, without
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
@@ -15,7 +14,7 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import at_shaft, motion_of, remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.simulate import validate
-from drivesizer.sizing import explain, size
+from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -96,17 +95,3 @@ def test_a_recorded_load_is_driven_along_its_own_motion(tmp_path):
     assert {c.name: c.status for c in validate(spec, best).checks}["tracking_error"] == "pass"
     with pytest.raises(InputError, match="recorded load brings its own motion"):
         validate(spec, best, profile=Profile("other", (0.0, 1.0), (0.0, 1.0)))
-
-
-def test_a_mission_is_its_cycle_many_times(spec, catalog):
-    """80 minutes in 20 cycles of 244 s: energy and way of one, twenty times, where the winding stays as it is."""
-    chosen = explain(spec, "118752", "406764", catalog=without(catalog, "motor", "118752", *HEAT))[0]
-    text = spec.text + "\nmission: {duration: 80 min}\n"
-    mission = read_spec(YamlSource(text, "mission.yaml"))
-    one, many = ({f.name: f.value for f in validate(s, chosen).figures} for s in (spec, mission))
-    assert many["mission"] == pytest.approx(20 * 244.0)
-    for name in ("energy_in", "energy_returned"):
-        assert many[name] == pytest.approx(20 * one[name], rel=1e-3)
-    assert many["rms_current"] == pytest.approx(one["rms_current"], rel=1e-3)
-    # the first cycle starts in equilibrium, the others with what the loop's integral kept of the stop before
-    assert one["tracking_error_peak"] < many["tracking_error_peak"] < 2 * one["tracking_error_peak"]

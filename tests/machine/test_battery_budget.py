@@ -119,18 +119,6 @@ def test_the_drive_takes_what_rolling_takes_and_loses_the_rest(robot: RobotSpec,
 # --- balance ---------------------------------------------------------------------------------------------------------
 
 
-def test_consumers_add_up(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
-    found = budget(robot, drive, listed)
-    by_hand = 15 + 2 * 4 + 3 * 3 / 0.9 + 4 * 2 + 60 * 0.1 + 8 * 0.5
-    own = drive_power(robot, drive)
-    net = own.mean(own.drawn) - 0.7 * own.mean(own.returned)
-    assert found.mean_power == pytest.approx(by_hand + net)
-    assert found.mean_power == pytest.approx(np.nansum([one.mean for one in found.consumers]))
-    assert found.peak_power == pytest.approx(own.peak.max() + 15 + 8 + 10 + 8 + 100 + 8)
-    assert figure(found, "mission_energy") == pytest.approx(3 * HOUR * found.mean_power)
-    assert found.duration @ found.power == pytest.approx(found.mean_power * 244.0)
-
-
 def test_losses_of_a_controller_whose_efficiency_is_known(robot: RobotSpec, drive: DriveSet, listed: Catalog) -> None:
     assert drive.controller is not None
     assert isnan(drive.controller.max_efficiency) and drive.controller.voltage_drop == 1.0

@@ -1,8 +1,6 @@
 """Belts and pulleys out of the catalogues: the geometry, which ratios there are, and what a set says of its belt."""
 
-import csv
 import itertools
-import json
 import math
 import re
 from fractions import Fraction
@@ -336,51 +334,3 @@ def test_belt_and_pulleys_are_parts_of_the_set(shop):
         assert found.label.endswith(f"+ belt {found.belt_drive.name}")
     assert any("torque that a belt withstands" in text for text in result.assumptions)
     assert result.counts.considered % len(result.problem.belt_ratios) == 0
-
-
-# -- from the command line
-
-
-@pytest.fixture
-def run(run, monkeypatch, tmp_path, example_text):
-    """The SPS robot with pulleys of West Coast Products; a function that runs the program on it."""
-    text = example_text.replace("method: paper", "method: physics").replace(
-        "catalogs: [maxon]", "catalogs: [maxon, wcp]"
-    )
-    asked = BELT.replace("ratio_max: 2.1", "ratio_max: 1.5") % ", centre_distance: 120 mm"
-    (tmp_path / "robot.yaml").write_text(re.sub(r"ratio: 1\.1 .*", asked, text))
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "80")
-
-    def call(*args):
-        status, out, err = run(*args)
-        assert "Traceback" not in err
-        return status, out
-
-    return call
-
-
-def test_from_the_spec_to_json_and_csv(run, tmp_path):
-    status, out = run("size", "--top", 2, "--json", "--csv", "sets.csv")
-    assert status == 0
-    document = json.loads(out)["axes"][0]["result"]
-    with (tmp_path / "sets.csv").open(newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["list"] == "set"]
-    assert len(rows) == len(document["sets"]) == 2
-    for found, row in zip(document["sets"], rows, strict=True):
-        belt = found["belt_drive"]
-        driving, driven, part = belt["driving"], belt["driven"], belt["belt"]
-        assert found["belt_ratio"] == driven["teeth"] / driving["teeth"] and found["belt_efficiency"] == 0.95
-        assert {driving["profile"], driven["profile"], part["profile"]} == {"HTD"}
-        assert part["width"] == pytest.approx(0.009) and min(driving["width"], driven["width"]) >= 0.009
-        assert abs(belt["centre_distance"] - 0.12) <= 0.003 and belt["teeth_in_mesh"] >= 6
-        length, on_1, on_2 = by_tangents(driving["teeth"], driven["teeth"], 5 * MM, belt["centre_distance"])
-        assert length == pytest.approx(part["teeth"] * 5 * MM)
-        held = min(driving["teeth"] * on_1, driven["teeth"] * on_2) / (2 * math.pi)
-        assert belt["teeth_in_mesh"] == pytest.approx(held)
-        assert [row[n] for n in ("driving_pulley_part", "belt_part", "driven_pulley_part")] == [
-            p["part"] for p in (driving, part, driven)
-        ]
-        assert float(row["centre_distance_m"]) == belt["centre_distance"]
-        assert float(row["teeth_in_mesh"]) == belt["teeth_in_mesh"]
-    assert any("torque that a belt withstands" in text for text in document["assumptions"])

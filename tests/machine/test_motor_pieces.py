@@ -11,10 +11,6 @@ from drivesizer.catalog import Motor
 from drivesizer.catalog.parts import NO_GEARHEAD, OneRow
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.set_cycle import motor_pieces
-from drivesizer.output.document.at_work import PIECES
-from drivesizer.output.document.content import OfDrives
-from drivesizer.output.json import documents
-from drivesizer.output.terminal.sizing import sizing
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.motor_demand import demands
 from drivesizer.sizing import size
@@ -114,21 +110,3 @@ def test_a_noisy_recording_has_the_pieces_that_were_driven(tmp_path):
     assert [one.duration for one in parts] == pytest.approx([1, 5, 8, 5, 5, 3, 5, 6, 2], abs=0.4)
     (said,) = (text for text in found.warnings if "single sample" in text)
     assert said.startswith("the largest torque of log.csv, 14 N·m, is a single sample at 16.5 s; without it 2.")
-
-
-def test_every_output_prints_them(result, capsys):
-    """The example's best drive: JSON, terminal and report, and the largest current as among its figures."""
-    best = result.sets[0]
-    whole = best.pieces[-1]
-    (peak,) = (check for check in best.beside if check.name == "controller_peak_current")
-    assert whole.current == pytest.approx(peak.demand)
-    listed = documents.plain(result)["sets"][0]["pieces"]
-    assert [one["name"] for one in listed] == [one.name for one in best.pieces]
-    assert listed[-1]["rms_torque"] == pytest.approx(whole.rms_torque)
-    sizing(result, details=frozenset({"checks"}))
-    printed = capsys.readouterr().out
-    assert "The motor piece by piece" in printed
-    assert f"{whole.rms_torque * 1e3:.3g}" in printed.split("The motor piece by piece")[1]
-    (table,) = PIECES.blocks(OfDrives(result.catalog), best)
-    assert len(table.rows) == len(best.pieces)
-    assert np.isclose(table.rows[-1].cells["rms_torque"].value, whole.rms_torque)

@@ -13,10 +13,8 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.profile import static_torque
-from drivesizer.machine.battery import energy_budget
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.machine.supply_power import drive_power
 from drivesizer.multi_axis.common_supply import AxisPower, common_supply
 from drivesizer.results.machine import MachinePower
 from drivesizer.sizing import explain, load_parts
@@ -70,16 +68,6 @@ def status(power: MachinePower) -> dict[str, str]:
 
 def check(power: MachinePower, name: str):
     return next(one for one in power.checks if one.name == name)
-
-
-def test_one_battery_is_that_of_its_own_spec_to_the_bit(shelf, drive):
-    one, machine = axis(shelf, drive, "x"), shared(BATTERY, "max: 30 V, min: 20 V")
-    power = common_supply(machine, shelf, [one._replace(problem=problem(machine, one.problem.catalog))])
-    found = drive_power(machine, drive, one.problem.cases[0].at_belt)
-    assert machine.battery is not None and power.energy is not None
-    budget = energy_budget(machine, drive, machine.battery, machine.equipment, shelf, found)
-    assert repr(power.energy.checks) == repr(budget.checks) and repr(power.energy.figures) == repr(budget.figures)
-    assert power.braking is None and check(power, "bus_voltage").demand == 30.0
 
 
 def test_two_axes_exchange_energy_and_share_a_resistor(shelf, drive):
@@ -151,14 +139,6 @@ def test_an_axis_that_is_done_waits_at_rest(shelf, drive):
         one = replace(cycle, inertia=math.nan, torque=cycle.torque * 0.0 + 0.3, acceleration=cycle.acceleration * 0.0)
         one.acceleration[-1, 1] = acceleration
         assert static_torque(one) == pytest.approx(found, nan_ok=True)
-
-
-def test_an_axis_that_repeats_is_in_step_with_the_others_or_at_any_phase(shelf, drive):
-    x, y = axis(shelf, drive, "x", rest="1.9 s"), axis(shelf, drive, "y", up="0.5 s", down="200 ms", rest="300 ms")
-    power = common_supply(shared(), shelf, [x, y._replace(repeats=True)])
-    assert power.synchronised and power.time[-1] == pytest.approx(4.0)  # of 4 s and twice 2 s
-    odd = common_supply(shared(), shelf, [x, axis(shelf, drive, "y", up="0.50123 s", repeats=True)])
-    assert not odd.synchronised and "no common multiple" in " ".join(odd.assumptions)
 
 
 def test_at_random_phases_the_peaks_add_up_and_the_share_of_time_is_told(shelf, drive):

@@ -91,22 +91,6 @@ def test_the_number_of_kinds_is_mostly_the_least_within_the_allowance_and_never_
     assert right >= 0.9 * cases
 
 
-def test_what_the_masses_of_common_drives_make_too_dear_is_not_taken() -> None:
-    """By the first masses both axes could share the strong drive; with it on the base none is strong enough."""
-    best = Combination({"tip": Choice("a", (0, 1.0), 0.1), "base": Choice("b", (0, 2.0), 1.0)}, (0, 3.0), True, 2)
-    kinds = {"tip": ("a", "g"), "base": ("b", "g")}
-    offered = {"tip": {("a", "g"): (0, 1.0), ("b", "g"): (0, 2.0)}, "base": {("b", "g"): (0, 2.0)}}
-    asked: list[Permitted] = []
-
-    def none(permitted: Permitted) -> Combination:
-        asked.append(permitted)
-        return Combination({}, (0, 0.0), True, 0, "base")
-
-    assert fewer_kinds(best, kinds, offered, (0, 5.0), none) == (best, {})
-    assert asked == [{"tip": ("b", "g"), "base": ("b", "g")}]
-    assert fewer_kinds(best, kinds, offered, (0, 3.5), none) == (best, {}) and len(asked) == 1
-
-
 @pytest.mark.parametrize("seed", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in range(3, 6))])
 def test_common_drives_of_an_arm_are_the_fewest_of_all_combinations(seed: int, tmp_path: Path) -> None:
     machine = arm(Random(seed), tmp_path, "price")

@@ -10,9 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.common_supply import AxisPower, shared_sections
 from drivesizer.multi_axis.machine_power import machine_power, over_tolerances
-from drivesizer.multi_axis.sampled_supply import uncertain_machine
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.search.uncertainty.options import Sampling
@@ -140,18 +138,3 @@ def test_a_battery_s_capacity_decides_its_autonomy(sizing):
     power = over_tolerances(machine, axes, machine_power(machine, axes), Sampling(32, 1, None))
     spread = next(one for one in power.reliability.checks if one.name == "battery_autonomy")
     assert spread.passes == pytest.approx((1.8 - 1.0) / 1.2, abs=0.1)
-
-
-def test_each_figure_of_the_file_is_one_in_all_axes(sizing):
-    machine = sizing.machine
-    axes = [(one.name, one.result.problem, one.best, machine.axis(one.name).start) for one in sizing.axes]
-    shared = shared_sections(machine, [one.spec for one in sizing.axes])
-    found = uncertain_machine(machine, shared, [AxisPower(*one) for one in axes])
-    names = [one.name for one in found.given]
-    of_file = {"axes.x.load.mass", "axes.y.load.mass", "axes.y.start", "supply.nominal"}
-    assert {one.column for one in found.given} == {*of_file, "motor.torque_constant"} and len(names) == 5
-    values = np.array([one.nominal for one in found.given])
-    values[names.index("supply.nominal")] = 47.0
-    moved, both = found.at(values)
-    assert moved.supply.nominal == 47.0
-    assert all(case.spec.supply.nominal == 47.0 for one in both for case in one.problem.cases)

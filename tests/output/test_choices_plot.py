@@ -30,15 +30,6 @@ def test_the_front_is_that_of_all_pairs() -> None:
         assert unbeaten(found) == [not one for one in beaten]
 
 
-def test_an_unknown_energy_beats_none_that_is_known() -> None:
-    known, unknown = drives(2, 1)
-    known.figures.update(mass=1.0, price=2.0, energy=5.0)
-    unknown.figures.update(mass=1.0, price=1.0, energy=float("nan"))
-    assert unbeaten([known, unknown]) == [True, True]
-    known.figures["price"] = 0.5
-    assert unbeaten([known, unknown]) == [True, False]
-
-
 def test_drives_without_a_price_are_left_out_and_names_are_shown_letter_by_letter() -> None:
     found = drives(5, 2)
     found[3].figures["price"] = float("nan")

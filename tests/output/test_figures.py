@@ -19,7 +19,7 @@ from drivesizer.output.report.figures import cycle
 from drivesizer.output.report.figures.choice import trade_off
 from drivesizer.output.report.figures.cycle import speed_profile
 from drivesizer.output.report.figures.field import panels, paper_points, torque_speed
-from drivesizer.output.report.figures.style import STYLE, Window, named, thinned, windows
+from drivesizer.output.report.figures.style import STYLE, Window, named, thinned
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
@@ -131,20 +131,6 @@ def test_load_cases_have_names_of_their_own_and_plain_text(result, tmp_path):
     assert STYLE["text.parse_math"] is False
 
 
-def test_cases_of_other_supplies_and_ambients_have_panels_of_their_own(result, tmp_path):
-    more = """cases:
-  - {name: heavy, load: {inertia: 0.1 kg*m^2}}
-  - {name: weak, supply: {nominal: 20 V}}
-  - {name: cold, environment: {ambient: -20 degC}}
-"""
-    given = problem(table(tmp_path, next(iter(MOTIONS)), more), result.catalog)
-    found = panels(given, result.sets[0], ())
-    assert [[name for _, name, _ in panel.cases] for panel in found] == [["as specified", "heavy"], ["weak"], ["cold"]]
-    said = labels(torque_speed(found))
-    assert {"load cycle,", "heavy", "weak", "cold"} <= said
-    assert len([text for text in said if "usable, ambient" in text]) == 3
-
-
 def test_an_unknown_figure_leaves_its_line_out_and_the_rest_stands(result):
     best = result.sets[0]
     bare = replace(best, motor=replace(best.motor, nominal_torque=nan, max_winding_temperature=nan), controller=None,
@@ -152,17 +138,6 @@ def test_an_unknown_figure_leaves_its_line_out_and_the_rest_stands(result):
     said = labels(torque_speed(panels(result.problem, bare, result.requirements)))
     assert "22 V, winding 25 °C" in said
     assert not said & {"continuous", "continuous, nominal torque", "intermittent", "load cycle"}
-
-
-def test_a_long_cruise_is_left_out_and_a_short_one_is_not():
-    time = np.arange(0.0, 100.0, 0.1)
-    long = np.clip(np.minimum(time / 2.0, (99.9 - time) / 2.0), 0, 1)
-    first, last = windows({"time": time, "speed_reference": long})
-    assert first.start == 0.0 and 2.0 < first.end < 4.0
-    assert 95.0 < last.start < 97.9 and last.end == pytest.approx(99.9)
-    short = np.clip(np.minimum(time / 40.0, (99.9 - time) / 40.0), 0, 1)
-    assert [w.title for w in windows({"time": time, "speed_reference": short})] == ["whole cycle"]
-    assert len(windows({"time": time, "speed_reference": np.ones_like(time)})) == 1
 
 
 def test_thinning_keeps_the_highest_and_the_lowest_sample():

@@ -8,19 +8,15 @@ import zlib
 from dataclasses import replace
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from html_reports import CASE, NAME, figures_of, hostile_spec, parsed, whole_validation
 
 from drivesizer.control.validation import Validation
-from drivesizer.load_cases import load_cycle
 from drivesizer.output.document.content import Content
 from drivesizer.output.report import write
-from drivesizer.output.report.figures.field import panels
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.curves import plain
 from drivesizer.output.report.html.page import report_html
-from drivesizer.output.report.html.plots import field_plot
 from drivesizer.output.report.html.templates import environment
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
@@ -177,18 +173,6 @@ def test_every_figure_has_its_place_and_every_place_its_figure(page):
         assert set(colours) <= names  # the page has their values, in light and in dark
         for entry in plot["legend"]:
             assert entry["colour"] in names and entry["traces"]
-
-
-def test_the_operating_points_are_those_of_the_field_and_of_the_cycle(result):
-    (panel,) = panels(result.problem, result.sets[0], result.requirements)
-    field, cycle = panel.cases[0][-1], load_cycle(result.spec)
-    plot = field_plot(panel, [cycle.time])
-    way = next(t for t in plot["data"] if t["name"] == "load cycle")
-    assert way["y"] == pytest.approx(np.abs(field.cycle_speed).ravel() * 30.0 / np.pi, rel=1e-5)
-    assert way["x"] == pytest.approx(1e3 * field.cycle_torque.ravel(), rel=1e-5)  # mN·m; it drives one way
-    assert [moment[0] for moment in way["customdata"]] == pytest.approx([0.0, 2.0, 2.0, 242.0, 242.0, 244.0])
-    power = (np.abs(field.cycle_speed) * field.cycle_torque).ravel()
-    assert [float(m[1].split()[0].replace("−", "-")) for m in way["customdata"]] == pytest.approx(power, rel=5.1e-4)
 
 
 # -- every kind of drive

@@ -240,19 +240,6 @@ def test_axe_finds_nothing_serious_on_a_dark_telephone(narrow):
     assert findings(narrow) == []
 
 
-def test_a_dark_screen_gets_a_dark_page_and_light_figures(narrow):
-    def brightness(colour: str) -> float:
-        return sum(map(int, re.findall(r"\d+", colour)[:3])) / 765.0
-
-    ground = narrow.evaluate("getComputedStyle(document.body).backgroundColor")
-    letters = "getComputedStyle(document.querySelector('[data-plot=cycle] .xtick text')).fill"
-    dark = narrow.evaluate(letters)
-    assert brightness(ground) < 0.15 and brightness(dark) > 0.8
-    narrow.emulate_media(color_scheme="light")
-    until(narrow, lambda: narrow.evaluate(letters) != dark)
-    assert brightness(narrow.evaluate(letters)) < 0.2
-
-
 def test_it_prints(page, result, tmp_path):
     import pypdf
 
@@ -271,19 +258,6 @@ def test_it_prints(page, result, tmp_path):
     assert "Contents" not in text
     assert page.locator("[data-plot='loop'] .main-svg").first.bounding_box()["width"] == pytest.approx(before)
     assert page.heard.console == []
-
-
-def test_nothing_is_clipped_on_paper(narrow, narrow_wild):
-    """The width of the text on A4, 176 mm: no table or figure is wider."""
-    for made in (narrow, narrow_wild):
-        resized(made, 665)
-        made.emulate_media(media="print")
-        made.evaluate("dispatchEvent(new Event('beforeprint'))")
-        wide = made.evaluate("""() => [...document.querySelectorAll("table, .main-svg, pre, math")]
-            .filter((e) => e.getBoundingClientRect().right > 666).map((e) => e.outerHTML.slice(0, 100))""")
-        made.evaluate("dispatchEvent(new Event('afterprint'))")
-        made.emulate_media(media="screen")
-        assert wide == [], made.url
 
 
 def test_a_browser_that_cannot_unpack_says_so_and_shows_the_rest(undrawn):

@@ -42,21 +42,6 @@ def proof(result: SizingResult) -> Validation:
     return replace(plain, loops=CASCADE, series=plain.series | more, series_units=plain.series_units | units)
 
 
-def test_the_loops_by_hand_are_those_of_the_analysis():
-    """The closed forms that the tests lean on, against the analysis of the same loop."""
-    import control
-
-    from drivesizer.control.loop_design import loop_of
-
-    for mine in CASCADE:
-        opened = control.ss(np.eye(1), np.array([[1.0 - mine.poles[0].real]]), np.eye(1), np.zeros((1, 1)), mine.period)
-        found = loop_of(mine.name, opened)
-        for name in ("pole_radius", "gain_margin", "phase_margin", "crossover", "bandwidth", "sensitivity"):
-            assert getattr(found, name) == pytest.approx(getattr(mine, name), rel=1e-6), name
-        assert found.settling_time == pytest.approx(mine.settling_time, abs=1.01 * mine.period)
-        assert found.rise_time == pytest.approx(mine.rise_time, abs=mine.period)
-
-
 # -- what is drawn
 
 

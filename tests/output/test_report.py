@@ -25,7 +25,7 @@ from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import pdf, write, write_series, write_sets
 from drivesizer.output.report.html.page import report_html
 from drivesizer.results.drive_set import Relaxation
-from drivesizer.results.sizing import SizingResult, objective_figure
+from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 
 # -- CSV
@@ -206,18 +206,6 @@ def test_a_front_is_printed_drawn_and_in_the_tables(cased, cased_pdf):
         assert mine["energy"]["unit"] == "J"
     listed = [r["list"] for r in rows_of(csv_tables.sets_csv(cased))]
     assert listed == ["set"] * len(cased.sets) + ["miss"] * len(cased.misses) + ["front"] * len(cased.front)
-
-
-def test_what_a_set_has_of_an_objective(cased):
-    best = cased.sets[0]
-    assert objective_figure(best, "power").value == best.motor.assigned_power  # not the power of the supply
-    assert isnan(best.motor.length) and isnan(objective_figure(best, "length").value)  # its catalogue gives no length
-    long = replace(best, motor=replace(best.motor, length=0.06), gearhead=replace(best.gearhead, length=0.04))
-    assert objective_figure(long, "length").value == pytest.approx(0.1)
-    assert objective_figure(best, "margin").value == min(c.margin for c in best.checks if not isnan(c.margin))
-    does = {f.name: f.value for f in best.figures}
-    assert objective_figure(best, "energy").value == does["energy"]
-    assert isnan(objective_figure(replace(best, figures=()), "energy").value)
 
 
 def test_changes_are_told_with_numbers(cased):

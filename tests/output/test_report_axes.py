@@ -11,8 +11,7 @@ import numpy as np
 import openpyxl
 import pytest
 from forty_motors import catalogue
-from lxml import html
-from printed import blank_figures, text_of
+from printed import blank_figures
 
 from drivesizer.multi_axis.machine_power import machine_power
 from drivesizer.multi_axis.sizing import size_machine
@@ -20,7 +19,7 @@ from drivesizer.output.derivation import margin
 from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
-from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals, totals_of_axes
+from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals
 from drivesizer.output.report import write_machine
 from drivesizer.output.report.csv import files_csv
 from drivesizer.output.report.figures.machine import layers
@@ -117,34 +116,10 @@ def test_the_first_page_has_a_row_for_each_axis_and_names_the_one_without_a_driv
     assert machine.status == "fail"
 
 
-def test_every_axis_has_a_chapter_with_names_of_its_own(chapters, machine):
-    titles = [one["title"] for one in chapters.values() if one["level"] == 1]
-    assert titles[-6:] == ["Axis x", f"Axis {LONG}", "Axis z", "Assumptions", "How to repeat this", "Data sheets"]
-    named = [
-        (one["kind"], one["name"]) for chapter in chapters.values() for one in chapter["blocks"] if one.get("name")
-    ]
-    assert len(named) == len(set(named)) and {("table", f"axis{n}-checks") for n in (1, 2, 3)} <= set(named)
-    checks = block(chapters["axis2-checks"], "axis2-checks")["rows"]
-    assert {row["data"]["check"] for row in checks} == {one.name for one in machine.axes[1].best.checks}
-
-
 def test_drives_that_ride_on_an_axis_stand_below_it(chapters, machine):
     rows = [row["cells"] for row in block(chapters["carried"], "riding")["rows"]]
     assert [row[0] for row in rows] == ["x", f"└ {LONG}"]  # nothing rides on z, nor z on anything
     assert (rows[0][-1]["text"], rows[1][-2]["text"]) == ("900 g", "900 g")
-
-
-def test_pdf_and_page_print_the_sums_of_the_parts_list(machine, files):
-    lines = machine_parts_of_axes(machine)
-    mass, price = totals_of_axes(lines)
-    pdf = text_of(files["report.pdf"], 3)
-    parsed = html.document_fromstring(files["report.html"].decode())
-    ids, page = parsed.xpath("//@id"), parsed.text_content()
-    assert len(ids) == len(set(ids))
-    assert (mass.value, price.value) == (pytest.approx(2.0), 350.0)
-    for text in (pdf, " ".join(page.split())):
-        assert "≥ 2 kg" in text and "≥ 350.00 EUR" in text and "No drive for z." in text
-        assert f"x, {LONG}" in text and "5 ×" in text and "Axis z" in text
 
 
 def test_tables_have_the_records_figures_of_every_axis(machine, files):

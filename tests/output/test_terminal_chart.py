@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf, nan
-
 import pytest
 
 from drivesizer.output.terminal.tables import Axis, Series, chart, dots, ticks
@@ -38,13 +36,6 @@ def test_what_lies_outside_is_cut_off_where_the_axes_end():
     assert dots(Series("", [0, 15], [16, 16]), reach, size) == []
     assert dots(Series("", [20, 40], [0, 15]), reach, size) == []
     assert dots(Series("", [-9, 3], [3, -9]), reach, size) == []
-
-
-@pytest.mark.parametrize("odd", [nan, inf, -inf])
-def test_what_is_not_finite_leaves_a_gap(odd):
-    one = Series("", [0, 1, 2, 3, 4], [0, 0, odd, 0, 0])
-    assert dots(one, (15.0, 15.0), (16, 16)) == [(0, 0), (1, 0), (3, 0), (4, 0)]
-    assert field(Series("", [odd], [1.0], mark="●")) == ["", "", ""]
 
 
 @pytest.mark.parametrize(

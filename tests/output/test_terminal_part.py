@@ -131,15 +131,6 @@ def test_the_chart_says_what_it_shows(part, shown):
     assert "⠂⠂ continuous, at 25 °C around the motor" in words(shown(part(**REGION)))
 
 
-def test_the_chart_tells_what_is_computed_cut_or_permitted_for_a_while(part, shown):
-    said = words(shown(part(stall_torque=None, max_speed="8000 rpm", peak_torque="60 mN*m")))
-    assert "computed from R, k_t and the no-load speed" in said
-    assert "cut at the permitted 8000 rpm" in said
-    assert "⠂ peak torque, for a short time" in said
-    assert "computed" not in words(shown(part()))
-    assert "peak torque, for" not in words(shown(part(peak_torque="200 mN*m")))
-
-
 # --- heat ------------------------------------------------------------------------------------------------------------
 
 
@@ -215,16 +206,6 @@ def test_the_tables_of_heat(part, shown):
     assert "does not flow" not in said
     assert "more than 5 A does not flow at nominal voltage" in words(shown(part(resistance="4.8 ohm")))
     assert "more than 4 A exceeds the permitted peak torque" in words(shown(part(peak_torque="96 mN*m")))
-
-
-def test_rows_whose_figures_are_unknown_are_left_out(part, shown):
-    said = words(shown(part(nominal_speed=None)))  # friction's heat at the nominal point, and so the warm start
-    assert "from cold" in said
-    assert "from warm" not in said.replace("warm: ", "")
-    said = words(shown(part(winding_time_constant=None)))
-    assert "continuous current by ambient" in said
-    assert "overload: unknown without winding time constant" in said
-    assert "at standstill 1." in words(shown(part(nominal_current=None, nominal_torque=None)))
 
 
 # --- the page --------------------------------------------------------------------------------------------------------

@@ -11,11 +11,8 @@ import jsonschema
 import openpyxl
 import pytest
 from printed import blank_figures, text_of
-from typer.testing import CliRunner
 
-from drivesizer.cli import app
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.output.document.content import error_and_weakest
 from drivesizer.output.json.documents import plain
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.report import csv as csv_tables
@@ -23,7 +20,7 @@ from drivesizer.output.report import write
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.choice import swings, tornado
 from drivesizer.output.terminal.sizing import DETAILS, sizing
-from drivesizer.output.words import likely, moved, reported
+from drivesizer.output.words import moved, reported
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explained, size
@@ -57,24 +54,6 @@ def test_the_json_document_says_how_sure_and_is_what_its_schema_says(result: Siz
         assert found["probability"] >= 0.5 and found["drivers"][0]["name"] == "load.rolling_resistance"
         assert found["low"] <= found["high"]
     assert all(one["reliability"]["probability"] < 0.5 for one in document["unsure"])
-
-
-def test_the_pdf_and_the_page_tell_the_same_rows(result: SizingResult, tmp_path: Path) -> None:
-    with blank_figures():
-        write(result, None, [tmp_path / "report.pdf", tmp_path / "report.html"])
-    text = text_of((tmp_path / "report.pdf").read_bytes())
-    page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    best = reported(result)
-    assert best and best.reliability and result.uncertainty
-    assert "Probability that the drives pass" in text and "Probability that the drives pass" in page
-    for one in (*result.sets, *result.unsure):
-        assert one.reliability and (chance := likely(one.reliability.passing)) in text and chance in page
-    found = best.reliability
-    said = f"all checks pass with a probability of {likely(found.probability)} {error_and_weakest(found)}"
-    assert said in text and said in page.replace("<strong>", "").replace("</strong>", "")
-    assert "reach the confidence of 50 %" in text and "below the confidence of 50 %" in text
-    for assumption in result.uncertainty.assumptions:
-        assert assumption.title in page and assumption.text in page
 
 
 def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> None:
@@ -168,16 +147,3 @@ def test_a_pair_that_falls_at_nominal_figures_is_sampled_too(result: SizingResul
     failed = {check.title for check in one.checks if check.status == "fail"}
     assert one.status == "fail" and one.reliability and one.reliability.probability < 1.0
     assert failed <= {check.title for check in moved(one.reliability)}
-
-
-@pytest.mark.slow
-def test_a_report_takes_the_options_of_a_sizing(result: SizingResult, tmp_path: Path) -> None:
-    file, out = tmp_path / "robot.yaml", tmp_path / "report.csv"
-    file.write_text(result.spec.text, encoding="utf-8")
-    options = ["--confidence", "0.5", "--samples", "256", "--seed", "3", "--loop-samples", "8", "--processes", "2"]
-    run = CliRunner().invoke(app, ["report", str(file), "--top", "1", "-o", str(out), *options])
-    assert run.exit_code == 0
-    rows = list(csv.DictReader(io.StringIO(out.read_text(encoding="utf-8"))))
-    assert [row["value"] for row in rows if row["name"] == "all_checks_loop_samples"] == ["8"]
-    refused = CliRunner().invoke(app, ["report", str(file), "-o", str(out), "--confidence", "1.5"])
-    assert refused.exit_code != 0

@@ -13,17 +13,6 @@ R, L, K_T, J, I_0 = 3.69, 0.231e-3, 18.4e-3, 5.55e-7, 19.6e-3
 DRY = K_T * I_0
 
 
-def test_no_load_speed_and_time_constant_are_those_of_the_data_sheet():
-    winding = Winding(R, np.nan, K_T, K_T)
-    speed, current = operating_point(winding, 12.0, DRY, 0.0)
-    assert speed * 30 / np.pi == pytest.approx(6200, rel=5e-3)  # k_t has three digits
-    assert current == pytest.approx(I_0)
-    time = step_time(winding, 12.0, DRY, 0.0, J, 1.0 - np.exp(-1.0))
-    assert time == pytest.approx(6.07e-3, rel=5e-3)
-    speed, _ = operating_point(winding, 12.0, 14.7e-3 + DRY, 0.0)
-    assert speed * 30 / np.pi == pytest.approx(4670, rel=6e-3)  # nominal speed at 14.7 mN·m
-
-
 @pytest.mark.parametrize("inductance", [L, 30 * L, 400 * L])
 @pytest.mark.parametrize("viscous", [0.0, 2e-7])
 def test_step_is_that_of_the_differential_equations(inductance, viscous):

@@ -14,7 +14,6 @@ from platforms import ALPHA, INERTIA, LENGTH, MASS, RADIUS, WHEEL, car, differen
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import Profile
 from drivesizer.physics.load_cycle import integral
 from drivesizer.platform.dynamics import (
@@ -77,22 +76,6 @@ def test_a_planned_way_straight_on_is_a_vehicles_load_cycle(degrees, resistance)
         assert_same(cycle, known)
         assert cycle.inertia == pytest.approx(known.inertia, rel=1e-12)
         assert cycle.radius == known.radius
-
-
-MOTIONS = {
-    "s-curve": "{profile: s_curve, distance: 3 m, speed: 1.2 m/s, acceleration: 0.8 m/s^2, jerk: 2 m/s^3}",
-    "there and back": "{speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 3 s, there_and_back: true}",
-    "harmonic": "{profile: harmonic, amplitude: 0.4 m, period: 3 s}",
-}
-
-
-@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
-def test_any_profile_straight_on_is_a_vehicles_load_cycle(motion):
-    text = (VEHICLE % 3.0).partition("motion:")[0] + f"motion: {motion}\nsupply: {{nominal: 24 V}}\n"
-    spec = read_spec(YamlSource(text, "x.yaml"))
-    d, ground = dynamics(mecanum(rolling_resistance=0.02)), Ground(slope=math.radians(3.0))
-    for cycle in wheel_cycles(d, along(profile_of(spec)), ground):
-        assert_same(cycle, load_cycle(spec))
 
 
 def test_a_piece_in_which_it_turns_round_is_cut_there():

@@ -33,23 +33,6 @@ def by_name(d):
     return {one.name: one for one in [wheel_table(d), mobility(d), *matrices(d)]}
 
 
-def test_the_papers_robot_by_hand():
-    """r ω = v_x ± v_y ± (l_x + l_y) θ̇, the known result for four mecanum wheels; rows of (26) by their angles."""
-    found = by_name(dynamics(mecanum()))
-    assert found["E"].values == pytest.approx(SIDE * [1, 1, LX + LY] / RADIUS, rel=1e-12)
-    assert found["E"].values[0] == pytest.approx([13.1234, 13.1234, 4.9013], abs=1e-4)
-    assert found["E"].units[0] == ["1/m", "1/m", "1"] and found["E"].equations == (32, 33)
-    root = math.sqrt(0.5)  # φ = 135° and 45°; L cos δ is what the lever along the roller's axis is
-    assert found["J_1"].values == pytest.approx(-root * SIDE * [1, 1, LX + LY], rel=1e-12)
-    assert np.diag(found["J_2"].values) == pytest.approx([0.05388] * 4, abs=5e-6)  # 76.2 mm · cos 45°
-    assert found["K_plus"].values[2] == pytest.approx(np.array([1, -1, -1, 1]) * 0.0762 / 4 / 0.37348, rel=1e-4)
-    assert found["mobility"].values[:, 0].tolist() == [3, 3, 1]
-    table = found["wheels"]
-    assert table.values[:, 1] == pytest.approx([-29.5, 29.5, 150.5, -150.5])
-    assert table.values[:, 2] == pytest.approx([119.5, 60.5, -60.5, -119.5])  # β = 90° − α rolls forward
-    assert table.values[0, :1] == pytest.approx([274.06]) and table.units[0][:2] == ["mm", "deg"]
-
-
 def test_the_inertia_of_the_papers_robot_by_hand():
     """Forward and sideways all wheels turn with v / r: m + 4 J / r²; turning I + 4 J (l / r)²."""
     found = by_name(dynamics(mecanum()))["M_bar"]

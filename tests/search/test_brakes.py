@@ -140,29 +140,6 @@ def rubbing(lift, friction, detent=math.nan, **needs):
     return drives(size(load_spec({**problem.machine.entered, "needs": counted}), catalog=catalog, top=20))
 
 
-def test_friction_helps_the_brake_where_it_is_to_be_counted(lift):
-    """4.9 N m; 0.39 N m at 20:1 with the factor 2: 0.3 N m of B2 and 0.1 of friction; 0.21 at 35:1: 0.1 of B1, 0.12."""
-    reaches = {"G20": 20 * 9.80665 * 0.025 * 0.80 / 20, "G35": 20 * 9.80665 * 0.025 * 0.75 / 35}
-    for friction, detent, brakes in ((math.nan, math.nan, ("B4", "B2")), (0.1, math.nan, ("B2", "B2")),
-                                     (0.07, 0.05, ("B2", "B1")), (0.25, math.nan, ("B2", None))):  # fmt: skip
-        found = rubbing(lift, friction, detent)
-        more = np.nansum([friction, detent])
-        for part, brake in zip(("G20", "G35"), brakes, strict=True):
-            one = found["listed", part]
-            assert (one.brake.part if one.brake else None) == brake
-            held = check(one, "holding")
-            own = one.brake.static_torque if one.brake else 0.0
-            assert (held.status, held.demand, held.limit) == (
-                "pass",
-                pytest.approx(reaches[part]),
-                pytest.approx(own + more),
-            )
-    alone = found["bare", "G35"]
-    assert alone.brake is None and check(alone, "brake_fits").status == "pass"
-    assert check(alone, "gearhead_holding").demand == pytest.approx(20 * 9.80665 * 0.025)
-    assert check(found["bare", "G20"], "holding").status == "unknown"  # too little alone, and no brake is listed
-
-
 def test_counted_friction_against_plain_python(lift):
     draw = np.random.default_rng(11)
     strengths = {"B1": 0.1, "B2": 0.3, "B4": 0.9}

@@ -14,11 +14,10 @@ import pytest
 from stepper_catalog import ideal_torque, printed_torque, worst_share, written
 
 from drivesizer import load_spec, size
-from drivesizer.catalog import Brake, Catalog, load
+from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError
-from drivesizer.machine.operating_field import field, with_pull_out
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.machine.supply_power import drive_power, energy_flow
+from drivesizer.machine.supply_power import energy_flow
 from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import Check, SizingResult
@@ -195,14 +194,6 @@ def test_beyond_the_printed_curve_torque_is_unknown(path: Path) -> None:
     assert check(found.sets[0], "pull_out_torque").status == "unknown"
 
 
-def test_gearheads_on_the_shaft(path: Path) -> None:
-    """Hubs of 4 to 8 mm take the shafts of 5 and 8 mm, and every stepper drives directly too."""
-    found = sized(path, transmission=[{"kind": "gearhead"}])
-    geared = {one.motor.part for one in found.sets if one.gearhead.part != "direct"}
-    assert geared == {"B1", "B2"}
-    assert {one.motor.part for one in found.sets if one.gearhead.part == "direct"} >= {"A1", "A2"}
-
-
 # --- outputs ---------------------------------------------------------------------------------------------------------
 
 
@@ -262,18 +253,6 @@ def test_idle_current_holds_less_at_rest(path: Path) -> None:
     assert check(lost.misses[0], "idle_torque").status == "fail"
 
 
-def test_a_brake_that_is_kept_released_draws_of_a_steppers_supply(path: Path) -> None:
-    """8 W at any moment of the cycle, beside what the windings take."""
-    found = sized(path, select={"motor": {"kind": "stepper", "part": "A2"}})
-    drive, spec = found.sets[0], found.problem.spec
-    braked = replace(drive, brake=Brake(part="B8", power=8.0, inertia=0.0))
-    alone, both = (drive_power(spec, one) for one in (drive, braked))
-    assert both.mean(both.drawn) - alone.mean(alone.drawn) == pytest.approx(8.0)
-    flow = energy_flow(set_cycle(spec, braked))
-    assert flow.brake == pytest.approx(8.0 * alone.total)
-    assert flow.drawn == pytest.approx(both.mean(both.drawn) * both.total)
-
-
 def test_energy_of_a_cycle_is_all_accounted_for(path: Path) -> None:
     """What is drawn less what is returned is lost in windings and gears, done on the load, or in the rotor."""
     load = {"kind": "rotary_table", "inertia": "1e-3 kg*m^2", "friction_torque": "0.15 N*m"}
@@ -297,19 +276,6 @@ def test_what_is_returned_stays_on_the_bus(path: Path) -> None:
     assert energy > 0.1
     assert check(found, "bus_voltage").demand == pytest.approx(math.sqrt(24.0**2 + 2 * energy / 0.01))
     assert check(sized(path, **given, supply={"accepts": "all"}).sets[0], "bus_voltage").status == "pass"
-
-
-def test_the_field_has_the_pull_out_torque(path: Path) -> None:
-    """A2 at 24 V, up to half more than 600 rpm: 0.42 N*m up to 400 rpm, 0.32 at 700, between them a straight line."""
-    found = sized(path, motion={"speed": "600 rpm"}, select={"motor": {"kind": "stepper", "part": "A2"}})
-    spec, drive = found.problem.spec, found.sets[0]
-    lines = with_pull_out(field(spec, drive), spec, found.problem.catalog, "A2")
-    assert lines.pull_out is not None
-    assert lines.speed[-1] == pytest.approx(900 * RPM)
-    at = np.interp([100 * RPM, 400 * RPM, 550 * RPM], lines.speed, lines.pull_out)
-    assert at == pytest.approx([0.42, 0.42, 0.37], abs=2e-3)
-    assert np.abs(lines.cycle_torque).max() == pytest.approx((4e-4 + 82e-7) * 600 * RPM / 0.15, rel=1e-6)
-    assert lines.factor == 2.0
 
 
 # --- what is refused -------------------------------------------------------------------------------------------------

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivesizer.control.closed_loop.run import prepared, run
-from drivesizer.control.engine import simulate
+from drivesizer.control.closed_loop.run import run
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform import motion_of
 from drivesizer.results.drive_set import DriveSet
@@ -35,19 +34,6 @@ def arm() -> tuple[RobotSpec, DriveSet]:
     spec = read_spec(YamlSource(ARM, "arm.yaml"))
     result = size(spec, top=1, sampling=Sampling(64, 1, None))
     return result.spec, result.sets[0]
-
-
-def test_a_batch_is_what_each_machine_does_alone(arm: tuple[RobotSpec, DriveSet]) -> None:
-    spec, one = arm
-    given = assumptions(spec)
-    nominal = run(spec, one, motion_of(spec))
-    machines = [sampled_closed_loop.deviating(spec, one, given, values) for values in sample(given, 64, 5).values[:4]]
-    assert len({machine[0].load.mass for machine in machines}) == 4  # type: ignore[union-attr]
-    made = [prepared(*machine, motion_of(machine[0]), nominal.controller) for machine in machines]
-    for ours, each in zip(sampled_closed_loop._simulated(made), made, strict=True):
-        alone = simulate(each.drive, each.task, rows=0)
-        for name in ("speed_error", "current", "rms_current", "gear_torque"):
-            assert ours.figures[name][0] == pytest.approx(alone.figures[name][0], rel=1e-9)
 
 
 @pytest.mark.slow

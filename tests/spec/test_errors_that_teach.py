@@ -6,7 +6,6 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands.ends import ended
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.sizing import load_parts, size
@@ -97,14 +96,6 @@ def _sections(model, seen=None):
     seen = {model} if seen is None else seen | {model}
     inner = {one for field in model.model_fields.values() for one in messages.models_of(field)}
     return seen.union(*(_sections(one, seen) for one in inner - seen))
-
-
-def test_each_fault_is_a_line_of_stderr(tmp_path, capsys):
-    file = tmp_path / "robot.yaml"
-    file.write_text(SPEC.replace("30 kg", "30").replace("24 V", "24"), encoding="utf-8")
-    assert ended(lambda: app(["size", str(file)], standalone_mode=False)) == 2
-    out, err = capsys.readouterr()
-    assert out == "" and [line.startswith("drivesizer: ") for line in err.splitlines()] == [True, True]
 
 
 def test_the_format_of_a_simulator_is_named_by_the_simulator(tmp_path):

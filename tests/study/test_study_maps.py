@@ -1,7 +1,5 @@
 """Maps of studies: what is on them, in what place, and what they say of what is not known."""
 
-import re
-
 import numpy as np
 import pytest
 from lxml import etree
@@ -81,30 +79,6 @@ def test_the_same_drawing_has_the_same_bytes(tmp_path):
     for form in ("svg", "png"):
         assert made["mass"](form) == again["mass"](form)
     assert b"<text" not in made["mass"]("svg") and made["mass"]("png").startswith(b"\x89PNG")
-
-
-def test_samples_are_points_and_fields_beside_them_lie_as_they_fall(tmp_path):
-    study = (
-        "spec: robot.yaml\nvary:\n  load.mass: {from: 20 kg, to: 90 kg}\n  motion.speed: {from: 1 m/s, to: 2 m/s}\n"
-        "  supply.max: {from: 29 V, to: 36 V}\nsampling: {latin_hypercube: 12, seed: 3}\n"
-    )
-    over, found, _ = mapped(tmp_path, study)
-    assert (len(found[()]), over.beside, over.grid) == (12, (), False)
-    svg = drawings(over, found)[0]["mass"]("svg").decode()
-    passing = [row for row in found[()] if row["set"]]
-    assert 0 < len(passing) < 12
-    marks = [
-        len(re.findall("<use ", part)) for part in re.findall(r'(?s)<g id="PathCollection_\d+">.*?</g>\s*</g>', svg)
-    ]
-    assert sum(marks) == 12
-
-
-@pytest.mark.parametrize("study", ["vary: {load.mass: [30 kg, 45 kg, 450 kg]}\n", "objectives: [mass, price]\n"])
-def test_one_thing_that_varies_is_a_line(tmp_path, study):
-    over, found, _ = mapped(tmp_path, "spec: robot.yaml\n" + study)
-    assert over.up is None
-    made, _ = drawings(over, found)
-    assert made["mass"]("png").startswith(b"\x89PNG") and made["best_set"]("svg")
 
 
 @pytest.mark.slow

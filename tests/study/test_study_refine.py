@@ -8,10 +8,9 @@ import pytest
 from studies import CHEAP, in_this_process, laid, results
 
 from drivesizer.errors import InputError
-from drivesizer.sizing import size
 from drivesizer.study import run
 from drivesizer.study.plan import read_study
-from drivesizer.study.rows import columns_of, spec_of
+from drivesizer.study.rows import columns_of
 from drivesizer.study.run import carry_out, refined
 
 GRID = """\
@@ -67,14 +66,6 @@ def test_a_refined_map_is_that_of_the_fine_grid_where_it_has_points(coarse, tmp_
             assert any(a in found and b in found and kind(found[a]) != kind(found[b]) for a, b in pairwise(line))
     assert changes > 5
     assert {kind(row) for row in full.values()} == {kind(row) for row in found.values()}
-
-
-def test_a_finer_variant_is_sized_as_by_itself(coarse):
-    plan, found = read_study(coarse / "study.yaml"), list(by_place(coarse).values())
-    for row in found[-3:]:
-        values = f"{row[PLACE[0]]} kg", f"{row[PLACE[1]]} m/s"
-        alone = size(spec_of(plan.job, plan.variant(1)._replace(values=values)))
-        assert (alone.sets[0].label if alone.sets else "") == row["set"]
 
 
 def test_order_and_interruption_change_nothing(coarse, tmp_path):

@@ -207,29 +207,6 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
     assert results(tmp_path / "study") == without_maps(whole)
 
 
-@pytest.mark.slow
-def test_a_lost_scheduler_is_one_line_and_results_are_kept(tmp_path):
-    pytest.importorskip("distributed")
-    laid(tmp_path, MANY)
-    (tmp_path / "cluster.py").write_text(CLUSTER)
-    with subprocess.Popen(
-        [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
-    ) as running:  # fmt: skip
-        address = running.stdout.readline().split()[0]
-        with subprocess.Popen(
-            halted(20, "--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, encoding="utf-8",
-        ) as study:  # fmt: skip
-            until(lambda: len(chunks(tmp_path)) >= 20)
-            running.kill()  # the scheduler lives in this process
-            (tmp_path / "go").touch()
-            _, err = study.communicate(timeout=WAIT)
-    assert (study.returncode, err.count("\n")) == (2, 1), err
-    assert "were lost" in err and "the same command resumes" in err
-    assert len(chunks(tmp_path)) >= 20
-
-
 def without_maps(files):
     return {name: content for name, content in files.items() if not name.startswith("maps/")}
 
@@ -302,24 +279,6 @@ def test_a_fresh_beginning_takes_away_no_input(name, run, tmp_path):
         err == f"drivesizer: {folder / name}: cannot be removed, it is read in the same run; expected another folder\n"
     )
     assert {path: path.read_bytes() for path in before} == before
-
-
-def test_wrong_studies_are_one_line_at_the_command(run, tmp_path):
-    status, _, err = run()
-    assert (status, err) == (2, "drivesizer: study.yaml: cannot be read (no such file or directory)\n")
-    laid(tmp_path, FEW.replace("load.mass", "load.mas"))
-    status, _, err = run()
-    assert (status, err.count("\n")) == (2, 1)
-    laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [-5 kg, -6 kg]}\n")
-    status, _, err = run()
-    assert (status, err.count("\n")) == (2, 1)
-    assert "all of its variants are invalid (2); the first: robot.yaml:" in err
-    laid(tmp_path, FEW)
-    status, _, err = run("--map", "load.mas,motion.speed")
-    assert (status, err) == (
-        2, 'drivesizer: --map: "load.mas" does not vary in this study; the nearest is load.mass\n',
-    )  # fmt: skip
-    assert not (tmp_path / "study").exists()
 
 
 @pytest.mark.usefixtures("here")
