@@ -11,7 +11,8 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.axis_sizings import as_chosen
-from drivesizer.multi_axis.sizing import laden, size_machine
+from drivesizer.multi_axis.several import laden
+from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size
 from drivesizer.spec.machine import load_machine

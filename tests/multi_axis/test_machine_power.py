@@ -13,7 +13,8 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.multi_axis.common_supply import shared_sections
 from drivesizer.multi_axis.machine_power import machine_power
-from drivesizer.multi_axis.sizing import laden, size_machine
+from drivesizer.multi_axis.several import laden
+from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.json.schema import report_schema
 from drivesizer.output.parts import machine_parts_of_axes
