@@ -59,7 +59,7 @@ def sampled(path: Path) -> None:
     from drivesizer.machine.problem import problem
     from drivesizer.search.search import search
     from drivesizer.search.uncertainty.options import Sampling
-    from drivesizer.search.uncertainty.run import sample_drives, subject
+    from drivesizer.search.uncertainty.probabilities import sample_drives, subject
     from drivesizer.sizing import load_parts
     from drivesizer.spec.robot import load_spec
 

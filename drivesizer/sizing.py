@@ -211,7 +211,7 @@ def explained(
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
     reliability, uncertain = dict[int, Reliability](), None
     if sampling or (sampling := sampling_of(spec)):
-        from drivesizer.search.uncertainty.run import reliabilities, sample_drives, subject, uncertainty
+        from drivesizer.search.uncertainty.probabilities import reliabilities, sample_drives, subject, uncertainty
 
         sampled = sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in found}, sampling)
         passing = {  # which alone go through the closed loop

@@ -1,33 +1,25 @@
-"""Laws between the figures of one part, of ``laws.yaml``: to check a catalogue, and to derive what a data sheet lacks.
-
->>> figures = {"nominal_voltage": 12.0, "stall_current": 85.0, "resistance": float("nan")}
->>> round(float(solved("stall_current * resistance = nominal_voltage", figures, "resistance")), 4)
-0.1412
-"""
+"""Laws between the figures of one part, of ``laws.yaml``: to check a catalogue, and to derive what a sheet lacks."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
 from importlib import resources
-from itertools import pairwise
-from types import CodeType
 from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from drivesizer.catalog.expressions import FURTHER, code, solved, value
 from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Note, Table
 from drivesizer.files.yaml_source import LOADER
-from drivesizer.physics import thermal
 
-__all__ = ["DERIVED", "IDENTITIES", "LAWS", "Derived", "Law", "derived", "solved", "text"]
+__all__ = ["DERIVED", "IDENTITIES", "LAWS", "Derived", "Law", "derived", "text"]
 
 Numbers = NDArray[np.float64]
 
@@ -40,149 +32,10 @@ def text() -> str:
 _TABLE: dict[str, Any] = yaml.load(text(), Loader=LOADER)  # noqa: S506  the safe loader
 
 
-# -- Functions in laws
-
-# profile and the pitches that it is made in, mm
-_PITCHES = {
-    "HTD": (3.0, 5.0, 8.0, 14.0, 20.0), "GT2": (2.0, 3.0, 5.0, 8.0, 14.0), "RT25": (6.35,), "MXL": (2.032,),
-    "XL": (5.08,), "L": (9.525,), "H": (12.7,), "XH": (22.225,), "T2.5": (2.5,), "T5": (5.0,), "T10": (10.0,),
-    "T20": (20.0,), "AT3": (3.0,), "AT5": (5.0,), "AT10": (10.0,), "AT20": (20.0,),
-}  # fmt: skip
-_FULL_STEPS = (12.0, 20.0, 24.0, 36.0, 48.0, 60.0, 72.0, 96.0, 100.0, 120.0, 144.0, 180.0, 200.0, 300.0, 400.0, 500.0,
-               1000.0)  # fmt: skip
-
-
-def _nearest(values: Numbers, made: tuple[float, ...]) -> Numbers:
-    """The nearest by ratio of the sizes that are made; unknown for an unknown value."""
-    sizes = np.array(made)
-    nearest = sizes[np.abs(np.log(values[:, None] / sizes)).argmin(axis=1)]
-    return np.where(np.isnan(values), np.nan, nearest)
-
-
-def _pitch_of_profile(profile: NDArray[np.str_], pitch: Numbers) -> Numbers:
-    found = np.full(len(pitch), np.nan)
-    for name, made in _PITCHES.items():
-        found = np.where(profile == name, _nearest(pitch * 1e3, made) / 1e3, found)
-    return found
-
-
-def _leading_number(texts: NDArray[np.str_]) -> Numbers:
-    """The number in front of ``:1``; unknown where a reduction is written otherwise."""
-    bare = [text.removesuffix(":1") for text in texts.tolist()]
-    return np.array([float(one) if re.fullmatch(r"[0-9]+(\.[0-9]*)?", one) else np.nan for one in bare], float)
-
-
-def _groups(*columns: NDArray[Any]) -> NDArray[np.intp]:
-    """Number of the group in which parts agree; an unknown figure agrees with an unknown one."""
-    found: NDArray[np.intp] = np.zeros(len(columns[0]), np.intp)
-    for column in columns:
-        numbers = np.unique(column, return_inverse=True)[1]
-        found = np.unique(found * (len(found) + 1) + numbers, return_inverse=True)[1]
-    return found
-
-
-def _across_offers(values: Numbers, offered: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
-    """Median, least or greatest of some offered parts that have the figure."""
-    some = values[offered & ~np.isnan(values)]
-    return float(how(some)) if len(some) else np.nan
-
-
-def _median(values: Numbers, excluded: NDArray[np.bool_], *alike: NDArray[Any]) -> Numbers:
-    """The median over the parts that agree in some columns; unknown where one of these is."""
-    group = _groups(*alike)
-    medians = [_across_offers(values, (group == k) & ~excluded, np.median) for k in range(group.max(initial=-1) + 1)]
-    known = np.all([~np.isnan(column) for column in alike if column.dtype.kind == "f"], axis=0)
-    return np.where(known, np.array(medians, float)[group], np.nan)
-
-
-def _of_a_stage_less(how: Callable[[Numbers], Any]) -> Callable[..., Numbers]:
-    """The least or greatest figure of the same gearhead with the next lower number of stages."""
-
-    def values(figure: Numbers, excluded: NDArray[np.bool_], stages: Numbers, *alike: NDArray[Any]) -> Numbers:
-        group, found = _groups(*alike), np.full(len(figure), np.nan)
-        for k in range(group.max(initial=-1) + 1):
-            for less, more in pairwise(np.unique(stages[(group == k) & ~np.isnan(stages)])):
-                lesser = _across_offers(figure, (group == k) & (stages == less) & ~excluded, how)
-                found[(group == k) & (stages == more)] = lesser
-        return found
-
-    return values
-
-
-def _known(printed: Any, otherwise: Any) -> Any:
-    return np.where(np.isnan(printed), otherwise, printed)
-
-
-def _parabola(x: Numbers, at_0: Numbers, at_half: Numbers, at_1: Numbers) -> Numbers:
-    """Figure at a share of the permissible speed by those at 0, half and all of it; unknown beyond."""
-    curve = at_0 * (1 - x) * (1 - 2 * x) + at_half * 4 * x * (1 - x) + at_1 * x * (2 * x - 1)
-    return np.where(x <= 1, curve, np.nan)
-
-
-_FUNCTIONS: dict[str, Any] = {
-    "unknown": np.isnan, "abs": np.abs, "choose": np.where, "pi": np.pi, "median": _median, "parabola": _parabola,
-    "leading_number": _leading_number,
-    "least_of_a_stage_less": _of_a_stage_less(np.min), "greatest_of_a_stage_less": _of_a_stage_less(np.max),
-    "pitch_of_profile": _pitch_of_profile, "nearest_full_steps": lambda steps: _nearest(steps, _FULL_STEPS),
-    "whole": np.round, "nominal_current_by_heat": thermal.nominal_current,
-    "continuous_current_by_heat": thermal.continuous_current,
-}  # fmt: skip
-# figures that no column has, each with the column that stands for it
-_FURTHER: dict[str, tuple[Callable[[Any], Any], str]] = {
-    "k_e": (lambda m: _known(m["back_emf_constant"], m["torque_constant"]), "torque_constant"),
-    "motor_k_e": (lambda m: _known(m["motor_back_emf_constant"], m["motor_torque_constant"]), "motor_torque_constant"),
-    "resistance_25": (thermal.resistance_25, "resistance"),
-    "ambient_of_rating": (thermal.rated_ambient, ""),
-}  # fmt: skip
-
-
-# -- Expressions over the columns of a table
-
-
-@cache
-def _code(expression: str) -> CodeType:
-    return compile(f"({expression})", expression, "eval")
-
-
-def _value(expression: str, figures: Any, **instead: float) -> Any:
-    """The value of an expression over figures by name, some of them replaced."""
-    code, found = _code(expression), dict[str, Any](instead)
-    for name in code.co_names:
-        if name in _FURTHER and name not in found:
-            of = _Replaced(figures, instead) if instead else figures
-            found[name] = _FURTHER[name][0](of)
-        elif name == "excluded":
-            found[name] = figures.excluded
-        elif name not in found:
-            found[name] = _FUNCTIONS[name] if name in _FUNCTIONS else figures[name]
-    with np.errstate(all="ignore"):
-        return eval(code, {"__builtins__": {}}, found)  # noqa: S307  of this table
-
-
-class _Replaced:
-    """Figures of which some are others."""
-
-    def __init__(self, figures: Any, instead: Mapping[str, float]) -> None:
-        self.figures, self.instead = figures, instead
-
-    def __getitem__(self, name: str) -> Any:
-        return self.instead.get(name, self.figures[name])
-
-
-def solved(equation: str, figures: Any, unknown: str) -> Numbers:
-    """The figure that fulfils an equation in which it is linear."""
-    left, right = equation.partition(" where ")[0].split(" = ")
-    if left == unknown:
-        return np.asarray(_value(right, figures))
-    at_0, at_1 = (_value(f"({left}) - ({right})", figures, **{unknown: value}) for value in (0.0, 1.0))
-    with np.errstate(all="ignore"):
-        return np.asarray(at_0 / (at_0 - at_1))
-
-
 def _applies(law: str, table: Table[Any]) -> Any:
     """Mask of the parts that a law is of."""
     condition = law.partition(" where ")[2]
-    return _value(condition, table) if condition else np.ones(len(table), bool)
+    return value(condition, table) if condition else np.ones(len(table), bool)
 
 
 def _fields(section: str, figure: str, law: str) -> tuple[str, ...]:
@@ -196,8 +49,8 @@ def _fields(section: str, figure: str, law: str) -> tuple[str, ...]:
         elif isinstance(node, ast.Name):
             found.append(node.id)
     if condition:
-        found += [name for name in _code(condition).co_names if name in columns and columns[name].kind == "text"]
-    named = (_FURTHER[name][1] if name in _FURTHER else name for name in found)
+        found += [name for name in code(condition).co_names if name in columns and columns[name].kind == "text"]
+    named = (FURTHER[name][1] if name in FURTHER else name for name in found)
     return tuple(name for name in named if name in columns and name != figure)
 
 
@@ -224,10 +77,10 @@ class Law:
     def expected(self, table: Table[Any]) -> Numbers:
         """The number that the figure of each part is compared with; NaN of parts that the law is not of."""
         if self.relation == "=":
-            value: Any = solved(self.law, table, self.figure)
+            found: Any = solved(self.law, table, self.figure)
         else:
-            value = _value(self.law.partition(" where ")[0].partition(f" {self.relation} ")[2], table)
-        return np.where(_applies(self.law, table), self.share * value, np.nan)
+            found = value(self.law.partition(" where ")[0].partition(f" {self.relation} ")[2], table)
+        return np.where(_applies(self.law, table), self.share * found, np.nan)
 
 
 def _law(
@@ -322,9 +175,9 @@ def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
             continue
         equation = IDENTITIES[one.section][one.identity]
         values = solved(equation, table, one.figure)
-        may = lacking & _value(_TABLE["windings"][one.section], table) & _applies(equation, table)
+        may = lacking & value(_TABLE["windings"][one.section], table) & _applies(equation, table)
         if one.condition:
-            may &= _value(one.condition, table)
+            may &= value(one.condition, table)
         rows = np.flatnonzero(may & np.isfinite(values) & (values > 0.0) & (values < one.most))
         table[one.figure][rows] = values[rows]
         if len(rows):

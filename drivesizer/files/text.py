@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 import select
 import stat
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import resources
 from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 
 __all__ = [
-    "decoded", "hand_over", "is_handed", "missing", "read_bytes", "read_text", "restrict_reading", "shipped_folder",
-    "state_of", "states", "was_read",
+    "decoded", "hand_over", "is_handed", "listed", "missing", "read_bytes", "read_text", "restrict_reading",
+    "shipped_folder", "state_of", "states", "was_read",
 ]  # fmt: skip
 
 
@@ -163,3 +165,28 @@ def decoded(raw: bytes, path: Path) -> str:
 def read_text(path: Path, largest: int = 64_000_000) -> str:
     """A file's text."""
     return decoded(read_bytes(path, largest), path)
+
+
+def listed(package: str, name: str) -> Iterator[tuple[str, list[str]]]:
+    """Rows of a table of text that ships with the program: cells between bars, each row with the head of its section.
+
+    A section begins with its head in brackets; a line that begins with spaces goes on with the one before.
+
+    Parameters
+    ----------
+    package
+        In which the file lies.
+    name
+        Of the file.
+
+    Yields
+    ------
+    tuple
+        Head and cells.
+    """
+    text, head = (resources.files(package) / name).read_text(encoding="utf-8"), ""
+    for line in re.sub(r"(?m)^#.*\n", "", text).replace("\n  ", " ").splitlines():
+        if line.startswith("["):
+            head = line.strip("[]")
+        elif line:
+            yield head, [cell.strip() for cell in line.split("|")]

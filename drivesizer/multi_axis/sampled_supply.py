@@ -24,7 +24,7 @@ from drivesizer.results.machine import MachinePower
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.probabilities import Over, over_samples, quantiles, reduced
-from drivesizer.search.uncertainty.sampled_parts import deviating_drive
+from drivesizer.search.uncertainty.sampled_drive import deviating_drive
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import (
     Assumption,

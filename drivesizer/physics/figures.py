@@ -29,6 +29,17 @@ class Figures(Protocol):
         """A figure."""
 
 
+class Columns(Figures, Protocol):
+    """Figures of the parts of many candidates, a row each."""
+
+    @property
+    def rows(self) -> NDArray[np.int64]:
+        """Which of the parts of a catalogue these are; -1 none."""
+
+    def on(self, rows: Any, /) -> Columns:
+        """Some of them."""
+
+
 class Range(NamedTuple):
     """Ends between which a figure lies, floats or columns; NaN where nobody knows one."""
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import nominal_friction
-from drivesizer.physics.figures import Figures, once_per_part
+from drivesizer.physics.figures import Columns, Figures, once_per_part
 from drivesizer.physics.load_cycle import Figure
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
@@ -24,15 +24,15 @@ Array = NDArray[np.float64]
 class Parts(NamedTuple):
     """Figures of the candidates' parts by field name: columns, NaN where there is no such part."""
 
-    motor: Any
-    gearhead: Any
-    encoder: Any
-    controller: Any
-    brake: Any = None  # None where no drive has one
+    motor: Columns
+    gearhead: Columns
+    encoder: Columns
+    controller: Any  # None where none is chosen yet
+    brake: Columns | None = None  # None where no drive has one
 
     def on(self, rows: Any) -> Parts:
         """The parts of some of the candidates: by a mask, numbers or a slice."""
-        return Parts(*(None if part is None else part.on(rows) for part in self))
+        return Parts._make(None if part is None else part.on(rows) for part in self)
 
 
 Record = TypeVar("Record", bound=tuple[Any, ...])

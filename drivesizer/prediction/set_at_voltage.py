@@ -26,7 +26,7 @@ from drivesizer.physics.two_bodies import State, after
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import EstimatedFigure
 from drivesizer.results.prediction import Conditions
-from drivesizer.search.uncertainty.sampled_parts import gearhead_times, motor_times
+from drivesizer.search.uncertainty.sampled_drive import gearhead_times, motor_times
 from drivesizer.search.uncertainty.sampling import sobol
 from drivesizer.search.uncertainty.uncertain_figures import holding
 

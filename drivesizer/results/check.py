@@ -229,11 +229,6 @@ class Reliability:
         """Share of samples in which every check passes; NaN unknown, where a missing figure leaves one open."""
         return float("nan") if self.unknown else self.probability
 
-    @property
-    def interplay(self) -> float:
-        """Share of the variance that no assumption makes alone; NaN where nothing varies."""
-        return 1.0 - sum(driver.share for driver in self.drivers) if self.drivers else float("nan")
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Uncertain:

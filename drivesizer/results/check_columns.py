@@ -30,12 +30,15 @@ from drivesizer.physics.figures import Range
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS
 
-__all__ = ["PROPOSAL", "AtEnds", "CheckColumn", "at_least", "at_most", "fits", "over_band", "worst_case"]
+__all__ = ["PROPOSAL", "AtEnds", "CheckColumn", "at_least", "at_most", "fits", "over_band", "together", "worst_case"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _DECLARED = frozenset(name for declared in CHECKS.values() for name in declared)
-_COLUMNS = ("demand", "limit", "passed", "failed", "time", "case", "on_basis", "zero")  # of each candidate
+_IDLE: dict[str, Any] = {  # what a check has of each candidate, and what of one that it does not concern
+    "demand": 0.0, "limit": inf, "passed": True, "failed": False, "time": nan, "case": 0, "on_basis": False,
+    "zero": 0.0,
+}  # fmt: skip
 _ALIKE = 1e-9  # by which margins differ through rounding alone
 _MOST_DOUBLINGS = 10  # beyond which no drive is farther
 _NO_MARGIN = 1e99  # above any margin; over the demand it orders checks that have none
@@ -161,7 +164,7 @@ class CheckColumn:
 
     def on(self, rows: NDArray[Any] | slice | int | tuple[()]) -> CheckColumn:
         """The same check of some of the candidates; of one as single figures."""
-        taken: dict[str, Any] = {n: x[rows] for n in _COLUMNS if isinstance(x := getattr(self, n), np.ndarray)}
+        taken: dict[str, Any] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
         if self.band is not None:
             taken["band"] = AtEnds._make(x[rows] for x in self.band)
         return replace(self, **taken)
@@ -169,7 +172,7 @@ class CheckColumn:
     def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
         changed: dict[str, Any] = {}
-        for name in _COLUMNS:
+        for name in _IDLE:
             old, new = getattr(self, name), getattr(some, name)
             if isinstance(old, np.ndarray):
                 changed[name] = old.copy()
@@ -293,7 +296,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
             order, margin = np.where(worse, its_order, order), np.where(worse, its_margin, margin)
     others = [(number, rows) for number in range(1, len(checks)) if (rows := worst == number).any()]
     columns: dict[str, Any] = {}
-    for name in _COLUMNS:
+    for name in _IDLE:
         of_each = [getattr(c, name) for c in checks]
         if name != "case" and of_each[0] is not None:
             taken = np.asarray(of_each[0])
@@ -302,6 +305,25 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
                 other = False if of_each[number] is None else of_each[number]
                 columns[name] = np.where(rows, other, columns[name])
     return replace(checks[0], **columns, case=np.array(numbers)[worst])
+
+
+def together(found: Sequence[tuple[Any, Sequence[CheckColumn]]], count: int) -> list[CheckColumn]:
+    """Checks of some candidates at a time put together; some there are only for some of them."""
+    by_name: dict[str, list[tuple[Any, CheckColumn]]] = {}
+    for rows, checks in found:
+        for check in checks:
+            by_name.setdefault(check.name, []).append((rows, check))
+    whole = []
+    for parts in by_name.values():
+        columns: dict[str, Any] = {}
+        for name, idle in _IDLE.items():
+            each = [(rows, getattr(check, name)) for rows, check in parts]
+            if any(isinstance(column, np.ndarray) for _, column in each):
+                columns[name] = np.full(count, idle)
+                for rows, column in each:
+                    columns[name][rows] = idle if column is None else column
+        whole.append(replace(parts[0][1], **columns))
+    return whole
 
 
 PROPOSAL: dict[str, Any] = {  # of an encoder that is a proposal

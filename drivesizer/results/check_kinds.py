@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import resources
 from math import isnan
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view.search_view import printed_field
+from drivesizer.files.text import listed
 from drivesizer.results.check import Check, sentence_case
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.units import show
@@ -37,20 +37,16 @@ def _declared() -> tuple[dict[str, dict[str, CheckKind]], dict[str, tuple[str, .
     """The checks of each method by name, and how the names of a part's checks begin."""
     found: dict[str, dict[str, CheckKind]] = {}
     lists: dict[str, dict[str, tuple[str, ...]]] = {"figures": {}, "parts": {}}
-    text, section = (resources.files(__package__) / "checks.txt").read_text(encoding="utf-8"), ""
-    for line in text.splitlines():
-        if line.startswith("["):
-            section = line.strip("[]")
-        elif line and not line.startswith("#"):
-            name, title, units, figures, inertia = (*(cell.strip() for cell in line.split("|")), "", "", "")[:5]
-            words = (title if section in lists else figures).split()
-            names = tuple(one for word in words for one in lists["figures"].get(word, (word,)))
-            if section in lists:
-                lists[section][name] = names
-            else:
-                own, *rotary = ((kind, unit) for kind, unit in map(str.split, (units or "dimensionless 1").split(",")))
-                declared = CheckKind(title, *own, rotary[0] if rotary else own, names, inertia == "inertia")
-                found.setdefault(section, {})[name] = declared
+    for section, cells in listed("drivesizer.results", "checks.txt"):
+        name, title, units, figures, inertia = (*cells, "", "", "")[:5]
+        words = (title if section in lists else figures).split()
+        names = tuple(one for word in words for one in lists["figures"].get(word, (word,)))
+        if section in lists:
+            lists[section][name] = names
+        else:
+            own, *rotary = ((kind, unit) for kind, unit in map(str.split, (units or "dimensionless 1").split(",")))
+            declared = CheckKind(title, *own, rotary[0] if rotary else own, names, inertia == "inertia")
+            found.setdefault(section, {})[name] = declared
     return found, lists["parts"]
 
 

@@ -53,7 +53,7 @@ from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:
-    from drivesizer.search.uncertainty.run import SampledDrives
+    from drivesizer.search.uncertainty.probabilities import SampledDrives
 
 __all__ = ["Shortlist", "load_parts", "pair_of", "problem_with_drive_mass", "problem_with_screw", "shortlist"]
 
@@ -475,7 +475,10 @@ def _family_alternatives(found: SearchResult, best: list[int]) -> list[int]:
 
 def _sampled(found: SearchResult, rows: Sequence[int], how: Sampling, brief: bool) -> SampledDrives:
     """Some drives over samples, with their checks by physics whatever the method."""
-    from drivesizer.search.uncertainty.run import sample_drives, subject  # where nothing is sampled it need not load
+    from drivesizer.search.uncertainty.probabilities import (  # where nothing is sampled it need not load
+        sample_drives,
+        subject,
+    )
 
     evaluation, problem = found.evaluation, found.evaluation.problem
     paper = problem.spec.method == "paper"
@@ -490,7 +493,7 @@ def _reliability(
     """Reliability of drives, of some in closed loop as well."""
     if sampled is None:
         return {}
-    from drivesizer.search.uncertainty.run import reliabilities
+    from drivesizer.search.uncertainty.probabilities import reliabilities
 
     return reliabilities(sampled, rows, finalists)
 
@@ -499,7 +502,7 @@ def _uncertainty(sampled: SampledDrives | None) -> Uncertainty | None:
     """Assumptions and samples, which all drives have in common."""
     if sampled is None:
         return None
-    from drivesizer.search.uncertainty.run import uncertainty
+    from drivesizer.search.uncertainty.probabilities import uncertainty
 
     return uncertainty(sampled)
 

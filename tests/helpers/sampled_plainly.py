@@ -12,7 +12,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
-from drivesizer.search.uncertainty.sampled_parts import SetRows
+from drivesizer.search.uncertainty.sampled_drive import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import applied, case_paths
 from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec

@@ -15,7 +15,7 @@ from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.search.uncertainty.probabilities import Subject, at_ends, without_effect
-from drivesizer.search.uncertainty.sampled_parts import SetRows
+from drivesizer.search.uncertainty.sampled_drive import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import COLUMNS, NOT_SAMPLED, Assumption, reason
 from drivesizer.sizing import load_parts
 from drivesizer.spec.messages import models_at

@@ -16,7 +16,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.search.search import search
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.run import SampledDrives, sample_drives, subject, uncertainty
+from drivesizer.search.uncertainty.probabilities import SampledDrives, sample_drives, subject, uncertainty
 from drivesizer.search.uncertainty.uncertain_figures import holding
 from drivesizer.spec.robot import RobotSpec, read_spec
 

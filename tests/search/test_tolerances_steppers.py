@@ -23,8 +23,7 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import checks_of
-from drivesizer.search.uncertainty.sampled_parts import SetRows
+from drivesizer.search.uncertainty.sampled_drive import SetRows, checks_of
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, holding, used
 from drivesizer.sizing import explained, load_parts, size

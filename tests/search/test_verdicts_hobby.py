@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived, solved
+from drivesizer.catalog.expressions import solved
+from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Table, empty
 from drivesizer.physics.drive_train import friction

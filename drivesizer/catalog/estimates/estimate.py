@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from importlib import resources
 from math import exp, inf, log
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog.estimates.laws import (
     LAWS,
+    ROWS,
     Fit,
     Law,
     Peers,
@@ -25,6 +27,7 @@ from drivesizer.catalog.estimates.laws import (
     members_of,
     widening,
 )
+from drivesizer.catalog.expressions import value
 from drivesizer.catalog.tables import Catalog, Estimates, Table
 from drivesizer.physics.stepper import PULL_OUT_SHARE, START_BAND
 from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
@@ -36,88 +39,36 @@ __all__ = [
 ]  # fmt: skip
 
 
-# -- Thermal figures, and masses of encoders and controllers, where no peer prints any: assumed, with wide bands.
-#
-# Makers of actuators print no thermal figure. A body of mass m and mean density rho sheds heat over at least the
-# area of a cube of it; a winding is a share of its motor's mass. Bands are factors of 2 either way, of a brushless
-# winding's resistance 4. Masses of encoders and controllers are those of the 66 and 28 that ship with one, from the
-# 5th to the 95th percentile and somewhat beyond. Holding brakes: regressions over the static torque of 18 inertias,
-# 6 masses and 82 powers of coils that makers of servo motors print, with bands from the 5th to the 95th percentile,
-# and wider of so few masses.
-#
-# .. math:: R_{th2} = \frac{1}{h\,6\,(m/\rho)^{2/3}}, \quad C_w = c_w m, \quad C_h = c_h m
-#
-# References ---------- .. [1] F. Incropera, D. DeWitt et al., *Fundamentals of Heat and Mass Transfer*, 6th ed.,
-# table 1.1: natural convection of gases 2 to 25 W/m^2 K. .. [2] Medians of the motors that ship: R_th1 m^(2/3) 0.84
-# (brushed) and 0.22 (brushless), c_w 43 and 25 J/(kg K), c_h 390 and 500 J/(kg K); the motor is taken as 0.4 of an
-# actuator's mass.
-
-
 CONVECTION = 10.0  # W/m^2 K
 DENSITY = 2000.0  # kg/m^3, of an actuator whole
-_MOTOR = 0.4  # of an actuator's mass
 _HOTTEST = 453.15  # K, thermal class 180 (H) of IEC 60085
 _R_TH = ("thermal_resistance_winding", "thermal_resistance_housing")
 _TAU = ("winding_time_constant", "motor_time_constant")
-_ANY_RATIO = "mechanical time constant of 47 brushed actuators, which no ratio changes"
-_CONVECTION = "natural convection, 10 W/m^2 K over the case"
-_WINDING, _HOUSING = "a winding like that of motors, 0.4 of the mass", "heat capacity per mass of motors"
-_PULL_OUT = "7 printed curves of 5 steppers against their ideal two-phase model"
-_STARTING = "an undamped rotor that just follows the field"
-_BRAKES = "a holding brake of that torque, as of servo motors from 0.2 to 140 N m"
-_ALL = (-inf, inf)
-
-
-def _law(
-    of: str, figure: str, factor: float, terms: dict[str, float], source: str, band: float = 2.0,
-    section: str = "actuators",
-) -> Fit:  # fmt: skip
-    coefficients, ranges = (log(factor), *terms.values()), (_ALL,) * len(terms)
-    ends = (-log(band), log(band))
-    return Fit(Law(section, of, figure, tuple(terms)), coefficients, ends, ends, ranges, 0, 0, (), source)
-
-
-def _said(figure: str, source: str, *terms: str) -> Fit:
-    """A law that is no formula: its band follows from the part's own figures."""
-    return Fit(Law("", "", figure, terms), (), (0.0, 0.0), (0.0, 0.0), (), 0, 0, (), source)
-
-
-ASSUMED: tuple[Fit, ...] = (
-    _law("", _R_TH[1], DENSITY ** (2 / 3) / (6.0 * CONVECTION), {"mass": -2 / 3}, _CONVECTION),
-    _law("brushed", _R_TH[0], 0.84 * _MOTOR ** (-2 / 3), {"mass": -2 / 3}, _WINDING),
-    _law("brushless", _R_TH[0], 0.22 * _MOTOR ** (-2 / 3), {"mass": -2 / 3}, _WINDING, 4.0),
-    _law("brushed", "winding_time_constant", 43.0 * _MOTOR, {_R_TH[0]: 1.0, "mass": 1.0}, _WINDING),
-    _law("brushless", "winding_time_constant", 25.0 * _MOTOR, {_R_TH[0]: 1.0, "mass": 1.0}, _WINDING),
-    _law("brushed", "motor_time_constant", 390.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
-    _law("brushless", "motor_time_constant", 500.0, {_R_TH[1]: 1.0, "mass": 1.0}, _HOUSING),
-    _law("brushed", "output_inertia", 0.011, {"output_constant": 1.0}, _ANY_RATIO, 4.0),
-    _law("", "mass", 0.02, {}, "a motor encoder, 8 to 50 g", 2.5, "encoders"),
-    _law("", "mass", 0.045, {}, "a controller from bare module to housed, 6 to 340 g", 7.5, "controllers"),
-    _law("", "pull_out_share", PULL_OUT_SHARE[0], {}, _PULL_OUT, PULL_OUT_SHARE[1], "steppers"),
-    _law("", "rotor_inertia", 1.56e-5, {"holding_torque": 1.09}, "110 steppers of 0.1 to 3 N*m", 1.5, "steppers"),
-    _law("", "mass", 0.605, {"holding_torque": 0.73}, "67 steppers of 0.1 to 9 N*m", 1.4, "steppers"),
-    _law("", "start_speed", 4.0, {"holding_torque": 0.5, "rotor_inertia": -0.5, "full_steps": -0.5}, _STARTING,
-         START_BAND, "steppers"),
-    _law("", "inertia", 4.1e-6, {"static_torque": 1.08}, _BRAKES, 6.0, "brakes"),
-    _law("", "mass", 0.2, {"static_torque": 0.68}, _BRAKES, 2.5, "brakes"),
-    _law("", "power", 8.8, {"static_torque": 0.285}, _BRAKES, 1.6, "brakes"),
-    _said("max_winding_temperature", "no rating is printed: from the lowest that makers of motors print to thermal "
-          "class 180 (H)"),
-    _said("nominal_torque", "a rule of thumb and no maker's limit: from there to the stall"),
-    _said("peak_torque", "not printed: a peak from what is continuous to a printed stall, what is continuous up to the "
-          "peak", "nominal_torque", "stall_torque"),
-    _said(_R_TH[1], "the mounting of the spec", _R_TH[1]),
-    _said("max_winding_temperature", "what the nominal current brings about", "nominal_current", "resistance", *_R_TH),
-)  # fmt: skip
-_RATED = -1  # the last of all laws: that of ``estimates_by_rated_current``
-MOUNTED = -2  # and the one before it: that of ``catalog.view.mounted``
-_UP_TO_STALL = -3  # that of ``peak_torque_estimates``
-RULE = -4  # that of ``of_catalog``
-UNRATED = -5  # that of a permitted temperature without any rating
 _LEAST = {"brushed": 358.15, "brushless": 373.15}  # K: 85 and 100 degC, of 326 and 356 motors that print one
 _STALL = {"nominal_torque": "stall_torque", "nominal_current": "stall_current"}
 _LEAST_SHARE = 0.2  # of its stall torque that an actuator is rated for, for a moment: makers of servos advise as much
 _MOST = 10.0  # times its continuous torque, for a moment; of the 201 that print both 192 have 1.3 to 5, 196 up to 10
+
+
+def _assumed() -> Iterator[Fit]:
+    """Laws that are assumed; behind them the rules that are no formula, in the order of ``laws.txt``."""
+    named = {
+        "density": DENSITY, "convection": CONVECTION, "pull_out_share": PULL_OUT_SHARE[0],
+        "pull_out_band": PULL_OUT_SHARE[1], "start_band": START_BAND,
+    }  # fmt: skip
+    for name, factor, terms, band, source in (cells for head, cells in ROWS if head == "assumed"):
+        section, figure, *of = name.split()
+        exponents = dict(term.split() for term in terms.split(",") if term)
+        law, wide = Law(section, "".join(of), figure, tuple(exponents)), log(value(band, named))
+        coefficients = (log(value(factor, named)), *(float(Fraction(x)) for x in exponents.values()))
+        yield Fit(law, coefficients, (-wide, wide), (-wide, wide), ((-inf, inf),) * len(exponents), 0, 0, (), source)
+    for _, figure, terms, source in (cells for head, cells in ROWS if head == "rules"):
+        named_terms = tuple(term.strip() for term in terms.split(",") if term)
+        yield Fit(Law("", "", figure, named_terms), (), (0.0, 0.0), (0.0, 0.0), (), 0, 0, (), source)
+
+
+ASSUMED: tuple[Fit, ...] = tuple(_assumed())
+UNRATED, RULE, _UP_TO_STALL, MOUNTED, _RATED = range(-5, 0)  # numbers of the rules among all laws: the last
 
 
 def assumed_mass(section: str) -> tuple[float, float, float]:

@@ -75,18 +75,6 @@ class Distribution(NamedTuple):
     peak: float  # of the density; the middle of a uniform one
 
     @property
-    def deviation(self) -> float:
-        """Standard deviation; of a normal one before it is cut off."""
-        a, b, c = self.low, self.high, self.peak
-        if self.shape == "normal":
-            return (b - a) / (2 * CUT)
-        if self.shape == "lognormal":
-            return float((b - a) / (2 * END))  # of narrow ones
-        if self.shape == "uniform":
-            return float((b - a) / np.sqrt(12.0))
-        return float(np.sqrt((a * a + b * b + c * c - a * b - a * c - b * c) / 18.0))
-
-    @property
     def by_deviations(self) -> bool:
         """Whether its values come of standard deviations."""
         return self.shape in ("normal", "lognormal")

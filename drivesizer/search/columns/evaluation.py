@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
-from drivesizer.results.check_columns import CheckColumn, fits, over_band
+from drivesizer.results.check_columns import CheckColumn, fits, over_band, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
 from drivesizer.results.problem import Problem
@@ -20,7 +20,7 @@ from drivesizer.search.columns.brakes import counts_check, encoders_for, offered
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
 from drivesizer.search.columns.controllers import Required, controllers
 from drivesizer.search.columns.limits_over_time import Exactly, Wanted
-from drivesizer.search.columns.offers import placed, scattered
+from drivesizer.search.columns.offers import placed
 from drivesizer.search.columns.paper import motor_requirements, vehicle
 from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import RobotSpec
@@ -78,9 +78,10 @@ def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDA
     def differ() -> NDArray[np.bool_]:
         low, high = (end.table(section) for end in catalog.ends)
         found = np.zeros(len(low), bool)
-        counted = None if method == "physics" else _paper_figures(section)
+        counted = {name for check in CHECKS["paper"].values() for name in check.rests_on}
         for name, column in columns_of(section).items():
-            if column.kind != "text" and name not in left and (counted is None or name in counted):
+            counts = name not in left and (method == "physics" or f"{section[:-1]}.{name}" in counted)
+            if column.kind != "text" and counts:
                 found |= (low[name] != high[name]) & ~np.isnan(low[name])
         return found
 
@@ -88,30 +89,7 @@ def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDA
     return found
 
 
-def _paper_figures(section: str) -> set[str]:
-    """Figures of a kind of part that checks of the paper's method rest on."""
-    prefix = f"{section[:-1]}."
-    names = {name for check in CHECKS["paper"].values() for name in check.rests_on}
-    return {name.removeprefix(prefix) for name in names if name.startswith(prefix)}
-
-
 # -- Drives in full: every check by the spec's method, with the numbers that a record shows.
-
-
-class _Some(Mapping[str, Requirement]):
-    """Requirements of some of the candidates, taken when they are looked at."""
-
-    def __init__(self, every: Mapping[str, Requirement], rows: NDArray[np.int64]) -> None:
-        self.every, self.rows = every, rows
-
-    def __getitem__(self, name: str) -> Requirement:
-        return self.every[name].on(self.rows)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.every)
-
-    def __len__(self) -> int:
-        return len(self.every)
 
 
 class Evaluation(NamedTuple):
@@ -154,8 +132,8 @@ class Evaluation(NamedTuple):
         """Of some of the candidates."""
         return self._replace(
             candidates=self.candidates.on(rows),
-            wheel=_Some(self.wheel, rows),
-            shaft=_Some(self.shaft, rows),
+            wheel={name: one.on(rows) for name, one in self.wheel.items()},
+            shaft={name: one.on(rows) for name, one in self.shaft.items()},
             checks=[check.on(rows) for check in self.checks],
             encoder=self.encoder[rows],
             brake=self.brake[rows],
@@ -207,13 +185,7 @@ def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, re
 
 
 def _by_the_paper(problem: Problem, candidates: Candidates, rejected: bool = True) -> Evaluation:
-    """The rule of section 3.1.3, and the controller by the torques of (17) and (18)."""
-    found = _by_the_rule(problem, candidates)
-    return _with_controllers(found if rejected else found.on(np.flatnonzero(~found.failed)))
-
-
-def _by_the_rule(problem: Problem, candidates: Candidates) -> Evaluation:
-    """Requirements, and motor and gearhead by the rule."""
+    """The rule of section 3.1.3 for motor and gearhead, and the controller by the torques of (17) and (18)."""
     spec, catalog, none = problem.spec, problem.catalog, np.full(len(candidates.motor), -1)
     motor, gearhead = Rows(catalog.motors, candidates.motor), Rows(catalog.gearheads, candidates.gearhead)
     wheel = vehicle(spec, motor["rotor_inertia"]).steps
@@ -223,12 +195,10 @@ def _by_the_rule(problem: Problem, candidates: Candidates) -> Evaluation:
     total = gearhead["ratio"] * candidates.belt
     checks.append(paper_rule.largest_allowed(catalog, candidates.motor, candidates.gearhead, total, gear))
     listed = fits("compatibility", True, candidates.listed)
-    return Evaluation(problem, candidates, wheel, shaft, [listed, *checks], none, none, none, {})
-
-
-def _with_controllers(found: Evaluation) -> Evaluation:
-    """Candidates with the encoder and the controller of each, and their checks."""
-    spec, catalog, sets = found.spec, found.catalog, found.candidates
+    found = Evaluation(problem, candidates, wheel, shaft, [listed, *checks], none, none, none, {})
+    if not rejected:
+        found = found.on(np.flatnonzero(~found.failed))
+    sets = found.candidates
     motor = Rows(catalog.motors, sets.motor)
     torques = found.shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(found.shaft)
     currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
@@ -322,7 +292,9 @@ def at_figures(
     """Every limit at the figures of the problem's catalogue, as they are."""
     found, columns = _by_belt(problem, candidates, exact, each)
     controller, encoder, brake = (columns.pop(name) for name in _PARTS)
-    return Evaluation(problem, candidates, {}, {}, _in_order(found), encoder, controller, brake, columns)
+    order = list(CHECKS["physics"])  # in which people read them
+    found.sort(key=lambda check: order.index(check.name))
+    return Evaluation(problem, candidates, {}, {}, found, encoder, controller, brake, columns)
 
 
 _PARTS = ("controller", "encoder", "brake")
@@ -341,13 +313,7 @@ def _by_belt(
     columns = {name: placed([(rows, one.figures[name]) for rows, one in found], count) for name in names}
     for name in _PARTS:
         columns[name] = placed([(rows, getattr(one, name)) for rows, one in found], count, np.int64)
-    return scattered([(rows, one.checks) for rows, one in found], count), columns
-
-
-def _in_order(checks: list[CheckColumn]) -> list[CheckColumn]:
-    """Checks in the order in which people read them."""
-    order = {name: place for place, name in enumerate(CHECKS["physics"])}
-    return sorted(checks, key=lambda check: order[check.name])
+    return together([(rows, one.checks) for rows, one in found], count), columns
 
 
 def smallest_margin(checks: list[CheckColumn]) -> NDArray[np.float64]:

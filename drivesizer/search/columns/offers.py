@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from math import nan
 from typing import Any, NamedTuple
 
@@ -15,7 +14,7 @@ from drivesizer.catalog.estimates.estimate import assumed_mass
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.winding import belts_of
-from drivesizer.results.check_columns import CheckColumn, worst_case
+from drivesizer.results.check_columns import CheckColumn, together, worst_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.brakes import EncoderOffers, OfferedBrakes, offered_brakes, offered_encoders
@@ -24,7 +23,7 @@ from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.limits import motor_limits
 
 __all__ = [
-    "CONTROLLING", "Offers", "bought", "chosen", "limits_behind_each", "offers", "placed", "scattered",
+    "CONTROLLING", "Offers", "bought", "chosen", "limits_behind_each", "offers", "placed",
     "unknown_where_doubtful", "worst_of_all",
 ]  # fmt: skip
 
@@ -82,24 +81,6 @@ def bought(
 # Of several load cases a check is that of the worst; behind several belts it is made of the candidates behind each.
 
 
-_COLUMNS = {
-    "demand": float,
-    "limit": float,
-    "passed": bool,
-    "failed": bool,
-    "time": float,
-    "case": np.int64,
-}
-_IDLE: dict[str, Any] = {
-    "demand": 0.0,
-    "limit": np.inf,
-    "passed": True,
-    "failed": False,
-    "time": np.nan,
-    "case": 0,
-}  # no limit
-
-
 class Offers(NamedTuple):
     """For every motor of the catalogues its encoders, controllers, brakes, and the limits that no load changes."""
 
@@ -142,32 +123,7 @@ def limits_behind_each(
 ) -> list[CheckColumn]:
     """Limits that hang on the belt itself: those behind each belt put together."""
     found = [(rows, compute(at, problem.belt_drive(at.belt), rows)) for at, rows in belts_of(cycle, count)]
-    return scattered(found, count)
-
-
-def scattered(found: Sequence[tuple[Any, list[CheckColumn]]], count: int) -> list[CheckColumn]:
-    """Checks of some rows at a time, put together."""
-    parts: dict[str, list[tuple[Any, CheckColumn]]] = {}
-    for rows, checks in found:
-        for check in checks:
-            parts.setdefault(check.name, []).append((rows, check))
-    return [_one_check(same, count) for same in parts.values()]
-
-
-def _one_check(parts: list[tuple[Any, CheckColumn]], count: int) -> CheckColumn:
-    """One check of some rows at a time as one column."""
-    first, rest = parts[0][1], _others(count, [rows for rows, _ in parts])
-    columns: dict[str, Any] = {
-        name: placed([(rest, _IDLE[name]), *((rows, getattr(check, name)) for rows, check in parts)], count, kind)
-        for name, kind in _COLUMNS.items()
-        if getattr(first, name) is not None
-    }
-    if any(check.on_basis is not None for _, check in parts):  # of some rows all figures may be known
-        own = [(rows, False if check.on_basis is None else check.on_basis) for rows, check in parts]
-        columns["on_basis"] = placed([(rest, False), *own], count, bool)
-    if isinstance(first.zero, np.ndarray):  # the ambient of the worst case
-        columns["zero"] = placed([(rest, 0.0), *((rows, c.zero) for rows, c in parts)], count)
-    return replace(first, **columns)
+    return together(found, count)
 
 
 def placed(parts: Sequence[tuple[Any, Any]], count: int, dtype: Any = np.float64) -> NDArray[Any]:
@@ -176,11 +132,3 @@ def placed(parts: Sequence[tuple[Any, Any]], count: int, dtype: Any = np.float64
     for rows, part in parts:
         whole[rows] = part
     return whole
-
-
-def _others(count: int, parts: Sequence[Any]) -> NDArray[np.int64]:
-    """The rows that are in none of some parts."""
-    left = np.ones(count, bool)
-    for rows in parts:
-        left[rows] = False
-    return np.flatnonzero(left)

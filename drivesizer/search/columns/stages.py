@@ -388,7 +388,7 @@ def _in_motion(
     limits = unpowered_limits if has_steppers(problem.catalog) else moving_limits
     spec, cycle, case = problem.cases[k].spec, cycles[k], cases[k]
     checks = limits(spec, cycle, *case, parts)
-    if offered.brakes:
+    if offered.brakes and parts.brake is not None:
         listed = offered.brakes.goes(parts.motor.rows, parts.brake.rows)
         checks += brake_limits(spec, cycle, parts, case.demand, listed)
     return unknown_where_doubtful(checks, case.demand.complete)

@@ -18,7 +18,7 @@ from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.machine.part_curves import available_torque
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Columns, Figures
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.stepper import (
@@ -61,8 +61,12 @@ _KEPT = "unknown: where it goes: give supply.capacitance, or supply.accepts: all
 class Frictionless:
     """Figures of steppers for the demand of torque: pull-out torque is what their own friction leaves of it."""
 
-    def __init__(self, motor: Figures) -> None:
-        self.motor = motor
+    def __init__(self, motor: Columns) -> None:
+        self.motor, self.rows = motor, motor.rows
+
+    def on(self, rows: Any) -> Frictionless:
+        """Some of them."""
+        return Frictionless(self.motor.on(rows))
 
     def __getitem__(self, name: str) -> Any:
         if name in ("friction_torque", "viscous_friction"):
@@ -91,7 +95,8 @@ class PullOut(NamedTuple):
         motor = {name: np.broadcast_to(self.motor[name], count)[rows] for name in _CURVE}
         volts = volts if np.ndim(volts) == 0 else np.broadcast_to(volts, count)[rows]
         found: Array = available_torque(motor, self.curves, speed, volts)
-        return found * np.broadcast_to(self.factor, count)[rows][:, None]
+        found *= np.broadcast_to(self.factor, count)[rows][:, None]
+        return found
 
 
 class Stepped(NamedTuple):
@@ -165,7 +170,7 @@ def torque_limits(
         return found + _resolution(spec, cycle, demand, parts)
     torque, speed = map(np.abs, ends_of(cycle, demand))
     at_rest = pull_out.torque(np.zeros((len(torque), 1)), volts)[:, 0]
-    still = ~speed.any(axis=2)
+    still: NDArray[np.bool_] = np.asarray(~speed.any(axis=2))
     if spec.control.idle_current is not None and still.any():
         held = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
         found.append(at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed))

@@ -15,8 +15,8 @@ from drivesizer.load_cases.platform import WheelLoad, cycles_of, dynamics_of, tr
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.problem import Problem
-from drivesizer.search.uncertainty.sampled_battery import AtSamples, Feeding, feeding
-from drivesizer.search.uncertainty.sampled_parts import Block
+from drivesizer.search.uncertainty.sampled_battery import AtSamples, feeding
+from drivesizer.search.uncertainty.sampled_drive import Block
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths, enters_checks
 from drivesizer.spec.motions import Cam
@@ -181,43 +181,22 @@ def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[
     size = int(np.clip(_CELLS // longest, 64, _ROWS))
     for first in range(0, len(one.values), size):
         rows = np.arange(first, min(first + size, len(one.values)))
-        yield _block(one, catalog, rows, belts)
-
-
-def _block(one: Prepared, catalog: Catalog, rows: NDArray[np.int64], belts: Sequence[float]) -> Block:
-    factors = {
-        given.catalogue: np.ascontiguousarray(one.values[rows, k])
-        for k, given in enumerate(one.given)
-        if given.catalogue
-    }
-    specs, ats = [], []
-    for case in one.cases:
-        spec = _with_columns(case, one, rows)
-        base = CycleAtBelt(case.cycle.on(rows), spec.belt_efficiency)
-        specs.append(spec)
-        ats.append({belt: AtSamples(base, belt) for belt in belts})
-    return Block(
-        len(rows),
-        tuple(specs),
-        tuple(ats),
-        tuple(_feeds(one, catalog, specs)),
-        factors,
-        one.spec.tolerances.given,
-        {belt: one.problem.belt_drive(belt) for belt in belts},
-        {},
-    )
-
-
-def _feeds(one: Prepared, catalog: Catalog, specs: Sequence[Any]) -> Iterator[tuple[Feeding, tuple[int, ...]]]:
-    """The battery of each load case of the machine, and the numbers of the cases that draw from it together."""
-    for machine in sorted({case.machine for case in one.cases}):
-        numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
-        rated = one.cases[numbers[0]].spec.battery
-        if rated:
-            yield feeding(specs[numbers[0]], rated, catalog), numbers
-
-
-def _with_columns(case: _Case, one: Prepared, rows: NDArray[np.int64]) -> RobotSpec:
-    """A load case with columns in place of the figures that enter checks."""
-    columns = {k: path for k, path in case.paths.items() if enters_checks(path)}
-    return applied(case.spec, {path: one.values[rows, k] - one.given[k].nominal for k, path in columns.items()})
+        specs, ats = [], []
+        for case in one.cases:  # with columns in place of the figures that enter checks
+            columns = {k: path for k, path in case.paths.items() if enters_checks(path)}
+            moved = {path: one.values[rows, k] - one.given[k].nominal for k, path in columns.items()}
+            spec = applied(case.spec, moved)
+            base = CycleAtBelt(case.cycle.on(rows), spec.belt_efficiency)
+            specs.append(spec)
+            ats.append({belt: AtSamples(base, belt) for belt in belts})
+        feeds = []
+        for machine in sorted({case.machine for case in one.cases}):  # all cases that draw from one battery together
+            numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
+            if (rated := one.cases[numbers[0]].spec.battery) is not None:
+                feeds.append((feeding(specs[numbers[0]], rated, catalog), numbers))
+        factors = {
+            given.catalogue: np.ascontiguousarray(one.values[rows, k])
+            for k, given in enumerate(one.given) if given.catalogue
+        }  # fmt: skip
+        known = {belt: one.problem.belt_drive(belt) for belt in belts}
+        yield Block(len(rows), tuple(specs), tuple(ats), tuple(feeds), factors, one.spec.tolerances.given, known, {})

@@ -3,32 +3,42 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.view.mounted import has_steppers
-from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.drive_train import friction, gear_loss
-from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.winding import Parts
-from drivesizer.results.check import Check, Driver, FigureSpread, Reliability, Spread
+from drivesizer.errors import InputError
+from drivesizer.load_cases.platform import WheelLoad
+from drivesizer.results.check import Check, Driver, FigureSpread, Reliability, Spread, Uncertain, Uncertainty
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_SAMPLED, CHECKS
+from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
+from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.uncertainty import uncertain_figures
+from drivesizer.search.uncertainty.options import POOL, Sampling
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
-from drivesizer.search.uncertainty.sampled_checks import Loaded, checks_of, loaded, pull_out_of
-from drivesizer.search.uncertainty.sampled_parts import Block, SetRows, parts_of, stepper_figures
-from drivesizer.search.uncertainty.sampling import Sample, first_order, mean_and_error, rank_correlations, values_of
-from drivesizer.search.uncertainty.uncertain_figures import Assumption, holding_of_a_set
+from drivesizer.search.uncertainty.sampled_drive import Block, SetRows, checks_of, figure_columns
+from drivesizer.search.uncertainty.sampling import (
+    Sample,
+    first_order,
+    mean_and_error,
+    rank_correlations,
+    sample,
+    values_of,
+)
+from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
 
 __all__ = [
-    "Examined", "Over", "Subject", "at_ends", "blocks_of", "by_processes", "counting", "drivers", "examined",
-    "figure_columns", "figure_spreads", "over_samples", "quantiles", "reduced", "without_effect",
+    "Examined", "Over", "SampledDrives", "Subject", "at_ends", "counting", "drivers", "examined", "failing",
+    "figure_spreads", "over_samples", "quantiles", "reduced", "reliabilities", "sample_drives", "subject",
+    "uncertainty", "without_effect",
 ]  # fmt: skip
 
 
@@ -66,13 +76,13 @@ class Over(NamedTuple):
 
 def over_samples(checks: Sequence[Check | None]) -> Over:
     """A check of each sample; where a sample has none there is nothing to fail."""
-    known = [(one.status == "pass", one.status == "fail", one.margin, _tightness(one)) if one else _NOTHING
-             for one in checks]  # fmt: skip
-    passed, failed, margin, tight = (np.array(column) for column in zip(*known, strict=True))
-    return Over(passed, failed, margin, tight)
+    known = [(one.status == "pass", one.status == "fail", one.margin, _tightness(one)) if one
+             else (True, False, math.inf, math.inf) for one in checks]  # fmt: skip
+    return Over(*(np.array(column) for column in zip(*known, strict=True)))
 
 
-_NOTHING = True, False, math.inf, math.inf
+def _tightness(check: Check) -> float:
+    return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
 
 
 def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
@@ -114,43 +124,31 @@ def by_processes(
     return [one for part in found for one in part]
 
 
-def _over(check: CheckColumn, count: int) -> Over:
-    """Figures that are kept of a check; one figure where all samples have the same."""
-    margin = check.margin
-    figures = check.passed, check.failed, margin, _beyond(check, margin)
-    return Over(*(_as_many(x, count) for x in figures))
-
-
 _OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
 
 
-def _beyond(check: CheckColumn, margin: Array) -> Array:
-    """Tightness of a check over samples; of the pull-out torque by what it exceeds the required factor."""
+def _over(check: CheckColumn, count: int) -> Over:
+    """A check over samples; of the pull-out torque the tightness is what exceeds the required factor."""
+    margin = check.margin
     tight = check.tight(margin)
-    return (1.0 + tight) / (1.0 + check.needed) - 1.0 if check.name in _OF_A_FACTOR else tight
-
-
-def _as_many(column: NDArray[Any], count: int) -> NDArray[Any]:
-    """A column of so many samples; of a single figure a view."""
-    return column if column.shape == (count,) else np.broadcast_to(column, count)
-
-
-def _constant(check: Check, count: int) -> Over:
-    """A check that no sample changes."""
-    figures = (check.status == "pass", check.status == "fail", check.margin, _tightness(check))
-    return Over(*(np.broadcast_to(np.asarray(x), count) for x in figures))
+    if check.name in _OF_A_FACTOR:
+        tight = (1.0 + tight) / (1.0 + check.needed) - 1.0
+    return Over._make(np.broadcast_to(x, count) for x in (check.passed, check.failed, margin, tight))
 
 
 def _reduced(one: Subject, parts: Sequence[Mapping[str, Over]]) -> Examined:
-    """Reliability of a drive from its samples."""
-    joined = (
-        parts[0] if len(parts) == 1 else {name: _one_after_the_other([p[name] for p in parts]) for name in parts[0]}
-    )
+    """Reliability of a drive from its samples; checks that no sample changes are as they are nominally."""
+    joined = {
+        name: over if len(parts) == 1 else Over(*map(np.concatenate, zip(*(part[name] for part in parts), strict=True)))
+        for name, over in parts[0].items()
+    }
     count = len(next(iter(joined.values())).passed)
-    decide = [check for check in one.nominal if not check.advice]
-    every = {check.name: joined.get(check.name) or _constant(check, count) for check in decide}
+    every, titles = dict[str, Over](), dict[str, str]()
+    for check in one.nominal:
+        if not check.advice:
+            alone = Over._make(np.broadcast_to(x, count) for x in over_samples([check]))
+            every[check.name], titles[check.name] = joined.get(check.name) or alone, check.title
     every |= {name: joined[name] for name in BATTERY_SAMPLED if name in joined}
-    titles = {check.name: check.title for check in decide}
     titles |= {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
     return reduced(every, titles)
 
@@ -166,9 +164,13 @@ def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
             place[tighter] = number
             smallest = np.minimum(smallest, over.tightness)
     weakest = np.bincount(place + 1, minlength=len(every) + 1)[1:] / count
-    spreads = [
-        _spread(name, titles[name], over, float(w)) for (name, over), w in zip(every.items(), weakest, strict=True)
-    ]
+    spreads = []
+    for (name, over), tightest in zip(every.items(), weakest, strict=True):
+        low, middle, high = quantiles(over.margin)
+        spreads.append(Spread(
+            name=name, title=titles[name], passes=np.count_nonzero(over.passed) / count,
+            fails=np.count_nonzero(over.failed) / count, weakest=float(tightest), low=low, middle=middle, high=high,
+        ))  # fmt: skip
     share = mean_and_error(~failed)
     low, middle, high = quantiles(smallest)
     return Examined(
@@ -186,23 +188,6 @@ def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
     )
 
 
-def _one_after_the_other(parts: Sequence[Over]) -> Over:
-    return Over(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
-
-
-def _tightness(check: Check) -> float:
-    return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
-
-
-def _spread(name: str, title: str, over: Over, weakest: float) -> Spread:
-    low, middle, high = quantiles(over.margin)
-    return Spread(
-        name=name, title=title, passes=np.count_nonzero(over.passed) / len(over.passed),
-        fails=np.count_nonzero(over.failed) / len(over.failed),
-        weakest=weakest, low=low, middle=middle, high=high,
-    )  # fmt: skip
-
-
 def quantiles(values: Array) -> tuple[float, float, float]:
     """The values that 5 %, 50 % and 95 % of all lie below."""
     least = float(values.min())
@@ -218,7 +203,8 @@ def quantiles(values: Array) -> tuple[float, float, float]:
 
 def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption]) -> list[int]:
     """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts."""
-    held = holding_of_a_set(catalog, spec.tolerances.given, one.rows.motor, one.rows.gearhead, one.rows.controller)
+    rows = one.rows.motor, one.rows.gearhead, one.rows.controller
+    held = uncertain_figures.holding_of_a_set(catalog, spec.tolerances.given, *rows)
     return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
 
 
@@ -244,20 +230,15 @@ def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smal
     values = sample.values[known][:, own]
     shares = first_order(values, smallest[known])
     signs = rank_correlations(values, smallest[known])
-    margins = _smallest(one, catalog, ends)
-    found = [_driver(ends, k, float(shares[n]), float(signs[n]), margins) for n, k in enumerate(own)]
+    margins, found = _smallest(one, catalog, ends), []
+    for k, share, sign in zip(own, shares.tolist(), signs.tolist(), strict=True):
+        assumption = ends.given[k]
+        (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)].tolist()
+        found.append(Driver(
+            name=assumption.name, title=assumption.title, share=share, rank_correlation=sign, low_margin=low_margin,
+            high_margin=high_margin, low=assumption.shown(low), high=assumption.shown(high),
+        ))  # fmt: skip
     return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
-
-
-def _driver(ends: Prepared, k: int, share: float, sign: float, margins: Array) -> Driver:
-    """The assumption of that number."""
-    assumption = ends.given[k]
-    (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)]
-    return Driver(
-        name=assumption.name, title=assumption.title, share=share, rank_correlation=sign,
-        low_margin=float(low_margin), high_margin=float(high_margin),
-        low=assumption.shown(low), high=assumption.shown(high),
-    )  # fmt: skip
 
 
 def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
@@ -265,9 +246,9 @@ def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
     parts = []
     for block in blocks(given, catalog, [one.rows.belt]):
         tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal if not check.advice}
-        found = checks_of(catalog, one.rows, block)
-        counted = (name for name in found if name in tight or name in BATTERY_SAMPLED)
-        tight |= {name: _beyond(found[name], found[name].margin) for name in counted}
+        for name, check in checks_of(catalog, one.rows, block).items():
+            if name in tight or name in BATTERY_SAMPLED:
+                tight[name] = _over(check, block.size).tightness
         parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
     return np.concatenate(parts)
 
@@ -276,12 +257,12 @@ def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) 
     """Figures of the spec that leave every sampled check of some drives as it is."""
     changed = np.zeros(len(ends.values), bool)
     for one in drives:
-        first: dict[str, tuple[Array, Array]] = {}
+        first: dict[str, list[Array]] = {}
         row = 0
         for block in blocks(ends, catalog, [one.rows.belt]):
             for name, check in checks_of(catalog, one.rows, block).items():
-                columns = _as_many(check.demand, block.size), _as_many(check.limit, block.size)
-                nominal = first.setdefault(name, (columns[0][:1], columns[1][:1]))
+                columns = [np.broadcast_to(x, block.size) for x in (check.demand, check.limit)]
+                nominal = first.setdefault(name, [column[:1] for column in columns])
                 for column, figure in zip(columns, nominal, strict=True):
                     changed[row : row + block.size] |= (column != figure) & ~(np.isnan(column) & np.isnan(figure))
             row += block.size
@@ -311,7 +292,6 @@ _OF_STEPPERS = {
     "joule_heat": ("Heat of both windings", "power", "W"),
     "peak_current": ("Amplitude of the phase current", "current", "A"),
 }
-_LEAST = ("free_speed", "stall_torque", "pull_out_at_rest", "pull_out_at_speed")  # the worst load case has the smallest
 
 
 def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[FigureSpread, ...]:
@@ -324,46 +304,177 @@ def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[Fig
     return tuple(found)
 
 
-def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Array]:
-    """Figures of a drive, sample by sample."""
-    parts, factors = parts_of(catalog, one, block)
-    found: dict[str, Array] = {}
-    for spec, ats in zip(block.specs, block.ats, strict=True):
-        if has_steppers(catalog):
-            figures = stepper_figures(spec, ats[one.belt], parts, pull_out_of(catalog, parts, factors))
-        else:
-            case = loaded(spec, ats[one.belt], parts, factors, energies=True)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                figures = _demanded(spec, case) | _at_full_voltage(spec, parts, one.belt)
-        for name, column in figures.items():
-            values = np.array(np.broadcast_to(column, block.size))
-            worse = np.minimum if name in _LEAST else np.maximum
-            found[name] = worse(found[name], values) if name in found else values
-    return found
+# -- Reliability of a sizing's drives: in how many samples each passes, and what decides it.
 
 
-def _demanded(spec: Any, case: Loaded) -> dict[str, Any]:
-    """Figures that the load cycle makes; unknown where only a least demand is known."""
-    known, (low, high) = case.required.complete, case.over_time
-    over_time = low.agreed(high)
-    copper = np.where(np.isnan(over_time.winding), np.nan, over_time.copper)  # bounds of it are not kept
-    figures = {
-        "rms_current": case.required.rms_current, "peak_current": case.peaks.current.value,
-        "voltage": over_time.voltage, "power": over_time.power * spec.load.motors,
-        "joule_heat": copper, "winding_temperature": over_time.winding,
-    }  # fmt: skip
-    return {name: np.where(known, column, np.nan) for name, column in figures.items()}
+Failed = NDArray[np.bool_]
 
 
-def _at_full_voltage(spec: Any, parts: Parts, belt: float) -> dict[str, Any]:
-    """Free speed [rad/s] and stall torque [N*m] of one drive at the nominal supply, winding at the ambient."""
-    motor, gearhead, feed = parts.motor, parts.gearhead, spec.feed(parts.controller, parts.brake)
-    feed = feed._replace(voltage=spec.supply.nominal)
-    cold = resistance_at(resistance_25(motor), spec.environment.ambient) + (feed.leads if spec.resists else 0.0)
-    k_t, (dry, viscous), (efficiency, idle) = motor["torque_constant"], friction(motor), gear_loss(gearhead)
-    winding = Winding(cold, np.nan, k_t, motor["back_emf_constant"])
-    speed, _ = operating_point(winding, feed.usable, dry + idle, viscous)
-    stalled = np.fmin(feed.usable / cold, parts.controller["peak_current"])
-    ratio = gearhead["ratio"] * belt
-    held = np.maximum(k_t * stalled - dry - idle, 0.0) * ratio * efficiency * spec.belt_efficiency
-    return {"free_speed": np.maximum(speed, 0.0) / ratio, "stall_torque": np.where(np.isnan(feed.usable), np.nan, held)}
+def failing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Failed]:
+    """Whether some check fails, of each drive in each sample; a check that no sample changes is as it is nominally."""
+    if processes > 1 and len(subjects) > 1:
+        return by_processes(failing, given, catalog, subjects, processes)
+    parts: list[list[Failed]] = [[] for _ in subjects]
+    for block in blocks_of(given, catalog, subjects):
+        for part, one in zip(parts, subjects, strict=True):
+            found = checks_of(catalog, one.rows, block)
+            decide = {check.name: check.status for check in one.nominal if not check.advice}
+            failed = np.full(block.size, any(status == "fail" for name, status in decide.items() if name not in found))
+            for name in {*decide, *BATTERY_SAMPLED} & found.keys():
+                failed |= found[name].failed
+            part.append(failed)
+    return [np.concatenate(part) for part in parts]
+
+
+class SampledDrives(NamedTuple):
+    """Drives over samples, by their rows in the result of the search."""
+
+    good: list[int]  # in their order; with a required confidence those that reach it
+    bad: list[int]  # that do not, the most reliable first
+    subjects: dict[int, Subject]  # both
+    ready: Prepared
+    drawn: Sample
+    how: Sampling
+    ends: Prepared | None  # one figure varied at a time; None where the probabilities are all that is wanted
+
+    def examined(self, rows: Collection[int]) -> dict[int, Examined]:
+        """Probability, and every check over the samples, of some of them."""
+        some = [self.subjects[row] for row in rows]
+        found = examined(self.ready, self.ready.problem.catalog, some, self.how.processes)
+        return dict(zip(rows, found, strict=True))
+
+
+def sample_drives(
+    problem: Problem, subjects: Mapping[int, Subject], how: Sampling, *, brief: bool = False
+) -> SampledDrives:
+    """Reliability of drives."""
+    rows = [(one.rows.motor, one.rows.gearhead, one.rows.controller) for one in subjects.values()]
+    catalog, machine = problem.catalog, problem.machine
+    held = uncertain_figures.used(catalog, machine.tolerances.given, rows)
+    if machine.needs.start_speed is None:
+        held = tuple(one for one in held if one.figure != "start_speed")  # no check depends on it
+    given = uncertain_figures.assumptions(machine, held)
+    drawn = sample(given, how.samples, how.seed, uncertain_figures.assumptions(machine))
+    ready = prepared(problem, given, drawn.values)
+    good, bad = _divided(ready, subjects, how)
+    ends = None if brief else at_ends(problem, given)
+    return SampledDrives(good, bad, {**subjects}, ready, drawn._replace(values=ready.values), how, ends)
+
+
+def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], list[int]]:
+    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first."""
+    if how.confidence is None:
+        return [*subjects], []
+    failed = failing(ready, ready.problem.catalog, [*subjects.values()], how.processes)
+    share = {row: float((~one).mean()) for row, one in zip(subjects, failed, strict=True)}
+    good = [row for row in subjects if share[row] >= how.confidence]
+    return good, sorted((row for row in subjects if row not in good), key=lambda row: -share[row])
+
+
+def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
+    """A drive that a search found, with its checks by physics."""
+    given = evaluation.candidates
+    rows = SetRows(
+        int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
+        float(given.belt[row]), int(evaluation.brake[row]),
+    )  # fmt: skip
+    return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *beside) if c.method == "physics"))
+
+
+def reliabilities(
+    sampled: SampledDrives, rows: Collection[int], finalists: Mapping[int, DriveParts]
+) -> dict[int, Reliability]:
+    """Reliability of drives, with the sensitivities of each unless they were sampled in brief."""
+    catalog, ends, described = sampled.ready.problem.catalog, sampled.ends, {}
+    for row, found in sampled.examined(rows).items():
+        described[row], one = found.reliability, sampled.subjects[row]
+        if ends is None:
+            continue
+        matters = drivers(one, catalog, ends, sampled.drawn, found.smallest)
+        figures = figure_spreads(sampled.ready, catalog, one.rows)
+        described[row] = replace(described[row], drivers=matters, figures=figures)
+        if row in finalists and sampled.how.loop > 0 and not sampled.ready.spec.steps:
+            described[row] = _in_the_loop(sampled, one, finalists[row], described[row])
+    return described
+
+
+def _in_the_loop(sampled: SampledDrives, examined_: Subject, one: DriveParts, found: Reliability) -> Reliability:
+    """With the share of samples that pass in closed loop, or why there is none: the model may lack a figure."""
+    from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
+
+    ready = sampled.ready
+    own = counting(examined_, ready.problem.catalog, ready.spec, ready.given)
+    values = sampled.drawn.values[:, own]
+    try:
+        share = loop_share(ready.spec, one, [ready.given[k] for k in own], values, sampled.how.loop)
+    except InputError as error:
+        return replace(found, no_loop=str(error))
+    return replace(found, loop=share)
+
+
+def uncertainty(one: SampledDrives) -> Uncertainty:
+    """Assumptions and samples, which all drives have in common."""
+    return Uncertainty(
+        assumptions=tuple(_uncertain(given) for given in one.ready.given),
+        samples=one.drawn.size,
+        seed=one.how.seed,
+        confidence=one.how.confidence,
+        examined=len(one.subjects),
+        reached=len(one.good),
+        notes=(*_notes(one.ready, one.how, len(one.subjects)), *_idle(one)),
+    )
+
+
+def _uncertain(one: Assumption) -> Uncertain:
+    text = one.given.text if one.given else one.catalogue.text if one.catalogue else ""
+    title = one.name if one.given else one.catalogue.title if one.catalogue else one.name
+    return Uncertain(name=one.name, title=title, text=text, source=one.catalogue.why if one.catalogue else "spec")
+
+
+def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
+    """Notes on the basis of the probabilities."""
+    deviating = (
+        "a stepper's driver is held against the current that is set, not against what it is off"
+        if ready.spec.steps
+        else "the voltage drop of the controller goes with its losses"
+    )
+    notes = [
+        f"limits are the catalogue's, as printed, but {deviating}; "
+        "encoder and controller are those of the nominal drive; all drives of the machine deviate alike",
+        "the probability is that no check of the physics fails, nor the battery's autonomy, range, peak and voltage; "
+        "other budgets of the machine are at nominal figures",
+    ]
+    if ready.spec.method == "paper":
+        notes.append("the paper's factors do not enter: the sampled checks are those of the physics beside it")
+    if len(ready.values) < how.samples:
+        notes.append(f"load cycles take long to compute here: {len(ready.values)} samples, not {how.samples}")
+    if ready.spec.steps:
+        notes.append("of the pull-out torque the smallest margin counts what exceeds the required factor")
+    if ready.spec.steps and how.loop > 0:
+        notes.append("steppers run open-loop: they are not sampled in closed loop")
+    if isinstance(ready.spec.load, WheelLoad):
+        notes.append("platforms on a path are not sampled in closed loop; peaks and voltage of the battery are nominal")
+    if how.confidence is not None and examined_ >= POOL:
+        notes.append(f"only the best {POOL} drives that meet all limits at nominal figures were sampled")
+    return tuple(notes)
+
+
+_LOOKED_AT = 3  # drives
+
+
+def _idle(one: SampledDrives) -> list[str]:
+    """Notes on tolerances of the spec that change no sampled check of the first drives, each reason once."""
+    if one.ends is None:
+        return []
+    drives = [*one.subjects.values()][:_LOOKED_AT]
+    by_reason: dict[str, list[str]] = {}
+    for figure in without_effect(drives, one.ready.problem.catalog, one.ends):
+        looped = (
+            one.how.confidence is not None and one.how.loop > 0 and figure.given and figure.given.path[0] == "plant"
+        )
+        if figure.given and not looped:
+            by_reason.setdefault(uncertain_figures.reason(figure.given.path), []).append(figure.name)
+    return [
+        f"no sampled check depends on {', '.join(names)}: that tolerance has no effect here{f'; {why}' if why else ''}"
+        for why, names in by_reason.items()
+    ]
