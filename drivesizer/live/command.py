@@ -29,6 +29,8 @@ def serve(
     import secrets
     import socket
 
+    from drivesizer.files.cache import digest_of, folder
+
     _end_on_ctrl_c()
     if os.path.isdir(spec):  # noqa: PTH112 - of a name that is too long pathlib raises
         raise InputError(f"{spec}: is a folder; expected a spec, for example {spec / DEFAULT}")
@@ -36,15 +38,49 @@ def serve(
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP) as listening:
         if os.name == "posix":  # a port that was in use a moment ago is free; elsewhere this would share one in use
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        kept = folder() / f"serve-{digest_of(os.fsencode(spec.absolute()))}.json"
+        before, token = _address_before(kept)
+        wanted = port or before
         try:
-            listening.bind((_LOCAL, port))
+            listening.bind((_LOCAL, wanted))
         except OSError as error:
-            raise InputError(f"--port: {port} cannot be used ({reason_of(error)}); expected another, or 0") from None
+            if port:
+                reason = reason_of(error)
+                raise InputError(f"--port: {port} cannot be used ({reason}); expected another, or 0") from None
+            listening.bind((_LOCAL, 0))  # as another page of this spec is served
         listening.listen(128)
         port = listening.getsockname()[1]
-        token = secrets.token_urlsafe(24)
+        if port != before:
+            token = secrets.token_urlsafe(24)
+        if port == wanted or not before:
+            _keep_address(kept, port, token)
         typer.echo(f"{spec}: http://{_LOCAL}:{port}/{token}/\nstop with Ctrl-C")
         _run(spec, token, port, listening, browser=browser)
+
+
+def _address_before(path: Path) -> tuple[int, str]:
+    """Port and token by which the page of a spec was served before, so that its tab goes on; 0 where unknown."""
+    import json
+
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        own = path.stat().st_mode & 0o077 == 0  # as this user alone can read it
+        return (int(found["port"]), str(found["token"])) if own else (0, "")
+    except (OSError, ValueError, TypeError, KeyError):
+        return 0, ""
+
+
+def _keep_address(path: Path, port: int, token: str) -> None:
+    """Keep port and token where this user alone can read them."""
+    import json
+    import os
+    from contextlib import suppress
+
+    with suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.unlink(missing_ok=True)
+        with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            json.dump({"port": port, "token": token}, file)
 
 
 def _run(spec: Path, token: str, port: int, listening: socket.socket, *, browser: bool) -> None:

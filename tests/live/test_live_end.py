@@ -116,6 +116,21 @@ def test_a_port_in_use_is_one_line(server: Serving, folder: Path) -> None:
     )
 
 
+def test_a_server_that_starts_again_has_the_address_of_its_tab(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Port and token are kept where this user alone can read them; an address that others could read is none."""
+    monkeypatch.setenv("DRIVESIZER_CACHE", str(folder / "cache"))
+    with serving(folder / "robot.yaml") as first:
+        pass
+    with serving(folder / "robot.yaml") as again, serving(folder / "robot.yaml") as beside:
+        assert again.printed == first.printed
+        assert beside.token != first.token and beside.port != first.port
+    (kept,) = (folder / "cache").glob("serve-*.json")
+    assert kept.stat().st_mode & 0o777 == 0o600
+    kept.chmod(0o644)
+    with serving(folder / "robot.yaml", "--port", str(first.port)) as other:
+        assert (other.port, other.token == first.token) == (first.port, False)
+
+
 def test_tabs_and_servers_do_not_disturb_each_other(server: Serving, folder: Path) -> None:
     """A browser that goes away, a newer request of its tab, another tab; and a server of the same file."""
     with serving(folder / "robot.yaml") as other:

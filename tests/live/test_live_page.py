@@ -229,6 +229,50 @@ def test_reload_and_link_keep_what_is_not_saved(page: Any, browser: Any, path: P
     assert path.read_text(encoding="utf-8") == SMALL.replace("45 kg", "61 kg")
 
 
+def test_a_tab_goes_on_with_a_server_that_starts_again(browser: Any, tmp_path: Path) -> None:
+    """What is typed meanwhile is in the download, and in the answer of the server that comes."""
+    path = tmp_path / "robot.yaml"
+    path.write_text(SMALL, encoding="utf-8")
+    with serving(path) as first:
+        page = live(browser, f"http://{first.host}/{first.token}/")
+    typed(page, "load", "mass", value="52 kg")
+    expect(page.get_by_text("The server does not answer.")).to_be_visible()
+    page.get_by_role("button", name="Download …").click()
+    with page.expect_download() as handed:
+        page.get_by_role("button", name="Spec, YAML").click()
+    assert handed.value.path().read_text(encoding="utf-8") == f'{SMALL}# typed since: load.mass: "52 kg"\n'
+    with serving(path) as again:
+        assert again.printed == first.printed
+        expect(page.get_by_text("The server does not answer.")).to_have_count(0, timeout=20_000)
+        until(page, lambda: text_of(page) == SMALL.replace("45 kg", "52 kg"))
+        answered(page)
+    page.context.close()
+
+
+def test_a_range_is_computed_anew_once_the_text_can_be_read(page: Any) -> None:
+    wrong = json.dumps({"kind": "wrong", "lines": ["robot.yaml:3: expected a key"]})
+    page.route("**/do/sweep", lambda route: route.fulfill(body=f"{wrong}\n", content_type="application/x-ndjson"))
+    page.get_by_label("slider for load mass").click()
+    expect(page.locator(".bounds .far")).to_have_text("not computed: robot.yaml:3: expected a key")
+    page.unroute("**/do/sweep")
+    typed(page, "load", "mass", value="46 kg")  # its own figure, which alone would not begin it anew
+    expect(page.locator(".bounds .far")).to_have_text(re.compile("^computing|^$"), timeout=20_000)
+    expect(page.locator(".stretches li").first).to_be_visible(timeout=20_000)
+
+
+def test_notices_and_the_comparison_are_in_sight_wherever_the_page_is(page: Any) -> None:
+    page.locator("#sets input").nth(0).scroll_into_view_if_needed()
+    page.locator("#sets input").nth(0).check()
+    page.locator("#sets input").nth(1).check()
+    expect(page.locator("#compared table")).to_be_in_viewport()
+    expect(page.locator("#sets input").nth(1)).to_be_in_viewport()
+    page.get_by_role("button", name="Copy link").click()
+    expect(page.locator(".notice.said")).to_be_in_viewport()
+    expect(page.locator(".notice.said")).to_have_count(0, timeout=15_000)
+    page.locator("#compared").get_by_role("button", name="close").click()
+    expect(page.locator("#compared")).to_be_empty()
+
+
 # -- how it looks
 
 

@@ -9,8 +9,8 @@ const notices = document.getElementById("notices");
 const REPORTS = { pdf: "Report, PDF", html: "Report, HTML", xlsx: "Report, XLSX", csv: "Report, CSV", json: "Report, JSON" };
 const EXPORTS = { mjcf: "MuJoCo", urdf: "URDF", sdf: "Gazebo SDF", ros2_control: "ros2_control", fmu: "FMU", json: "Drive, JSON" };
 const ALSO = { wheeled_vehicle: " (AGV)" }; // what a kind is called as well
-const AGAIN = 2000; // ms
-let page = { restart: () => {}, again: () => {}, settled: async () => {}, turn: () => {} };
+const AGAIN = 2000, SEEN = 10_000; // ms until the server is tried again, and until what is only said has been read
+let page = { restart: () => {}, again: () => {}, settled: async () => {}, unmade: () => [], turn: () => {} };
 
 /** Says something above the page, until it is closed; buttons are pairs of words and what they do. */
 export function notice(text, buttons = [], kind = "", name = text) {
@@ -19,6 +19,7 @@ export function notice(text, buttons = [], kind = "", name = text) {
   made.name = name;
   for (const [words, does] of [...buttons, ["close", () => {}]]) made.append(button(words, () => { leave(made); does(); }));
   notices.append(made);
+  if (kind === "said" && name !== "making") setTimeout(() => leave(made), SEEN);
 }
 
 /** Takes a notice away; the keyboard goes on at the next one, or at the tools. */
@@ -28,7 +29,8 @@ function leave(made) {
   if (had) (notices.querySelector("button") ?? document.getElementById("save")).focus();
 }
 
-function withdraw(name) {
+/** Takes away what is done. */
+export function withdraw(name) {
   for (const one of [...notices.children]) if (one.name === name) leave(one);
 }
 
@@ -46,7 +48,7 @@ export function reachable(there) {
   }
   if (away) return;
   away = true;
-  notice("The server does not answer. Nothing is lost: this tab keeps the spec, which Download, Spec saves, and what is typed in the form since. Start drivesizer serve again to go on.", [], "", "gone");
+  notice("The server does not answer. Nothing is lost: this tab keeps the spec, and Download, Spec saves it, with what is typed in the form since at its end. Start drivesizer serve again to go on.", [], "", "gone");
   const retry = async () => {
     try {
       await get("spec");
@@ -71,8 +73,7 @@ async function save(anyway = false) {
     if (found.kind === "saved") {
       Object.assign(state, { saved: text, mark: found.mark });
       changed();
-      notices.querySelectorAll(".said").forEach((one) => one.remove());
-      withdraw("changed");
+      for (const name of ["changed", "saving", "lacking"]) withdraw(name);
       return;
     }
   } catch {
@@ -80,7 +81,10 @@ async function save(anyway = false) {
     return;
   }
   if (found.kind === "changed") differs();
-  else notice(`not saved: ${found.lines.join("; ")}`);
+  else {
+    withdraw("saving");
+    notice(`not saved: ${found.lines.join("; ")}`, [], "", "saving");
+  }
 }
 
 /** Another program has written the file: the user decides. */
@@ -103,7 +107,7 @@ async function look() {
     if (file.mark !== null && file.mark !== state.mark) differs();
     if (file.mark === null && state.mark !== null) {
       state.mark = null;
-      notice(`${state.name} is no longer there; Save writes it again.`);
+      notice(`${state.name} is no longer there; Save writes it again.`, [], "", "lacking");
       changed();
     }
   } catch {
@@ -122,7 +126,8 @@ function handed(name, content, kind = "application/octet-stream") {
 
 async function download(job, form) {
   await page.settled();
-  if (job === "spec") return handed(state.name, state.text, "application/yaml");
+  if (job === "spec") return handed(state.name, state.text.replace(/\n*$/, "\n") + page.unmade().join(""), "application/yaml");
+  withdraw("no file");
   notice("making the file …", [], "said", "making");
   try {
     const [file] = await whole(job, { text: state.text, form });
@@ -130,7 +135,7 @@ async function download(job, form) {
     const stem = state.name.replace(/\.ya?ml$/, "");
     handed(file.name.replace(/^(report|drive)/, `${stem}-$1`), bytes);
   } catch (error) {
-    notice(`no file: ${error.message}`);
+    notice(`no file: ${error.message}`, [], "", "no file");
   }
   return withdraw("making");
 }

@@ -170,6 +170,11 @@ async function settled() {
   while (!files.gone() && (pending || (running && !running.read))) await new Promise((done) => { waiting.push(done); });
 }
 
+/** What is typed in the form and not in the text, as the server does not answer: a comment each. */
+function unmade() {
+  return (pending?.edits ?? []).map(([path, value]) => `# typed since: ${path.join(".")}: ${JSON.stringify(value)}\n`);
+}
+
 function wake() {
   for (const done of waiting.splice(0)) done();
 }
@@ -179,13 +184,14 @@ function wake() {
 loop.addEventListener("click", async () => {
   if (!able(loop)) return;
   enable(loop, false);
+  files.withdraw("loop");
   loop.textContent = "simulating …";
   await settled();
   const text = state.text;
   try {
     for await (const piece of pieces("loop", { text })) {
       if (text !== state.text) break;
-      if (piece.kind === "wrong") files.notice(piece.lines.join("; "));
+      if (piece.kind === "wrong") files.notice(piece.lines.join("; "), [], "", "loop");
       else found(piece);
     }
   } catch {
@@ -224,7 +230,7 @@ async function start() {
   form.prepare(await get("schema.json"), edit, sliders.open);
   sliders.prepare(edit);
   catalogue.prepare({ edit, again: () => send(), notice: files.notice });
-  files.prepare({ restart, again: () => send(), settled, turn });
+  files.prepare({ restart, again: () => send(), settled, unmade, turn });
   const file = await get("spec");
   Object.assign(state, { text: file.text, saved: file.text, mark: file.mark, name: file.name });
   document.getElementById("file").textContent = file.name;

@@ -12,6 +12,9 @@ let seen = () => {};
 
 export function watch(watcher) { seen = watcher; }
 
+/** The text could not be read meanwhile. */
+class Unread extends Error {}
+
 /** Computes the range of a slider. */
 export function want(one) {
   one.points.clear();
@@ -56,7 +59,10 @@ async function work() {
   try {
     await sweep(mine.one, mine.control.signal);
   } catch (error) {
-    if (error.name !== "AbortError") mine.one.far.textContent = "not computed: the server does not answer";
+    if (error instanceof Unread) {
+      mine.one.others = null; // at the next text that can be read it is computed anew
+      mine.one.far.textContent = `not computed: ${error.message}`;
+    } else if (error.name !== "AbortError") mine.one.far.textContent = "not computed: the server does not answer";
     else if (paused) queue.unshift(mine.one);
   }
   current = null;
@@ -88,6 +94,7 @@ async function look(one, given, signal) {
   let left = values.length;
   seen(one, left);
   for await (const piece of pieces("sweep", { text: state.text, path: one.path, values: values.map(one.text) }, signal)) {
+    if (piece.kind === "wrong") throw new Unread(piece.lines.join("; "));
     if (piece.kind !== "point") continue;
     one.points.set(values[piece.number], piece);
     left -= 1;
@@ -114,7 +121,7 @@ async function reasons(one, signal) {
     const { to, parts } = list[n];
     if (!passes(list[n]) || !parts?.length || Array.isArray(parts[0]) || one.rejected.has(to)) continue;
     const edits = [[one.path, one.text(list[n + 1].from), false]];
-    const [found] = await whole("rejected", { text: state.text, edits, motor: parts[0], gearhead: parts[1] }, signal).catch(() => []);
+    const [found] = await whole("rejected", { text: state.text, edits, motor: parts[0], gearhead: parts[1] }, signal).catch((error) => { if (error.name === "AbortError") throw error; return []; });
     if (found?.kind === "rejected") one.rejected.set(to, found);
     seen(one, 0);
   }
