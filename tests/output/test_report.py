@@ -136,7 +136,9 @@ def test_every_starter_has_its_reports(kind, tmp_path, catalog):
     assert text.count(best.motor.part) >= 2 and "How to repeat this" in text
     wheels, platform = kind == "wheeled_vehicle", kind == "mecanum_platform"
     assert ("at the load's shaft" in text) is not (wheels or platform)
-    assert "The vehicle and its wheels" not in text  # requirements are those of the method: no starter asks the paper's
+    assert (
+        "Nominal force, torque and power" not in text
+    )  # requirements are those of the method: no starter asks the paper's
     assert "paper's own method" not in text.replace("’", "'") and "by the method of the paper" not in text
     assert ("Each driven wheel is a load case" in text) is platform
     assert "Closed loop" not in text and "Current limit to set" in text

@@ -22,7 +22,8 @@ from drivesizer.sizing import size
 
 SECTIONS = (
     "The selected drive", "Checks", "Over the cycle", "Heat", "Energy", "Closed loop", "The loops by linear theory",
-    "Candidates", "Specification", "Derivation", "The vehicle and its wheels", "At the motor shaft",
+    "Candidates", "Specification", "Derivation", "Nominal force, torque and power", "Maximum torque and power",
+    "At the motor shaft",
     "Assumptions and unknowns", "The same drive by physics", "Data sheets", "How to repeat this",
 )  # fmt: skip
 

@@ -49,7 +49,8 @@ def _specification(content: Content) -> Iterator[Block]:
         if content.wheel
         else f"The motion of one cycle{several}."
     )
-    yield Picture("profile", motion, "speed over time", about="shows the motion.")
+    if content.result.method != "paper":  # whose derivation has it
+        yield Picture("profile", motion, "speed over time", about="shows the motion.")
 
 
 def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:

@@ -108,12 +108,50 @@ def _equations(content: Content) -> Iterator[Block]:
     slope = str((spec.entered.get("load") or {}).get("slope", "")).strip()
     if slope.endswith("%"):
         yield Words(f"The slope of {slope} is put in as its angle, {show(spec.load.slope, 'deg', 'angle')}.")
-    yield Heading("The vehicle and its wheels", media="paper")
-    yield from map(_equation, content.result.requirements)
+    yield _compared(content)
+    yield Heading("Nominal force, torque and power", media="paper")
+    for r in content.result.requirements:
+        if r.name == "acceleration":
+            yield Picture("profile", "The velocity profile, figure 1 of the paper.", "speed over time",
+                          about="is the velocity profile.")  # fmt: skip
+        if r.name == "wheel_mass":
+            yield Heading("Maximum torque and power", media="paper")
+        yield _equation(r)
     if content.drive and content.drive.requirements:
         yield Heading("At the motor shaft", media="paper")
         yield Words(f"For {content.drive.label}.", media="paper")
         yield from map(_equation, content.drive.requirements)
+
+
+_COMPARED = (  # title, nominal, maximum and RMS figure, equations
+    ("Force, whole vehicle", "nominal_force", "maximum_force", "", "(3), (10)"),
+    ("Torque, whole vehicle", "nominal_torque", "maximum_torque", "rms_torque", "(2), (10), (13)"),
+    ("Torque per drive", "nominal_torque_per_motor", "maximum_torque_per_motor", "rms_torque_per_motor",
+     "(5), (11), (14)"),
+    ("Power per drive", "nominal_power_per_motor", "maximum_power_per_motor", "rms_power_per_motor",
+     "(7), (15), (16)"),
+    ("Torque at the motor", "", "maximum_torque_at_motor", "rms_torque_at_motor", "(18), (17)"),
+)  # fmt: skip
+
+
+def _compared(content: Content) -> Table:
+    """What the paper gives first, in its order: nominal and maximum force, torque and power."""
+    of_drive = content.drive.requirements if content.drive else ()
+    found = {r.name: Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)}
+    radius = content.result.spec.load.wheel_diameter / 2.0
+    if "maximum_torque" in found:
+        found["maximum_force"] = Quantity(found["maximum_torque"].value / radius, "N", "force")
+    columns = (Column("title", "", "name", 1.0), Column("nominal", "nominal", "number"),
+               Column("maximum", "maximum", "number"), Column("rms", "RMS", "number"),
+               Column("note", "equations", "small"))  # fmt: skip
+    rows = [
+        Row({"title": title, "note": note, **{key: found.get(name, "") for key, name in
+                                              (("nominal", nominal), ("maximum", most), ("rms", rms))}},
+            name=most.removeprefix("maximum_"))
+        for title, nominal, most, rms, note in _COMPARED if most in found
+    ]  # fmt: skip
+    caption = "In the order of the paper's section 3.1; the largest force is the largest torque at the wheels' radius"
+    return Table(caption, columns, rows, "paper_order", "paper", "figures", media="print")
 
 
 def _equation(r: Requirement) -> Equation:
