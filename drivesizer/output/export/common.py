@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cache
+from importlib import resources
 from math import cos, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, indent, tostring
 
 import numpy as np
+from jinja2 import Environment, StrictUndefined, Template
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
@@ -34,9 +37,9 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
 __all__ = [
-    "LEAST_INERTIA", "PROGRAM", "Export", "Limit", "Link", "TorqueLaw", "Vector", "behind_gear", "brief",
-    "check_wheel", "document", "drive_count_text", "export_of", "far_above", "identifier", "lacking",
-    "link_of", "number", "refuse_doubles", "remark", "remarks", "speed_at", "text", "torque_law", "vector", "whose",
+    "LEAST_INERTIA", "PROGRAM", "Export", "Limit", "Link", "TorqueLaw", "Vector", "assumed", "behind_gear", "brief",
+    "check_wheel", "document", "export_of", "far_above", "identifier", "lacking", "link_of", "number",
+    "refuse_doubles", "remark", "remarks", "sentences", "speed_at", "text", "torque_law", "vector", "whose",
 ]  # fmt: skip
 
 PROGRAM = f"drivesizer {__version__}"
@@ -537,53 +540,37 @@ def far_above(lever: Lever) -> Vector:
     return (0.0, _FAR * lever.length * rest, _FAR * lever.length * lever.share)
 
 
-def drive_count_text(of: Export) -> str:
-    """The sentence that the file is one of several drives; empty for one."""
-    return f"One of {of.motor_sets} drives. " if of.motor_sets > 1 else ""
-
-
 def remarks(of: Export) -> list[str]:
     """Remarks on a joint with its limits, as sentences."""
+    train, stepper = of.train, of.stepper
+    there = float(stepper.model.torque[-1]) * train.ratio * train.efficiency if stepper else nan  # at its highest speed
+    left_out = sentences("left out of a joint", of=of)
+    return [*sentences("joint", of=of, train=train, limits=of.limits, there=there), *assumed(of), *left_out]
 
-    def shown(limit: Limit, unit: str) -> str:
-        unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
-        return f"{brief(limit.value)} {unit} ({limit.by}{unknown})" if limit.by else "unknown"
 
-    train, limits, fastest = of.train, of.limits, shown(of.limits.peak_speed, "rad/s")
-    travel = f"; the load travels {of.travel}" if train.radius != 1.0 else ""
-    velocity = (
-        "velocity is that at no load and the lowest supply voltage or what the parts permit for a short time, "
-        f"{fastest}; continuous {shown(limits.continuous_speed, 'rad/s')}. At that speed the motor has no "
-        "torque left: the corner of the two limits is not reached."
-    )
-    if of.stepper:
-        there = float(of.stepper.model.torque[-1]) * train.ratio * train.efficiency
-        velocity = (
-            f"velocity is {fastest}, up to which the pull-out torque is known; there it is {brief(there)} N*m. A "
-            "stepper from which more is required loses steps, which no joint shows."
-        )
-    rotor = "UNKNOWN and left out: what accelerates here needs less torque than the drive does"
-    if not isnan(of.reflected_inertia):
-        rotor = f"{brief(of.reflected_inertia)} kg*m^2, for which the format has no place of its own"
-    said = [
-        f"{of.label}; {of.program}. SI: kg, m, s, N, N*m, rad.",
-        f"{drive_count_text(of)}The joint is the driven shaft{travel}. Total ratio {brief(train.ratio)}.",
-        f"effort is the peak torque, {shown(limits.peak_torque, 'N*m')}: a simulator cuts at every instant, and the "
-        "accelerations of the cycle need more than the continuous torque. Check the RMS of other cycles against the "
-        f"continuous torque, {shown(limits.continuous_torque, 'N*m')}.",
-        velocity,
-        f"Gears: effort counts behind them, driving at an efficiency of {brief(train.efficiency)}. Braking, they help.",
-        f"inertia, all seen at the shaft: load {brief(train.load_inertia)}, and rotor with gearhead input {rotor}.",
-        *(f"Assumed: {line}." for line in of.assumptions),
-    ]  # fmt: skip
-    if of.constant_weight:
-        said.append(f"Left out: a torque of {brief(of.constant_weight)} N*m against forward motion, the load's weight.")
-    if of.lever:
-        said.append(
-            f"The weight of the lever, up to {brief(abs(of.moment))} N*m, is that of the link: leave gravity on."
-        )
-    if of.cycle.load_time:
-        said.append("Left out: torque of the load over time, such as wind or a changing weight.")
-    if of.elastic:
-        said.append("Left out: the elastic shaft between motor and load.")
-    return said
+def assumed(of: Export) -> list[str]:
+    """The assumptions of a drive as remarks."""
+    return [f"Assumed: {line}." for line in of.assumptions]
+
+
+# Remarks: their texts are in remarks.txt, where figures and names are put in.
+
+
+@cache
+def _templates(subject: str) -> list[Template]:
+    environment = Environment(undefined=StrictUndefined, autoescape=False)  # noqa: S701 - what writes a file escapes it
+    environment.filters |= {"brief": brief, "number": number, "shown": _shown}
+    every = resources.files(__package__).joinpath("remarks.txt").read_text(encoding="utf-8")
+    _, text = every.split(f"\n## {subject}\n")
+    paragraphs = text.split("\n## ")[0].split("\n\n")
+    return [environment.from_string(" ".join(one.split())) for one in paragraphs if one.strip()]
+
+
+def sentences(subject: str, **given: object) -> list[str]:
+    """Remarks on a subject, each a few sentences."""
+    return [line for line in (template.render(given) for template in _templates(subject)) if line]
+
+
+def _shown(limit: Limit, unit: str) -> str:
+    unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
+    return f"{brief(limit.value)} {unit} ({limit.by}{unknown})" if limit.by else "unknown"

@@ -23,7 +23,7 @@ from math import nan
 import numpy as np
 
 from drivesizer.joints.inverse_dynamics import Attached
-from drivesizer.output.export.common import Export, brief, number
+from drivesizer.output.export.common import Export, number, sentences
 
 __all__ = ["JointDrive"]
 
@@ -92,23 +92,9 @@ class JointDrive:
     @property
     def remarks(self) -> list[str]:
         """Remarks on it, as sentences."""
-        limits, e = self.of.limits, self.efficiency
-        lacking = f", without {', '.join(self.lacking)}, of unknown mass" if self.lacking else ""
-        rotor = brief(self.armature) if self.armature == self.armature else "UNKNOWN"
-        lasting = limits.continuous_torque.value * self.gear_efficiency / self.travel
-        effort, velocity = (one.by or "nothing known" for one in (limits.peak_torque, limits.peak_speed))
-        said = [
-            f"{self.of.label}: {brief(self.mass)} kg{lacking}; total ratio {brief(self.ratio)}; effort by "
-            f"{effort}, continuous {brief(lasting)}; velocity by {velocity}; "
-            f"armature {rotor}, rotor and gearhead input by ratio squared, gears driving at an efficiency of "
-            f"{brief(e)}."
-        ]
-        if self.back_efficiency != self.gear_efficiency:
-            back = self.of.train.efficiency * self.back_efficiency
-            said.append(f"Where the load drives the motor, the gears have an efficiency f of {brief(back)}.")
-        if self.coupled:
-            others = ", ".join(
-                f"{'' if share > 0 else '-'}{name}" for name, share in self.turns_by.items() if name != self.joint
-            )
-            said.append(f"Its belt passes other joints: the drive turns by the sum of this joint and {others}.")
-        return said
+        of, others = self.of, (one for one in self.turns_by.items() if one[0] != self.joint)
+        return sentences(
+            "drive of a joint", drive=self, of=of, train=of.train, limits=of.limits,
+            lasting=of.limits.continuous_torque.value * self.gear_efficiency / self.travel,
+            others=", ".join(f"{'' if share > 0 else '-'}{name}" for name, share in others),
+        )  # fmt: skip

@@ -20,7 +20,7 @@ from drivesizer.joints.places import coupling, drive_places, fixed_positions, pa
 from drivesizer.joints.trajectory import motion_of
 from drivesizer.loads.stage_losses import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier
+from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier, sentences
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.platform import PlatformExport
 from drivesizer.results.machine import AxisSizing, MachineSizing
@@ -216,28 +216,18 @@ def _stages(axis: AxisSizing) -> FixedGear:
 
 def head(of: MachineExport) -> list[str]:
     """Remarks at the head of the file of a robot, or of several axes, as sentences."""
-    said = [f"{PROGRAM}. SI: kg, m, s, N, N*m, rad."]
-    robot = of.robot
+    said, robot = [f"{PROGRAM}. SI: kg, m, s, N, N*m, rad."], of.robot
     if robot:
-        said.append(
-            "Links, joints and position limits are those of the description, without its shapes; effort, velocity and "
-            "friction of a joint are those of its drive, whose mass is at its place."
-        )
-        if any(drive.slides for drive in robot.drives):
-            said.append("Joints that slide: N, N*s/m and kg in the place of N*m, N*m*s/rad and kg*m^2.")
         driven = [robot.robot.joints[drive.joint] for drive in robot.drives]
-        if robot.keeps_friction and any(joint.damping or joint.friction for joint in driven):
-            said.append("The friction in the description is that of bearings, and is added to that of the drives.")
-        if robot.held:
-            places = ", ".join(f"{name} {brief(value)}" for name, value in robot.held.items())
-            said.append(f"Joints without a drive, as they are held [rad or m]: {places}.")
+        said += sentences(
+            "robot",
+            slides=any(drive.slides for drive in robot.drives),
+            bearings=robot.section.friction == "keep" and any(joint.damping or joint.friction for joint in driven),
+            held=", ".join(f"{name} {brief(value)}" for name, value in robot.held.items()),
+        )
         said += robot.robot.notes
     if of.axes:
-        beside = "beside the robot " if robot else ""
-        said.append(
-            f"Axes {beside}({', '.join(name for name, _ in of.axes)}): each a joint of its own at the origin, its load "
-            "with all drives that ride on it; names begin with the axis."
-        )
+        said += sentences("axes", robot=bool(robot), names=", ".join(name for name, _ in of.axes))
     return [*said, *(f"Assumed: {line}." for line in (*of.notes, *of.assumptions))]
 
 

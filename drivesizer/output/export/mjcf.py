@@ -35,7 +35,17 @@ from drivesizer.control.drive_train import DriveTrain
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array
 from drivesizer.output.export import common
-from drivesizer.output.export.common import Export, TorqueLaw, brief, number, remark, text, torque_law, vector
+from drivesizer.output.export.common import (
+    Export,
+    TorqueLaw,
+    brief,
+    number,
+    remark,
+    sentences,
+    text,
+    torque_law,
+    vector,
+)
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.machine import MachineExport, RobotExport, free_name, head
 from drivesizer.output.export.platform import BASE, PlatformExport, wheel_name
@@ -244,74 +254,22 @@ def _stepper(actuator: Element, named: dict[str, str], of: Export, square: float
 
 def _axis_remarks(of: Export) -> list[str]:
     """Remarks on an axis."""
-    train, stepper, e = of.train, of.stepper, of.train.efficiency
-    weight = f"{brief(of.moment)} cos({brief(of.lever.start)} + angle) + " if of.lever else ""
-    gears = [
-        f"MuJoCo has no efficiency of gears, here e = {brief(e)}: a load T requires T/e where the drive drives it and "
-        "e T where it drives the motor. The weight W of the load has both, by the direction of motion, here as "
-        "(1/e + e)/2 of it and a dry friction; inertia and friction of the load have 1/e. Where those two brake, the "
-        f"{'torque' if stepper else 'current'} of this file is too large: by up to 1/e^2, {brief(1.0 / e**2)}, in the "
-        "gears' part of it.",
-        f"To correct this, add to ctrl[{2 if stepper else 3}] at every step e (x(T) - x(W)) - (T - W): x(T) is T/e "
-        "where T and the speed have one sign, and e T where not; W is "
-        f"{weight}{brief(of.constant_weight)} N*m; T is the torque of the gears at that instant, "
-        f"W + {number(train.load_inertia)} qacc + {number(of.load_friction)} sign(qvel) + any further load, by the "
-        "shaft's qacc and qvel of the step before.",
-    ]
-    first = f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V."
-    assumed = [f"Assumed: {line}." for line in of.assumptions]
-    elastic = ["The spec's elastic shaft is left out: motor and load are one body here."] if of.elastic else []
-    count = common.drive_count_text(of)
-    if stepper:
-        travel = f"the driven shaft; the load travels {of.travel}" if train.radius != 1.0 else "the load's"
-        return [
-            first,
-            f"{count}The joint is {travel}.",
-            "ctrl, at every step: [0] commanded angle [rad] of the shaft, in microsteps of "
-            f"{number(stepper.model.microstep / train.ratio)}, and [1] its speed "
-            "[rad/s]; [2] torque of the load [N*m] beyond inertia, friction and weight.",
-            "A stepper runs open-loop: here a position servo with the slope of its sinusoidal torque, cut at its "
-            f"pull-out torque at rest, {brief(of.limits.peak_torque.value)} N*m, and the damping of its swings. At "
-            f"speed it has less, and where the shaft is more than {brief(pi / stepper.model.teeth / train.ratio)} rad "
-            "behind, it loses steps: neither is in this file.",
-            *gears,
-            *assumed,
-            *elastic,
-        ]
-    law, s = torque_law(of), _current_scale(train)
-    constants = (
-        f"MuJoCo has one motor constant, and this motor {brief(train.torque_constant)} N*m/A and "
-        f"{brief(train.back_emf_constant)} V*s/rad: current and voltage of this file are s = {number(s)} times the "
-        "motor's, with its voltage limit, current limit and thermal figures. Speed and torque are the motor's own."
-    )
-    thermal = "Thermal: a figure of the motor is unknown; the winding stays at 25 degC."
-    if of.heat is not None and isnan(of.housing):
-        thermal = "Thermal: the winding, on a housing that stays at the ambient temperature: its losses are unknown."
-    elif of.heat is not None:
-        thermal = (
-            "Thermal: MuJoCo has one body, the winding. It starts on, and its ambient is, a housing of "
-            f"{brief(_celsius(of.housing))} degC, the mean in periodic steady state of this cycle, with losses of "
-            f"friction and iron; from cold it is {brief(_celsius(of.ambient))} degC (thermal, last figure) and slowly "
-            "rises."
-        )
-    travel = f"driven shaft; the load travels {of.travel}" if train.radius != 1.0 else "load's"
+    train, first = of.train, f"{of.label}; {of.program}. SI: m, kg, s, N, N*m, rad, A, V."
+    gears = sentences("MuJoCo: gears of an axis", of=of, train=train)
+    elastic = sentences("MuJoCo: elastic shaft", of=of)
+    if of.stepper:
+        said = sentences("MuJoCo: stepper on an axis", of=of, train=train, stepper=of.stepper.model, pi=pi)
+        return [first, *said, *gears, *common.assumed(of), *elastic]
     return [
         first,
-        f"{count}The joint is the {travel}.",
-        "ctrl, at every step: reference [0] angle [rad] and [1] speed w [rad/s] of the motor, "
-        f"{number(train.ratio)} times those of the shaft; [2] feedforward torque [N*m], {_feedforward(law)}; "
-        "[3] torque of the load [N*m] beyond inertia, friction and weight.",
-        'On plain voltage: input="voltage" in place of input and controller; then ctrl is [0] voltage, [1] load.',
+        *sentences("MuJoCo: motor on an axis", of=of, train=train, ahead=_feedforward(torque_law(of))),
         *gears,
-        "Controller: the designed one is sampled, acts one period late, and stops its integral at a limit; this one "
-        "is continuous without anti-windup.",
+        *sentences("MuJoCo: controller of an axis"),
         *(f"Controller: {line}." for line in common.lacking(of)),
-        "act: the current [A], the last; before it the winding's rise over the ambient [K], where its heat is known.",
-        *([constants] if s != 1.0 else []),
-        "A current beyond its limit is cut as torque; the winding's own current goes on.",
-        *assumed,
+        *sentences("MuJoCo: figures of a motor", train=train, scale=_current_scale(train)),
+        *common.assumed(of),
         *elastic,
-        thermal,
+        *sentences("MuJoCo: heat of a motor", of=of, housing=_celsius(of.housing), ambient=_celsius(of.ambient)),
     ]
 
 
@@ -373,30 +331,9 @@ def _joint_motor(
 
 def _robot_remarks(robot: RobotExport) -> list[str]:
     """Remarks on inputs, gears and controllers."""
-    steppers = [drive for drive in robot.drives if drive.of.stepper]
-    said = []
-    if len(steppers) < len(robot.drives):
-        said = [
-            "ctrl of each motor, at every step: reference angle [rad] and speed w [rad/s] of the motor, its total "
-            "ratio times those of the joint, or of the sum that its belt turns by; feedforward torque [N*m], as its "
-            "remark says.",
-            "MuJoCo has no efficiency of gears: torque constants, and all that the drives add to their joints, are "
-            "those with gears that drive. Where the load drives the motor, its current is too large, by up to "
-            "1/(e f), f the efficiency there, e where a joint's remark has no other. To correct this, add to "
-            "qfrc_applied of the joint at every step (1 - e f) T where T and the reference speed have opposite signs, "
-            "T the torque of the gears: qfrc_actuator + qfrc_applied + qfrc_constraint - armature qacc - damping qvel "
-            "of the step before.",
-            "act: by motor the winding's rise over the ambient [K], where its heat is known, and the current [A].",
-            "Controllers: the designed ones are sampled, act one period late, and stop their integral at a limit; "
-            "these are continuous without anti-windup.",
-        ]
-    if steppers:
-        said.append(
-            "Steppers run open-loop: here position servos with the slope of their sinusoidal torque, cut at the "
-            "pull-out torque at rest, and the damping of their swings. At speed they have less, and where more is "
-            "required they lose steps: neither is in this file."
-        )
-    return said
+    steppers = sum(drive.of.stepper is not None for drive in robot.drives)
+    said = sentences("MuJoCo: motors of a robot") if steppers < len(robot.drives) else []
+    return [*said, *(sentences("MuJoCo: steppers of a robot") if steppers else [])]
 
 
 def _robot(sections: Sections, robot: RobotExport, step: float) -> None:
@@ -552,30 +489,10 @@ _SLOWEST = 0.01  # s, time constant of contacts; 4 steps at least
 
 def _platform_remarks(of: PlatformExport) -> list[str]:
     """Remarks on wheels, inputs, gears and controllers."""
-    said = [
-        "Contacts are pairs of a wheel or a caster with the floor: another shape is to be paired with what it may "
-        "meet. Stand it for 0.3 s before you drive it: it sinks into the floor by some hundredths of a millimetre."
-    ]
-    if any(wheel.roller_angle for wheel in of.platform.wheels):
-        said.append(
-            "A wheel with rollers at an angle is here one that rolls along the axis of its roller on the floor, and "
-            "freely across it: its joint turns by the cosine of that angle as much as the wheel, with figures "
-            "accordingly. Its motor, and ctrl, are those of the wheel."
-        )
-    if of.friction is None:
-        said.append(f"The friction between wheel and floor is unknown; {_ASSUMED_FRICTION:g} is assumed.")
-    if np.any(of.ground.slope):
-        said.append("The floor slopes: here it is level, and gravity is tilted by as much.")
-    if not of.of.stepper:
-        said += [
-            "ctrl of each motor, at every step: reference angle [rad] and speed w [rad/s] of the motor, its total "
-            "ratio times those of the wheel; feedforward torque [N*m], as its remark says.",
-            "MuJoCo has no efficiency of gears: torque constants, and all that the drives add to their joints, are "
-            "those with gears that drive. Where the load drives the motor, its current is too large, by up to 1/e^2.",
-            "Controllers: the designed ones are sampled, act one period late, and stop their integral at a limit; "
-            "these are continuous without anti-windup.",
-        ]
-    return said
+    rollers = any(wheel.roller_angle for wheel in of.platform.wheels)
+    slopes, friction = bool(np.any(of.ground.slope)), f"{_ASSUMED_FRICTION:g}"
+    said = sentences("MuJoCo: platform", of=of, rollers=rollers, slopes=slopes, friction=friction)
+    return [*said, *([] if of.of.stepper else sentences("MuJoCo: motors of a platform"))]
 
 
 def _platform(sections: Sections, of: PlatformExport, step: float) -> None:

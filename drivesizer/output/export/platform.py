@@ -19,7 +19,7 @@ from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import dynamics_of, ground_of, platform_assumptions, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.mass_budget import drive_rows
-from drivesizer.output.export.common import LEAST_INERTIA, PROGRAM, Export, brief, export_of, speed_at, whose
+from drivesizer.output.export.common import LEAST_INERTIA, PROGRAM, Export, brief, export_of, sentences, speed_at, whose
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.platform.dynamics import Ground, contact_loads, motion, own_rolling
 from drivesizer.platform.envelope import Size
@@ -82,23 +82,9 @@ class PlatformExport:
     @property
     def head(self) -> list[str]:
         """Remarks on the whole file, as sentences."""
-        whole, wheel = self.platform, self.wheel
-        box = "slender as its box" if self.size else "that of a flat plate"
-        said = [
-            f"{PROGRAM}. SI: kg, m, s, N, N*m, rad; x forwards, y to the left, the reference point is the origin.",
-            f"All together {brief(whole.mass)} kg, drives and payloads among them, and {brief(whole.inertia)} kg*m^2 "
-            "about the vertical through the centre of mass, as the spec has it.",
-            f"Of a wheel the spec has the inertia alone: {brief(wheel.mass)} kg is assumed, as of a homogeneous disc "
-            "of it within bounds, and the inertia is that about every axis. The base has the rest; its inertia about "
-            f"x and y is {box}.",
-        ]
-        if not whole.height:
-            said.append(
-                "The height of the centre of mass is unknown: it is on the floor, where accelerating moves no load."
-            )
-        one = next(iter(self.drives.values()))
-        said.append(f"{', '.join(drive.joint for drive in self.drives.values())}, each: {' '.join(one.remarks)}")
-        return said + [f"Assumed: {line}." for line in self.assumptions]
+        one, names = next(iter(self.drives.values())), ", ".join(drive.joint for drive in self.drives.values())
+        said = sentences("platform", of=self, whole=self.platform, program=PROGRAM)
+        return [*said, f"{names}, each: {' '.join(one.remarks)}", *(f"Assumed: {line}." for line in self.assumptions)]
 
     def of_wheel(self, place: int) -> str:
         """Remark on the joint of a wheel: what resists."""

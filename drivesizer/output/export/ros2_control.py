@@ -34,7 +34,7 @@ import numpy as np
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.output.export import common
-from drivesizer.output.export.common import Export, identifier, number, remark, text, torque_law
+from drivesizer.output.export.common import Export, identifier, number, remark, sentences, text, torque_law
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.export.platform import PlatformExport, Reach, wheel_name
@@ -111,21 +111,18 @@ def controllers(of: MachineExport) -> bytes:
         said = [of.alone.label]
     said += [common.PROGRAM, *dict.fromkeys(line for one in looped for line in common.lacking(one.of))]
     if slowest:
-        said += [*_VERSIONS, *_rate_remarks(slowest)]
+        rate = 1.0 / slowest.period
+        whole = abs(_rate(slowest) - rate) <= _NEAR * rate
+        said += sentences("ros2_control: velocity loops", rate=rate, update_rate=_rate(slowest), whole=whole)
     law = torque_law(of.alone) if of.alone and looped else None
     if law and (law.per_acceleration or law.per_direction):
         said.append("feedforward of acceleration and friction is left out")
-    if steppers and platform:
-        said.append("steppers run open-loop: they go at the commanded velocities, or lose steps unseen")
-    elif steppers and of.alone:
-        said.append(
-            "a stepper runs open-loop: it goes to the commanded positions, or loses steps unseen; keep accelerations "
-            "to those that drivesizer validate has simulated"
-        )
-    elif steppers:
-        said.append("steppers run open-loop: they go to the commanded positions, or lose steps unseen")
+    if steppers:
+        said += sentences("ros2_control: steppers", platform=bool(platform), alone=bool(of.alone))
     if platform:
-        said += [*_base_remarks(platform), *base.said] if base else [_NO_BASE]
+        said += (
+            [*sentences("ros2_control: base", of=platform), *base.said] if base else sentences("ros2_control: no base")
+        )
     gains = {one.joint: _gains(one) for one in looped}
     along = [] if platform else [one.joint for one in steppers]
     rate = _rate(slowest) if slowest else _TRAJECTORY
@@ -165,18 +162,6 @@ def _rate(of: Export) -> int:
     return max(1, round(1.0 / of.period))
 
 
-def _rate_remarks(of: Export) -> list[str]:
-    """Remarks on the rate for which gains hold, as sentences."""
-    rate = 1.0 / of.period
-    said = [
-        f"p and i belong to a loop at {rate:.6g} Hz: where the controller manager does not run at update_rate they "
-        "do not hold; for a loop at another rate give control: {rate: 1 kHz} in the spec and export anew"
-    ]
-    if abs(_rate(of) - rate) > _NEAR * rate:
-        said.append(f"update_rate is a whole number: {_rate(of)} Hz for {rate:.6g} Hz")
-    return said
-
-
 def _float(value: float) -> str:
     """A figure that YAML and ROS read as a float: an integer is another type to them.
 
@@ -187,12 +172,6 @@ def _float(value: float) -> str:
     return shown if set(shown) & {".", "e", "n"} else f"{shown}.0"
 
 
-_VERSIONS = (
-    "u_clamp_max, u_clamp_min and antiwindup_strategy are of ros2_controllers 4.27 and 5.2 or later; older ones, "
-    "such as Humble's 2.x, ignore them and limit the integral by i_clamp_max and i_clamp_min",
-    "enable_feedforward is of 4.x and 5.0; later feedforward is always on; 2.x: the service set_feedforward_control",
-    "the clamps limit p and i: the joint's effort, and the feedforward at the joint's velocity",
-)
 _MANAGER = """controller_manager:
   ros__parameters:
     update_rate: {rate}  # Hz
@@ -362,21 +341,3 @@ def parameters_text(parameters: Mapping[str, Any], indent: int = 4) -> str:
             written = _float(value)
         lines.append(f"{' ' * indent}{name}: {written.lower() if isinstance(value, bool) else written}\n")
     return "".join(lines)
-
-
-def _base_remarks(of: PlatformExport) -> list[str]:
-    """Remarks on the controller of the base."""
-    reached = "the highest speed of the motion" if of.of.stepper else "what the drives reach on the lowest voltage"
-    said = [
-        f"velocity limits are {reached}, or the spec's where that is less, one direction at a time: both together may "
-        "need faster wheels; accelerations are the spec's limits, else the largest of its motion"
-    ]
-    if not of.of.stepper:
-        said.append(
-            f"{NAME} commands {CONTROLLER}: activate both together. Where a drive closes its velocity loop itself, and "
-            f"for diff_drive_controller before 4.14, name the joints without {CONTROLLER}/ and leave that one out"
-        )
-    return said
-
-
-_NO_BASE = "no controller of ros2_controllers drives these wheels: command their velocities by one of your own"

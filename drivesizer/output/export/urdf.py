@@ -185,16 +185,9 @@ def roll_pitch_yaw(turn: Array) -> tuple[float, float, float]:
 
 def _platform(root: Element, of: PlatformExport, direction: float) -> None:
     """Base above its footprint, wheels with their joints, casters as balls that slide."""
-    said = [
-        "Shapes are to be seen and to stand on: the width of wheels and the size of casters are assumed. A caster "
-        "slides; give it no friction in your simulator."
-    ]
-    if any(wheel.roller_angle or not wheel.held for wheel in of.platform.wheels):
-        angles = ", ".join(number(wheel.roller_angle) for wheel in of.platform.wheels)
-        said.append(
-            f"Wheels have rollers, at {angles} rad to their heading on the floor. URDF has none: let the floor's "
-            "friction act along these directions alone; the format mjcf has it so."
-        )
+    rollers = any(wheel.roller_angle or not wheel.held for wheel in of.platform.wheels)
+    angles = ", ".join(number(wheel.roller_angle) for wheel in of.platform.wheels)
+    said = common.sentences("URDF: platform", rollers=rollers, angles=angles)
     remark(root, *of.head, *said, *of.rollers)
     SubElement(root, "link", name=FOOTPRINT)
     link, size = SubElement(root, "link", name=PLATFORM_BASE), of.size
