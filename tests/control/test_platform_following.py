@@ -12,7 +12,6 @@ from routes import route
 
 from drivesizer.control.path_following.following import (
     Contact,
-    Followed,
     SpeedLoop,
     deviation,
     extremes,
@@ -24,7 +23,7 @@ from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Ground, dynamics
 from drivesizer.platform.kinematics import kinematics
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import EXACT, Misjudged, Payload, Platform, actual, without_motor
+from drivesizer.platform.wheels import EXACT, Misjudged, actual, without_motor
 
 
 def worst(found):
@@ -102,21 +101,6 @@ def test_all_radii_off_lengthen_the_path(p, error, model):
     )
     assert found.along[-1] - without.along[-1] == pytest.approx(error * 6.0, rel=2e-3)
     assert np.abs(found.across).max() < 1e-6 and np.abs(found.heading).max() < 1e-6
-
-
-@pytest.mark.parametrize("p", [robot(), cart()], ids=["mecanum", "differential"])
-def test_wheels_farther_out_turn_less(p):
-    found = deviation(follow(AHEAD, p, misjudged=Misjudged(lever=0.03), contact=STIFF))
-    assert found.turned[-1] == pytest.approx(2.0)
-    assert found.heading[-1] == pytest.approx(-0.03 / 1.03 * 2.0, rel=3e-3)
-
-
-def test_radii_apart_make_an_arc():
-    found = follow(STRAIGHT, cart(), misjudged=Misjudged(radius=(0.02, -0.02)), contact=STIFF)  # right, left
-    bend = 2.0 * 0.02 / 0.5  # of the arc, 2 e over the track
-    assert found.posture[2, -1] == pytest.approx(bend * 6.0, rel=2e-3)
-    assert found.posture[0, -1] == pytest.approx(math.sin(bend * 6.0) / bend, rel=2e-3)
-    assert found.posture[1, -1] == pytest.approx((1.0 - math.cos(bend * 6.0)) / bend, rel=2e-3)
 
 
 def dead_reckoned(plan, believed, true):
@@ -306,13 +290,3 @@ def test_one_line_of_what_is_wrong(make, said):
 def steered():
     p = car(1.1, 0.6, 0.3)
     return replace(p, wheels=tuple(replace(w, inertia=0.01) for w in p.wheels))
-
-
-def test_a_payload_that_the_model_does_not_know():
-    there = actual(robot(), Misjudged(payload=Payload(mass=5.0, x=0.45, height=0.9), centre=(0.0, 0.05, 0.1)))
-    assert isinstance(there, Platform)
-    assert (there.mass, there.x, there.y, there.height) == pytest.approx((50.0, 0.045, 0.045, 0.18))
-    found = follow(STRAIGHT, robot(), misjudged=Misjudged(payload=Payload(mass=5.0, x=0.2)))
-    assert isinstance(found, Followed)
-    assert found.load[:, 3500].sum() == pytest.approx(50.0 * 9.80665)
-    assert found.load[0, 3500] > found.load[3, 3500]

@@ -119,29 +119,6 @@ def rows(heading):
     return [line.split(" | ") for line in re.findall(r"^\| (.+) \|$", below, re.MULTILINE)[2:]]
 
 
-HEADINGS = ["MX-64 and MX-106", "XL330", "Jameco 12 V", "RI50", "NEO, NEO 550, Falcon 500", "ODrive D5065"]
-
-
-def test_every_quantity_has_its_row_and_says_who_computes_it():
-    abouts = tables.abouts(LINES.strip().splitlines())
-    told = [row for heading in HEADINGS for row in rows(heading)]
-    assert {len(row) for row in told} == {8}
-    assert [row[0] for row in told] == [row[0] for row in rows("Errors beside a plain model")]
-    by_name = {one.name: one for one in abouts.values()}
-    assert len(told) == len(by_name) == len(abouts)
-    for name, *_, by, plain in told:
-        assert (by, plain) == (by_name[name].by, by_name[name].plain)
-        assert by in ("program", "page")
-
-
-def test_every_quantity_with_points_outside_is_told_with_a_reason():
-    outside = {row[0]: int(row[1]) - int(row[2]) for heading in HEADINGS for row in rows(heading)}
-    listed = PAGE.split("## What is missed, and why")[1].split("\n## ")[0]
-    found = re.findall(r"^- \*\*(.+)\*\*: (\d+) of \d+ outside, .+ the band\. (.+)$", listed, re.MULTILINE)
-    assert {name: int(count) for name, count, _ in found} == {k: v for k, v in outside.items() if v}
-    assert all(len(why) > 15 for *_, why in found)
-
-
 def test_at_least_85_percent_of_the_points_are_inside():
     (counted,) = (row for row in rows("Points inside the band") if row[0] == "**all**")
     points, inside = map(int, counted[1:3])

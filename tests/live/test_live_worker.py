@@ -129,17 +129,6 @@ def test_who_leaves_or_asks_anew_stops_his_own_request_alone(worker: Worker, mon
     assert answered(worker) == ["spec", "wrong"] and worker.newest == {}
 
 
-def test_a_browser_that_does_not_read_holds_up_nobody(worker: Worker) -> None:
-    async def unread() -> list[Any]:
-        stuck = worker.answer("stuck", "answer", {"text": SMALL})
-        await anext(stuck)
-        found = await pieces(worker, SMALL)
-        await stuck.aclose()
-        return found
-
-    assert asyncio.run(unread())[-1]["kind"] == "wrong"
-
-
 def test_memory_is_bounded() -> None:
     """A spec that needs more is said to, and the process goes on; in one of its own, for a limit is for good."""
     code = f"""

@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.parts import NO_GEARHEAD, BeltDrive
+from drivesizer.catalog.parts import BeltDrive
 from drivesizer.output.document.content import Content
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.report import csv as csv_tables
@@ -128,20 +128,3 @@ def test_a_set_that_falls_is_not_bought(result, tmp_path):
         for r in csv.DictReader(io.StringIO(csv_tables.report_csv(Content(fallen)).decode()))
         if r["section"] == "part"
     ]
-
-
-def test_a_price_in_another_currency_has_a_total_of_its_own(spec, tmp_path):
-    text = (
-        "catalog: 1\nmanufacturer: Anymaker\nsources: {sheet: {document: sheet, confidence: quoted}}\nmotors:\n"
-        "- family: M\n  source: sheet\n  columns: [part, mass (g), foreign_price, currency]\n"
-        "  rows: [[M-1, 120, 24.95, USD]]\n"
-    )
-    (tmp_path / "own.yaml").write_text(text, encoding="utf-8")
-    own = load(["own.yaml"], beside=tmp_path)
-    found = size(spec, top=1).sets[0]
-    lines = parts_list(
-        replace(found, motor=own.motors.record(0), gearhead=NO_GEARHEAD, encoder=None, controller=None), own, 4
-    )
-    assert (lines[0].price, lines[0].currency, lines[0].price_confidence) == (24.95, "USD", "quoted")
-    dollars = next(total for total in totals(lines) if total.unit == "USD")
-    assert dollars.value == pytest.approx(4 * 24.95) and dollars.over == ("motor",)

@@ -5,21 +5,17 @@ from __future__ import annotations
 import io
 import re
 from dataclasses import replace
-from itertools import pairwise
 
 import pypdf
 import pytest
 from pdf_text import texts_of
 from printed import blank_figures
-from synthetic_validation import labels
 
 from drivesizer.output.document import SECTIONS, printed
 from drivesizer.output.document.axes import document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.document.records import BOOK
-from drivesizer.output.report.figures.field import TOGETHER, Panel, alone, leading, panels, torque_speed_panels
-from drivesizer.output.report.html.candidate_plots import apart
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.pdf import report_pdf
 from drivesizer.results.check_kinds import PARTS, part_of, sorted_by_part
@@ -142,31 +138,3 @@ def checks_of(result: SizingResult) -> str:
     with blank_figures():
         page = report_html(Content(result)).decode()
     return page.partition('id="checks"')[2].partition("</table>")[0]
-
-
-# -- small diagrams in place of lines over one another
-
-
-def test_four_load_cases_have_a_diagram_each(result):
-    (panel,) = panels(result.problem, result.sets[0], result.requirements)
-    number, _, field = panel.cases[0]
-    four = [Panel(cases=tuple((number, f"wheel {n}", field) for n in range(1, 5)))]
-    assert len(leading(four).cases) == 1 and len(leading([panel]).cases) == 1 and alone([panel]) == []
-    assert [[name for _, name, _ in one.cases] for one in alone(four)] == [[f"wheel {n}"] for n in range(1, 5)]
-    said = labels(torque_speed_panels(alone(four)))
-    assert {f"wheel {n}" for n in range(1, 5)} | {"winding hot", "winding cold", "load cycle"} <= said
-    two = [Panel(cases=four[0].cases[:TOGETHER])]
-    assert leading(two) is two[0] and alone(two) == []
-
-
-# -- the page
-
-
-def test_no_label_covers_another_and_the_crowded_ones_are_left_to_the_pointer():
-    points = [(740.0, -50.0 - n) for n in range(30)]
-    sides = apart(points, [str(n) for n in range(30)])
-    assert "" in sides and len({*sides}) > 2
-    steps = {"top center": 0.065, "bottom center": -0.065, "middle right": 0.0, "middle left": 0.0}
-    for one in ("middle right", "middle left"):
-        ups = [y / 29.0 + steps[side] for (_, y), side in zip(points, sides, strict=True) if side == one]
-        assert all(abs(a - b) > 0.05 for a, b in pairwise(ups))

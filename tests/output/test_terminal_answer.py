@@ -159,17 +159,6 @@ def test_where_the_machine_rejects_what_passes_alone_its_budget_is_named(starter
     assert "1 drive meets its own limits; in the machine it fails on battery autonomy." in out
 
 
-@pytest.mark.parametrize("columns", [50, 60, 72, 80, 110, 140])
-def test_masses_are_whole_at_any_width(columns, starter, capsys, monkeypatch):
-    """Where there is little room names go on below, and the price of all is left out; never a mass or a price."""
-    printed = told(starter, capsys, monkeypatch, columns, quiet=True)
-    lines = [line.rstrip() for line in printed.splitlines()]
-    assert max(map(len, lines)) <= columns
-    rows = [line for line in lines if line.startswith("2 ×")]
-    assert len(rows) == 4 and all(f" {mass} g" in row for mass, row in zip((132, 146, 40, 90), rows, strict=True))
-    assert "241.64 EUR" in rows[0] and ("120.82 EUR" in rows[0]) == (columns >= 110)
-
-
 def test_the_head_of_a_report_has_the_payload(catalog):
     spec = load_spec({**HELD, "motion": HELD["motion"] | {"payload": "5 kg", "payload_back": "7 kg"}})
     assert machine_words(spec) == "Hoist, 40 kg and a payload of up to 7 kg, 1 drive"

@@ -14,7 +14,6 @@ from drivesizer.platform.envelope import (
     clearances,
     corner_width,
     heading_tolerance,
-    heading_tolerance_driving,
     width_at,
 )
 from drivesizer.platform.trajectory import control_points, finer
@@ -75,17 +74,6 @@ def test_every_error_up_to_the_tolerance_fits_and_none_beyond(size, opening, asi
         assert width_at(size, found + 1e-4, aside) > opening
     else:
         assert math.hypot(size.length, size.width) <= opening - 2 * aside + 1e-9
-
-
-@given(sizes(), st.floats(1.001, 3.0), st.floats(0.0, 1.0))
-def test_a_band_driven_askew_touches_both_jambs(size, share, depth):
-    """The robot's band, W wide at an angle t, through a slab: its edges at both faces, by lines."""
-    opening = share * size.width
-    t = heading_tolerance_driving(size, opening, depth)
-    faces = np.array([-depth / 2, depth / 2])
-    left = faces * math.tan(t) + size.width / 2 / math.cos(t)
-    assert left.max() == pytest.approx(opening / 2)
-    assert 0.0 < t < math.pi / 2
 
 
 # --- turning ----------------------------------------------------------------------------------------------------------

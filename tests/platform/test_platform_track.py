@@ -113,27 +113,6 @@ def test_a_differential_drive_follows_a_sampled_curve(file):
     assert np.abs(left.speed).max() == pytest.approx((2.0 - 0.25) * 2.25 / 0.1, rel=1e-3)
 
 
-def test_rounded_figures_need_smoothing(file):
-    """Figures to 0.01 mm every 10 ms: refused as they are; with knots 0.1 s apart they are the motion again."""
-    time = np.arange(0.0, 10.001, 0.01)
-    exact, rate, gain = circle(time, angle=3.0)
-    x, y, heading = exact[0].round(5), exact[1].round(5), np.degrees(exact[2]).round(3)
-    path = file("t,x,y,theta\ns,m,m,deg", time, x, y, heading)
-    with pytest.raises(InputError, match=r": x: the last digit, 1e-05 m, stands for 0\.6 m/s\^2 every 0\.01 s"):
-        read_track(path)
-    rough, smooth = spline(time, np.array([x, y, np.radians(heading)])), read_track(path, smoothing=0.1)
-    for t, most in ((rough, 1.0), (smooth, 0.02)):
-        off = np.abs(t.acceleration[2, :, 0] - gain[np.searchsorted(time, t.time[:, 0] - 1e-9)]).max()
-        assert most / 5 < off < most
-    assert smooth.at(time) == pytest.approx(exact, abs=1e-4)
-    assert (smooth.velocity[:, 0, 0] == 0.0).all() and (smooth.velocity[:, -1, 1] == 0.0).all()
-    assert smooth.velocity[2, :, 0] == pytest.approx(rate[np.searchsorted(time, smooth.time[:, 0] - 1e-9)], abs=1e-3)
-    with pytest.raises(
-        InputError, match=r"smoothing: 3 s; expected between 0 and 2\.5 s, a quarter of the time of .*csv"
-    ):
-        read_track(path, smoothing=3.0)
-
-
 @pytest.mark.parametrize(("row", "column", "value"), [(33, 1, 1e6), (500, 2, 1e5), (737, 1, 300.0)])
 def test_a_sample_far_off_between_knots_is_a_jump(file, row, column, value):
     """In 0.4 s, the longest between two knots, nothing on wheels gets farther than 20 m: that is no motion."""

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from studies import CHEAP, FEW, MANY, halted, in_this_process, laid, ran, results, surroundings
+from studies import FEW, MANY, halted, in_this_process, laid, ran, results, surroundings
 
 from drivesizer import cli
 from drivesizer.study import workers
@@ -241,26 +241,6 @@ def test_a_second_process_is_refused(run, tmp_path):
     assert f"drivesizer: study: process {os.getpid()} on " in err
     assert "is at work on this study; wait until it is done, or choose another folder with -o" in err
     assert run("--no-maps")[0] == 0  # the lock that it leaves behind is free
-
-
-@pytest.mark.usefixtures("here")
-def test_a_folder_of_another_study_is_refused_until_fresh(run, tmp_path):
-    laid(tmp_path, FEW)
-    assert run("--no-maps")[0] == 0
-    before = results(tmp_path / "study")
-    laid(tmp_path, FEW.replace("30 kg", "31 kg"), CHEAP.replace("22 V", "21 V"))
-    status, out, err = run("--no-maps")
-    assert (status, out) == (2, "")
-    assert err == (
-        "drivesizer: study: holds results of another study (study.yaml, robot.yaml changed since); "
-        "--fresh begins anew, -o FOLDER keeps both\n"
-    )
-    assert results(tmp_path / "study") == before
-    (tmp_path / "study" / "mine.txt").write_text("kept")
-    assert run("--no-maps", "--fresh")[0] == 0
-    assert rows((tmp_path / "study" / "results.csv").read_bytes())[0]["load.mass (kg)"] == "31.0"
-    assert (tmp_path / "study" / "mine.txt").read_text() == "kept"
-    assert run("--no-maps")[0] == 0
 
 
 @pytest.mark.usefixtures("here")
