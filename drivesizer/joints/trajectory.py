@@ -18,7 +18,7 @@ from drivesizer.joints.inverse_dynamics import Array, JointMotion
 from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
-from drivesizer.platform.trajectory import curve_at_rest, path_coordinate, refuse_few_digits, speed_at_end, thinned
+from drivesizer.platform import trajectory as curves
 from drivesizer.spec.description_record import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
 from drivesizer.units.kinds import RANGES
@@ -37,8 +37,7 @@ from drivesizer.units.kinds import RANGES
 
 _TIME = "time"
 _FEWEST = 4  # a cubic has four coefficients
-_BEND, _TURN = 1e-3, 1.0 / 32.0  # of a piece: of the largest speed; rad
-_MOST_PARTS, _MOST_PIECES = 256, 200_000  # of an interval; of a trajectory
+_MOST_PIECES = 200_000  # of a trajectory
 _SAME = 1e-6  # rad or m, by which joints that end where they start may be off
 _TINY = 1e-300  # instead of a largest speed of 0
 
@@ -68,7 +67,7 @@ def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
         gain = np.abs(np.diff(np.diff(position, axis=1) / np.diff(time), axis=1) / step).max(axis=1)
         for joint, row, most in zip(joints, position, gain.tolist(), strict=True):
             factor = factors[header.index(joint.name)]
-            refuse_few_digits(f"{path}: {joint.name}", row, factor, step, most, unit_of(joint))
+            curves.refuse_few_digits(f"{path}: {joint.name}", row, factor, step, most, unit_of(joint))
     courses = [_course(path, time, row, joint, smoothing) for row, joint in zip(position, joints, strict=True)]
     return _pieces(path, time, courses, joints)
 
@@ -110,8 +109,8 @@ class _Course(NamedTuple):
 
 def _course(path: Path, time: Array, row: Array, joint: Joint, smoothing: float) -> _Course:
     """The curve of one joint."""
-    kept = thinned(time, smoothing)
-    if not any(speed_at_end(time[kept], row[None, kept], end) for end in (0, -1)):
+    kept = curves.thinned(time, smoothing)
+    if not any(curves.speed_at_end(time[kept], row[None, kept], end) for end in (0, -1)):
         return _from_rest(time, row, smoothing)
     gap = float(row[-1] - row[0])
     turns = round(gap / (2.0 * np.pi)) * 2.0 * np.pi if joint.kind == "continuous" else 0.0
@@ -126,20 +125,15 @@ def _course(path: Path, time: Array, row: Array, joint: Joint, smoothing: float)
 def _from_rest(time: Array, row: Array, smoothing: float) -> _Course:
     """From rest to rest, and at rest where samples in a row are the same: three, and for longer than the smoothing."""
     resting = np.diff(row) == 0.0
-    for first, last in pairwise(_edges(resting)):
+    for first, last in pairwise(curves.edges_of(resting)):
         if last - first < 2 or time[last] - time[first] < smoothing:
             resting[first:last] = False
-    edges = _edges(resting)
-    curves = [
+    edges = tuple(curves.edges_of(resting))
+    each = [
         _still(float(row[a])) if resting[a] else _rising(time[a : b + 1], row[a : b + 1], smoothing)
         for a, b in pairwise(edges)
     ]
-    return _Course(edges, tuple(curves))
-
-
-def _edges(resting: NDArray[np.bool_]) -> tuple[int, ...]:
-    """Intervals at which a stretch of rest or motion starts, and the end."""
-    return (0, *(np.flatnonzero(np.diff(resting)) + 1).tolist(), len(resting))
+    return _Course(edges, tuple(each))
 
 
 def _still(value: float) -> Curve:
@@ -148,7 +142,7 @@ def _still(value: float) -> Curve:
 
 def _rising(time: Array, row: Array, smoothing: float) -> Curve:
     """A stretch between rests; its ends are at rest but for rounding, which is left out."""
-    curve = curve_at_rest(time, row[None], smoothing)
+    curve = curves.curve_at_rest(time, row[None], smoothing)
 
     def at(when: Array, order: int) -> Array:
         found = curve(when, order)[0]
@@ -161,7 +155,7 @@ def _periodic(time: Array, row: Array, smoothing: float) -> Curve:
     """A curve whose speed and acceleration are the same at both ends; a steady advance is left out and added."""
     from scipy.interpolate import CubicSpline
 
-    kept, span, gap = thinned(time, smoothing), time[-1] - time[0], row[-1] - row[0]
+    kept, span, gap = curves.thinned(time, smoothing), time[-1] - time[0], row[-1] - row[0]
     level = row - gap * (time - time[0]) / span
     if len(kept) < len(time):
         level = _means(time, level, smoothing)
@@ -188,7 +182,7 @@ def _pieces(path: Path, time: Array, courses: Sequence[_Course], joints: Sequenc
     bend = np.array([np.abs(course.at(every, time[:-1] + step / 2.0, 3)) for course in courses]) * step**2 / 8.0
     share = (bend / np.maximum(speed.max(axis=1), _TINY)[:, None]).max(axis=0)
     turned = (speed * step * np.array([joint.turns for joint in joints])[:, None]).max(axis=0)
-    count = np.ceil(np.maximum(np.sqrt(share / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
+    count = curves.parts_of(share, turned)
     if count.sum() > _MOST_PIECES:
         raise InputError(f"{path}: rows: {len(time)} found; expected a trajectory of at most {_MOST_PIECES} pieces")
     owner, place = places(count)
@@ -337,7 +331,7 @@ def _fastest(speed: float, acceleration: float, jerk: float) -> JointPath:
     times = fastest_ramp(1.0, speed, acceleration, jerk)
     bend, level, cruise = times
     total = bend + level + bend + cruise + bend + level + bend
-    return JointPath(*path_coordinate(times, lambda time, *_: max(1, math.ceil(_PIECES * time / total))))
+    return JointPath(*curves.path_coordinate(times, lambda time, *_: max(1, math.ceil(_PIECES * time / total))))
 
 
 # -- Trajectory of a robot section, inside the limits of its joints.

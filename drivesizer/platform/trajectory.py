@@ -267,15 +267,37 @@ def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
     same = (np.diff(posture, axis=1) == 0.0).all(axis=0)
     beside = np.concatenate([[False], same, [False]])
     resting = same & (beside[:-2] | beside[2:])
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(resting)) + 1, [len(same)]])
     x, y, turn = np.diff(posture, axis=1) / np.diff(time)
     top = np.array([np.hypot(x, y).max(), np.abs(turn).max()])  # m/s, rad/s
     made = []
-    for first, last in pairwise(edges.tolist()):
+    for first, last in pairwise(edges_of(resting)):
         t, p = time[first : last + 1], posture[:, first : last + 1]
         still = rest(p[:, 0], float(t[-1] - t[0])) if resting[first] else None
         made.append(still or _moving(t, p, top, smoothing))
     return joined(made)
+
+
+def edges_of(resting: NDArray[np.bool_]) -> list[int]:
+    """Intervals at which a stretch of rest or motion starts, and the end."""
+    return [0, *(np.flatnonzero(np.diff(resting)) + 1).tolist(), len(resting)]
+
+
+def parts_of(bend: Array, turned: Array) -> NDArray[np.int64]:
+    """Number of pieces of each interval in which a speed bends by a share of the largest, and turns by an angle.
+
+    Parameters
+    ----------
+    bend
+        By which the speed leaves a straight line, of the largest [1].
+    turned
+        Angle [rad].
+
+    Returns
+    -------
+    array
+        One or more.
+    """
+    return np.ceil(np.maximum(np.sqrt(bend / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
 
 
 def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajectory:
@@ -287,7 +309,7 @@ def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajec
     share = np.divide(bend, top[:, None], out=np.zeros_like(bend), where=top[:, None] > 0.0).max(axis=0)
     turned = np.abs(curve(time, 1)[2])
     turned = np.maximum(turned[1:], turned[:-1]) * step
-    count = np.ceil(np.maximum(np.sqrt(share / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
+    count = parts_of(share, turned)
     owner, place = places(count)
     knots = np.append(time[owner] + step[owner] * (place / count[owner]), time[-1])
     columns = [curve(knots, order) for order in range(3)]
