@@ -16,7 +16,8 @@ import numpy as np
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import columns, path_from_spec
 from drivesizer.loads.course import Profile, columns_of
-from drivesizer.physics.load_cycle import Figure, LoadCycle
+from drivesizer.physics.figures import Figure
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
 from drivesizer.spec.motions import Cam, Csv, Harmonic, Move, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec

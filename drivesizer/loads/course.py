@@ -15,7 +15,8 @@ from math import fsum, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle, OwnLimit, cut_points, end_times, places
+from drivesizer.physics.figures import Figure
+from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, end_times, places
 
 _SHORT = 256  # breakpoints of a profile of which the course is kept
 

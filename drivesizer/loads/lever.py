@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError
 from drivesizer.loads.course import Course
-from drivesizer.physics.load_cycle import Ends, Figure
+from drivesizer.physics.figures import Figure
+from drivesizer.physics.load_cycle import Ends
 
 _LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none; files round 90 degrees to 1.5708 rad
 _MOST = 10_000  # pieces of a cycle

@@ -38,7 +38,8 @@ from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics import screw as physics
-from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle, OwnLimit
+from drivesizer.physics.figures import Figure
+from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
 from drivesizer.units import show
 
 _ROUNDING = 1e-9  # of the stroke

@@ -19,7 +19,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from drivesizer.loads.course import Course
-from drivesizer.physics.load_cycle import Ends, Figure, LoadCycle
+from drivesizer.physics.figures import Figure
+from drivesizer.physics.load_cycle import Ends, LoadCycle
 
 
 class OnIncline(Protocol):

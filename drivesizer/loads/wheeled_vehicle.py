@@ -22,7 +22,8 @@ from drivesizer import equations as eq
 from drivesizer.files import fields
 from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import Count, LoadModel
-from drivesizer.physics.load_cycle import Figure, LoadCycle, OwnLimit
+from drivesizer.physics.figures import Figure
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
 

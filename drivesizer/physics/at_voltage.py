@@ -11,10 +11,12 @@ Symbols: V voltage [V], R resistance [ohm], L inductance [H], k_t torque constan
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drivesizer.physics.figures import Figure
 
 Array = NDArray[np.float64]
 _INSTANT = 1e-6  # of the mechanical time constant: an electrical one that is as good as none
@@ -25,13 +27,13 @@ _SETTLED = 60.0  # time constants
 class Winding(NamedTuple):
     """Electrical side of a motor: floats or columns."""
 
-    R: Any  # ohm, leads and supply included
-    L: Any  # H; NaN: taken as none
-    k_t: Any  # N*m/A
-    k_e: Any  # V*s/rad
+    R: Figure  # ohm, leads and supply included
+    L: Figure  # H; NaN: taken as none
+    k_t: Figure  # N*m/A
+    k_e: Figure  # V*s/rad
 
 
-def operating_point(winding: Winding, voltage: Any, torque: Any, viscous: Any) -> tuple[Array, Array]:
+def operating_point(winding: Winding, voltage: Figure, torque: Figure, viscous: Figure) -> tuple[Array, Array]:
     r"""Speed and current in the long run under a torque.
 
     .. math:: w = \frac{V - R M / k_t}{k_e + R b / k_t}, \qquad I = \frac{M + b w}{k_t}
@@ -63,7 +65,13 @@ def operating_point(winding: Winding, voltage: Any, torque: Any, viscous: Any) -
 
 
 def step_time(
-    winding: Winding, voltage: Any, torque: Any, viscous: Any, inertia: Any, share: float, limit: Any = np.inf
+    winding: Winding,
+    voltage: Figure,
+    torque: Figure,
+    viscous: Figure,
+    inertia: Figure,
+    share: float,
+    limit: Figure = np.inf,
 ) -> Array:
     r"""Time from rest to a share of the final speed, the voltage being switched on.
 
@@ -131,14 +139,16 @@ def _two_poles(damping: Array, product: Array, share: float) -> Array:
     return np.asarray(high + 0.0 * damping)
 
 
-def _ramp(inertia: Any, torque: Any, viscous: Any, speed: Any) -> Array:
+def _ramp(inertia: Figure, torque: Figure, viscous: Figure, speed: Figure) -> Array:
     """Time to a speed by a constant torque against viscous friction: -(J/b) ln(1 - b w/M)."""
     x = np.asarray(viscous * speed / torque)
     slowed = np.where(np.abs(x) > 1e-9, -np.log1p(-x) / np.where(x == 0.0, 1.0, x), 1.0 + x / 2.0)
     return np.asarray(inertia * speed / torque * slowed)
 
 
-def step_peak_current(winding: Winding, voltage: Any, torque: Any, inertia: Any, limit: Any = np.inf) -> Array:
+def step_peak_current(
+    winding: Winding, voltage: Figure, torque: Figure, inertia: Figure, limit: Figure = np.inf
+) -> Array:
     r"""Largest current of a step from rest, viscous friction neglected.
 
     .. math:: \hat I = I_M + \left(\frac{V}{R} - I_M\right) 2 \zeta
@@ -178,7 +188,7 @@ def step_peak_current(winding: Winding, voltage: Any, torque: Any, inertia: Any,
     return np.asarray(np.minimum(idle + (voltage / R - idle) * 2.0 * zeta * np.exp(-inner), limit))
 
 
-def coast_down_time(inertia: Any, torque: Any, viscous: Any, speed: Any, to: Any = 0.0) -> Array:
+def coast_down_time(inertia: Figure, torque: Figure, viscous: Figure, speed: Figure, to: Figure = 0.0) -> Array:
     r"""Time of coasting from one speed to another, the terminals open.
 
     .. math:: t = \frac{J}{b} \ln \frac{M + b w_0}{M + b w_1}

@@ -15,15 +15,15 @@ Symbols: I current [A], P power [W], V voltage [V], R resistance [ohm], C charge
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
+
+from drivesizer.physics.figures import Figure
 
 Array = NDArray[np.float64]
 
 
-def peukert_time(current: Any, capacity: Any, rated_time: Any, exponent: Any) -> Any:
+def peukert_time(current: Figure, capacity: Figure, rated_time: Figure, exponent: Figure) -> Figure:
     """Run time of a full battery at a constant current [s]: t = H (C / (H I))^k.
 
     At a current below the rated one it is C / I: no more charge is counted than the rated one, whatever the exponent
@@ -56,7 +56,7 @@ def peukert_time(current: Any, capacity: Any, rated_time: Any, exponent: Any) ->
     return time[()]
 
 
-def capacity_for(time: Any, current: Any, rated_time: Any, exponent: Any) -> Any:
+def capacity_for(time: Figure, current: Figure, rated_time: Figure, exponent: Figure) -> Figure:
     """Rated capacity for a run time at a constant current [A*s]: the inverse of :func:`peukert_time`.
 
     C = H I (t/H)^(1/k), and I t where the time is longer than the rated one.
@@ -80,7 +80,7 @@ def capacity_for(time: Any, current: Any, rated_time: Any, exponent: Any) -> Any
     return (wanted + 0.0 * exponent)[()]
 
 
-def table_time(draw: Any, draws: Any, times: Any) -> Any:
+def table_time(draw: Figure, draws: Figure, times: Figure) -> Figure:
     """Run time at a draw by a discharge table, interpolated in logarithms [s].
 
     Outside the table, and with a table that does not fall, unknown: NaN.
@@ -108,7 +108,7 @@ def table_time(draw: Any, draws: Any, times: Any) -> Any:
     return np.exp(np.interp(at, x, y, left=np.nan, right=np.nan))[()] if len(x) else np.full_like(at, np.nan)[()]
 
 
-def table_draw(time: Any, draws: Any, times: Any) -> Any:
+def table_draw(time: Figure, draws: Figure, times: Figure) -> Figure:
     """Draw of a run time by a discharge table [A or W]: the inverse of :func:`table_time`.
 
     Parameters
@@ -131,7 +131,7 @@ def table_draw(time: Any, draws: Any, times: Any) -> Any:
     return np.exp(np.interp(at, y[::-1], x[::-1], left=np.nan, right=np.nan))[()]
 
 
-def _falling(draws: Any, times: Any) -> tuple[Array, Array]:
+def _falling(draws: Figure, times: Figure) -> tuple[Array, Array]:
     """Logarithms of a table by rising draw; nothing where more draw does not last shorter."""
     order = np.argsort(np.asarray(draws, float))
     x, y = (np.log(np.asarray(column, float)[order]) for column in (draws, times))
@@ -139,7 +139,7 @@ def _falling(draws: Any, times: Any) -> tuple[Array, Array]:
     return (x, y) if steady else (x[:0], y[:0])
 
 
-def terminal_voltage(current: Any, emf: Any, resistance: Any) -> Any:
+def terminal_voltage(current: Figure, emf: Figure, resistance: Figure) -> Figure:
     """Voltage at the terminals [V]: V = E - R I.
 
     Parameters
@@ -159,7 +159,7 @@ def terminal_voltage(current: Any, emf: Any, resistance: Any) -> Any:
     return emf - resistance * current
 
 
-def current_of_power(power: Any, emf: Any, resistance: Any) -> Any:
+def current_of_power(power: Figure, emf: Figure, resistance: Figure) -> Figure:
     """Current at which a battery gives a power [A]: the smaller root of R I^2 - E I + P = 0.
 
     Written as 2 P / (E + sqrt(E^2 - 4 R P)), which holds without resistance and while charging (P < 0). More than
@@ -187,7 +187,7 @@ def current_of_power(power: Any, emf: Any, resistance: Any) -> Any:
     return (2.0 * power / (emf + root))[()]
 
 
-def largest_power(emf: Any, resistance: Any, least_voltage: Any = 0.0) -> Any:
+def largest_power(emf: Figure, resistance: Figure, least_voltage: Figure = 0.0) -> Figure:
     """Largest power at a battery's terminals [W]: V (E - V) / R at the least voltage, E^2 / (4 R) at E / 2.
 
     Parameters
@@ -207,7 +207,7 @@ def largest_power(emf: Any, resistance: Any, least_voltage: Any = 0.0) -> Any:
         return (volts * np.maximum(emf - volts, 0.0) / resistance)[()]
 
 
-def state_of_charge(duration: Any, current: Any, capacity: Any, start: float = 1.0) -> Array:
+def state_of_charge(duration: Figure, current: Figure, capacity: Figure, start: float = 1.0) -> Array:
     """Charge left at the start and after every piece of a load, as a share of what is drawn at that load in all [1].
 
     Parameters
@@ -229,12 +229,12 @@ def state_of_charge(duration: Any, current: Any, capacity: Any, start: float = 1
 
 
 def polarised_voltage(
-    duration: Any,
-    current: Any,
-    emf: Any,
-    resistance: Any,
-    polarisation: Any,
-    time_constant: Any,
+    duration: Figure,
+    current: Figure,
+    emf: Figure,
+    resistance: Figure,
+    polarisation: Figure,
+    time_constant: Figure,
     *,
     rested: bool = False,
 ) -> tuple[Array, Array]:

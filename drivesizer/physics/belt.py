@@ -8,16 +8,18 @@ approximation the exact open belt is computed.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+
+from drivesizer.physics.figures import Figure
 
 LEAST_IN_MESH = 6.0  # teeth, from where a belt's rating counts in full: SDP/SI handbook, section 13.3
 _STEPS = 30  # of Newton's method, at most: five do for pulleys that nearly touch, 8 teeth beside 200
 _NEAR_ENOUGH = 1e-12  # of the centre distance
 
 
-def pitch_diameter(teeth: Any, pitch: Any) -> Any:
+def pitch_diameter(teeth: Figure, pitch: Figure) -> Figure:
     r"""Diameter at which the belt runs [m], :math:`d = z p / \pi`.
 
     Parameters
@@ -40,13 +42,13 @@ def pitch_diameter(teeth: Any, pitch: Any) -> Any:
     return teeth * pitch / np.pi
 
 
-def _lean(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
+def _lean(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
     r"""Angle of the spans to the line of centres [rad], :math:`\sin \varphi = (d_2 - d_1) / 2a`; not negative."""
     apart = np.abs(pitch_diameter(teeth, pitch) - pitch_diameter(other, pitch))
     return np.arcsin(apart / (2.0 * distance))
 
 
-def wrap_angle(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
+def wrap_angle(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
     r"""Angle over which the belt lies on the small pulley [rad], :math:`\beta = \pi - 2 \varphi`.
 
     Parameters
@@ -66,7 +68,7 @@ def wrap_angle(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
     return np.pi - 2.0 * _lean(teeth, other, pitch, distance)
 
 
-def teeth_in_mesh(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
+def teeth_in_mesh(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
     r"""Teeth of the small pulley that the belt holds, :math:`z_1 \beta / 2\pi`; makers round it down.
 
     Parameters
@@ -86,7 +88,7 @@ def teeth_in_mesh(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
     return np.minimum(teeth, other) * wrap_angle(teeth, other, pitch, distance) / (2.0 * np.pi)
 
 
-def belt_length(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
+def belt_length(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
     r"""Length of the belt [m]: two spans and two arcs.
 
     :math:`L = 2 a \cos\varphi + \pi (d_1 + d_2) / 2 + \varphi (d_2 - d_1)`. The form that handbooks print,
@@ -111,7 +113,7 @@ def belt_length(teeth: Any, other: Any, pitch: Any, distance: Any) -> Any:
     return 2.0 * distance * np.cos(lean) + np.pi * (d_1 + d_2) / 2.0 + lean * np.abs(d_2 - d_1)
 
 
-def centre_distance(teeth: Any, other: Any, pitch: Any, belt_teeth: Any) -> Any:
+def centre_distance(teeth: Figure, other: Figure, pitch: Figure, belt_teeth: Figure) -> Figure:
     r"""Centre distance at which a belt is neither slack nor stretched [m]; NaN where it is too short for any.
 
     By Newton's method with :math:`dL/da = 2 \cos\varphi`. The length is convex in the distance and never less than
@@ -145,7 +147,7 @@ def centre_distance(teeth: Any, other: Any, pitch: Any, belt_teeth: Any) -> Any:
     return np.where(long_enough, distance, np.nan)[()]
 
 
-def shortest_recommended(teeth: Any, other: Any, pitch: Any) -> Any:
+def shortest_recommended(teeth: Figure, other: Figure, pitch: Figure) -> Figure:
     """Least centre distance that is recommended for a new drive [m], 0.2 p (z_1 + z_2).
 
     Autodesk Inventor, Engineer's Handbook, "Calculation of synchronous belt"; a quarter more than where the pulleys
@@ -169,11 +171,11 @@ def shortest_recommended(teeth: Any, other: Any, pitch: Any) -> Any:
 class TwoMasses(NamedTuple):
     """Undamped frequencies of motor and load on a spring between them."""
 
-    anti_resonance: Any  # Hz, at which the load swings against a motor at rest
-    resonance: Any  # Hz
+    anti_resonance: Figure  # Hz, at which the load swings against a motor at rest
+    resonance: Figure  # Hz
 
 
-def resonance(stiffness: Any, load_inertia: Any, ratio: Any) -> TwoMasses:
+def resonance(stiffness: Figure, load_inertia: Figure, ratio: Figure) -> TwoMasses:
     r"""Anti-resonance and resonance of two masses, :math:`\omega_a = \sqrt{c / J_L}, \omega_r = \omega_a \sqrt{r}`.
 
     Parameters

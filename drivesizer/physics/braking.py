@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import floor, inf, isnan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drivesizer.physics.figures import Figure
 
 # -- Holding a load by a brake, and stopping it: on figures or columns.
 #
@@ -34,12 +36,12 @@ Array = NDArray[np.float64]
 class Stop(NamedTuple):
     """One stop by a brake that slips until the load stands."""
 
-    energy: Any  # J, that its linings take; infinite where the load is stronger
-    time: Any  # s, until it stands
-    angle: Any  # rad, that its shaft turns meanwhile
+    energy: Figure  # J, that its linings take; infinite where the load is stronger
+    time: Figure  # s, until it stands
+    angle: Figure  # rad, that its shaft turns meanwhile
 
 
-def held_by_brake(torque: Any, ratio: Any, efficiency: Any) -> Any:
+def held_by_brake(torque: Figure, ratio: Figure, efficiency: Figure) -> Figure:
     """Torque that reaches a brake at the motor's shaft from a load at rest [N*m].
 
     Parameters
@@ -61,7 +63,7 @@ def held_by_brake(torque: Any, ratio: Any, efficiency: Any) -> Any:
     return torque * efficiency / ratio
 
 
-def held_by_friction(motor: Any) -> Any:
+def held_by_friction(motor: Figure) -> Figure:
     """Torque at a motor's shaft that its own friction and detent hold without current [N*m].
 
     Parameters
@@ -82,7 +84,7 @@ def held_by_friction(motor: Any) -> Any:
     return np.nan_to_num(motor["friction_torque"]) + np.nan_to_num(motor["detent_torque"])
 
 
-def released_power(brake: Any) -> Any:
+def released_power(brake: Figure) -> Figure:
     """Power that keeps a brake released [W]: the lowered one where it is printed; 0 where it is unknown.
 
     Parameters
@@ -103,7 +105,7 @@ def released_power(brake: Any) -> Any:
     return np.where(np.isnan(kept), 0.0, kept)
 
 
-def stop(inertia: Any, speed: Any, brake: Any, load: Any, engage_time: Any) -> Stop:
+def stop(inertia: Figure, speed: Figure, brake: Figure, load: Figure, engage_time: Figure) -> Stop:
     r"""Energy, time and angle of an emergency stop from a speed, the motor without current.
 
     .. math::
@@ -180,7 +182,7 @@ _E24 = (1.0, 1.1, 1.2, 1.3, 1.5, 1.6, 1.8, 2.0, 2.2, 2.4, 2.7, 3.0, 3.3, 3.6, 3.
 _NEARLY = 1e-9  # relative
 
 
-def storable_energy(capacitance: Any, chopper: Any, supply: Any) -> Any:
+def storable_energy(capacitance: Figure, chopper: Figure, supply: Figure) -> Figure:
     """Energy that the bus takes before its chopper switches on, (1) [J].
 
     Parameters
@@ -205,7 +207,7 @@ def storable_energy(capacitance: Any, chopper: Any, supply: Any) -> Any:
     return np.maximum(0.5 * capacitance * (np.square(chopper) - np.square(supply)), 0.0)
 
 
-def largest_resistance(chopper: Any, power: Any) -> Any:
+def largest_resistance(chopper: Figure, power: Figure) -> Figure:
     """Largest resistance that burns a power at the chopper's voltage, (3) [ohm]; infinite where there is none to burn.
 
     Parameters
@@ -224,7 +226,7 @@ def largest_resistance(chopper: Any, power: Any) -> Any:
         return np.square(chopper) / np.asarray(power, float)
 
 
-def smallest_resistance(chopper: Any, current: Any) -> Any:
+def smallest_resistance(chopper: Figure, current: Figure) -> Figure:
     """Smallest resistance that a chopper can switch, (2) [ohm].
 
     Parameters
@@ -249,7 +251,7 @@ def smallest_resistance(chopper: Any, current: Any) -> Any:
     return chopper / current
 
 
-def power_while_on(chopper: Any, resistance: Any) -> Any:
+def power_while_on(chopper: Figure, resistance: Figure) -> Figure:
     """Power of a resistor while its chopper is on, (4) [W].
 
     Parameters
@@ -274,7 +276,7 @@ def power_while_on(chopper: Any, resistance: Any) -> Any:
     return np.square(chopper) / resistance
 
 
-def least_bus_capacitance(stored: Any, limit: Any, supply: Any) -> Any:
+def least_bus_capacitance(stored: Figure, limit: Figure, supply: Figure) -> Figure:
     """Capacitance of a bus that stores all that is regenerated, without a resistor, (5) [F].
 
     Parameters

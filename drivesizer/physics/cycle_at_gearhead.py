@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 
 from drivesizer.physics import load_cycle as cycles
 from drivesizer.physics.extremes import Extremes, extremes, first_largest
-from drivesizer.physics.figures import product
+from drivesizer.physics.figures import Figure, product
 from drivesizer.physics.gear_life import turned_load
-from drivesizer.physics.load_cycle import Figure
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
 _PART = 1 << 16  # segments of a long cycle whose functions are there at a time

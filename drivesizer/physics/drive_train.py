@@ -17,12 +17,12 @@ Symbols: i ratio, e efficiency, J inertia [kg*m^2], M torque [N*m], w speed [rad
 from __future__ import annotations
 
 from math import isnan, nan
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figures, once_per_part
+from drivesizer.physics.figures import Figure, Figures, once_per_part
 
 Array = NDArray[np.float64]
 Column = TypeVar("Column")  # of candidates, or one figure
@@ -68,7 +68,7 @@ def motor_and_gears(
     return MotorAndGears(gearhead["ratio"], efficiency, coulomb, idle, viscous, inertia, k_t, k_e)
 
 
-def through_gears(ratio: Any, efficiency: Any) -> tuple[Any, Any]:
+def through_gears(ratio: Figure, efficiency: Figure) -> tuple[Figure, Figure]:
     r"""Torque at the motor per torque at the output, where it drives the load and where the load drives it.
 
     .. math:: \frac{1}{i e} \; (T w > 0), \qquad \frac{e}{i} \; (T w < 0)
@@ -97,8 +97,8 @@ def through_gears(ratio: Any, efficiency: Any) -> tuple[Any, Any]:
 
 
 def drive_inertia(
-    motor: Figures, gearhead: Figures, encoder: Figures | None = None, braking: Any = 0.0, *, unknown: float = nan
-) -> Any:
+    motor: Figures, gearhead: Figures, encoder: Figures | None = None, braking: Figure = 0.0, *, unknown: float = nan
+) -> Figure:
     r"""Inertia of a drive at its motor's shaft, :math:`J_m + J_g + J_e + J_b` [kg*m^2].
 
     Parameters
@@ -137,7 +137,7 @@ def nominal_friction(motor: Figures) -> tuple[Array, Array]:
     return friction(motor)
 
 
-def friction(motor: Figures, dry: Any = 1.0) -> tuple[Array, Array]:
+def friction(motor: Figures, dry: Figure = 1.0) -> tuple[Array, Array]:
     r"""Friction torque of motors at any speed [N*m], and per speed of theirs [N*m*s/rad].
 
     The catalogue's own, where it has both; where it has one, the other is what :math:`k_t I_0` leaves, the torque lost
@@ -197,7 +197,7 @@ def gear_loss(gearhead: Figures) -> tuple[Array, Array]:
     return np.where(known, 1 / np.maximum(share, 1.0), e), np.where(known, idle, 0.0)
 
 
-def lost_in_gearhead(driving: Any, braking: Any, speed: Any, gearhead: Figures) -> Array:
+def lost_in_gearhead(driving: Figure, braking: Figure, speed: Figure, gearhead: Figures) -> Array:
     """Power that gearheads lose by that at their output, as ``mean_gear_loss`` prints it.
 
     Parameters

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Figure = Any  # a float of one part or sample, or a column over many; NaN unknown
 Result = TypeVar("Result")
 _MULTIPLIED = 1 << 17  # products of figures at a time
 _WIDEST = 2048  # columns at a time, where these are too many
@@ -43,8 +44,8 @@ class Columns(Figures, Protocol):
 class Range(NamedTuple):
     """Ends between which a figure lies, floats or columns; NaN where nobody knows one."""
 
-    low: Any
-    high: Any
+    low: Figure
+    high: Figure
 
 
 def no_less(figure: Any, known: Any = False) -> Range:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
+from drivesizer.physics.figures import Figure
 
 # -- The load cycle: speed, acceleration and torque of the shaft that one drive turns, whatever the machine.
 #
@@ -22,7 +23,6 @@ from drivesizer.errors import InputError
 
 
 Ends = NDArray[np.float64]  # at the left and the right end: (segments, 2); of several cycles (segments, 2, cycles)
-Figure = Any  # a float of one cycle; of several a column, shape (cycles,)
 
 
 _NO_PART = 1e-250  # of a segment: a smaller one would have no duration in floating point

@@ -8,7 +8,7 @@ Symbols: i ratio, e efficiency, J inertia [kg*m^2], T torque [N*m], w speed [rad
 from __future__ import annotations
 
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from drivesizer.physics.cycle_at_gearhead import (
     lacking,
 )
 from drivesizer.physics.drive_train import drive_inertia, lost_in_gearhead, motor_and_gears, through_gears
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Figure, Figures
 
 Array = NDArray[np.float64]
 _APART = 1e-9  # functions of time that are less apart are one function, but for a factor
@@ -60,7 +60,9 @@ class Coefficients(NamedTuple):
     back_emf: Array  # V*s/rad, of the motor
 
 
-def demands(at: AtGearhead, motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Any = 0.0) -> Demands:
+def demands(
+    at: AtGearhead, motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Figure = 0.0
+) -> Demands:
     r"""Torque and current of every candidate's motor.
 
     .. math:: \tau = \frac{T}{i e} \text{ or } \frac{T e}{i} + (J_m + J_g + J_e) i a + (k_t I_0 + T_0)\, \mathrm{sgn} w
@@ -121,7 +123,7 @@ def _least_square(at: AtGearhead, c: Array, left_out: NDArray[np.bool_]) -> Arra
 
 
 def coefficients(
-    acts: NDArray[np.bool_], motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Any = 0.0
+    acts: NDArray[np.bool_], motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Figure = 0.0
 ) -> Coefficients:
     """Torque of every candidate's motor by the six functions, whatever the load cycle.
 

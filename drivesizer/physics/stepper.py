@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
+
+from drivesizer.physics.figures import Figure
 
 # -- Power and energy that steppers draw: torque times speed, and the loss of a current that always flows.
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def copper_loss(phase_current: Any, resistance: Any) -> Any:
+def copper_loss(phase_current: Figure, resistance: Figure) -> Figure:
     """Loss of both windings at rated current [W], at any speed at most, at rest too.
 
     Parameters
@@ -134,7 +134,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
 PULL_OUT_SHARE = (0.67, 1.5)
 
 
-def rotor_teeth(full_steps: Any) -> Any:
+def rotor_teeth(full_steps: Figure) -> Figure:
     """Teeth of the rotor of a two-phase hybrid stepper: electrical turns per turn.
 
     >>> rotor_teeth(200.0)
@@ -143,13 +143,20 @@ def rotor_teeth(full_steps: Any) -> Any:
     return full_steps / 4.0
 
 
-def amplitude(phase_current: Any) -> Any:
+def amplitude(phase_current: Figure) -> Figure:
     """Amplitude of sinusoidal phase currents that heat as the rated current in both phases does [A]."""
     return np.sqrt(2.0) * phase_current
 
 
 def pull_out_torque(
-    speed: Any, voltage: Any, *, holding_torque: Any, phase_current: Any, resistance: Any, inductance: Any, teeth: Any
+    speed: Figure,
+    voltage: Figure,
+    *,
+    holding_torque: Figure,
+    phase_current: Figure,
+    resistance: Figure,
+    inductance: Figure,
+    teeth: Figure,
 ) -> Array:
     """Largest torque at a speed on a chopper driver, by the ideal two-phase model.
 
@@ -196,7 +203,7 @@ def pull_out_torque(
     return found
 
 
-def rescaled_torque(speed: Any, voltage: Any, at_speed: Array, at_torque: Array, at_voltage: Any) -> Array:
+def rescaled_torque(speed: Figure, voltage: Figure, at_speed: Array, at_torque: Array, at_voltage: Figure) -> Array:
     r"""Torque of a printed curve at another supply voltage: no more at a higher one, compressed at a lower.
 
     .. math:: T(w, V_2) = T(w \max(1, V_1 / V_2), V_1)
@@ -243,7 +250,7 @@ def rescaled_torque(speed: Any, voltage: Any, at_speed: Array, at_torque: Array,
 START_BAND = 1.5  # of the speed at which a rotor starts without a ramp: one printed figure, 1.37 of the ideal
 
 
-def natural_frequency(teeth: Any, holding_torque: Any, inertia: Any) -> Any:
+def natural_frequency(teeth: Figure, holding_torque: Figure, inertia: Figure) -> Figure:
     r"""Frequency of small swings about a held position [Hz], [1] section 4.3.
 
     .. math:: f = \frac{1}{2\pi} \sqrt{\frac{p\, T_h}{J}}
@@ -270,7 +277,7 @@ def natural_frequency(teeth: Any, holding_torque: Any, inertia: Any) -> Any:
     return np.sqrt(teeth * holding_torque / inertia) / (2.0 * np.pi)
 
 
-def start_speed(teeth: Any, torque: Any, inertia: Any, load_torque: Any = 0.0) -> Any:
+def start_speed(teeth: Figure, torque: Figure, inertia: Figure, load_torque: Figure = 0.0) -> Figure:
     r"""Largest speed to which the field may jump for a rotor at rest to follow, undamped.
 
     Seen from the field the rotor moves backward; it may not reach the unstable balance of torque T and load T_L:
@@ -306,7 +313,9 @@ def start_speed(teeth: Any, torque: Any, inertia: Any, load_torque: Any = 0.0) -
     return np.sqrt(2.0 * torque * np.maximum(work, 0.0) / (teeth * inertia))
 
 
-def start_speed_with(alone: Any, rotor_inertia: Any, inertia: Any, load_torque: Any, torque: Any) -> Any:
+def start_speed_with(
+    alone: Figure, rotor_inertia: Figure, inertia: Figure, load_torque: Figure, torque: Figure
+) -> Figure:
     r"""Speed at which a motor starts with its load, from that at which its rotor alone does.
 
     .. math:: w = \frac{w_0}{\sqrt{1 + J_L / J_r}}

@@ -16,11 +16,12 @@ tau time constant [s], I current [A], P_h loss at the housing [W].
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.physics.figures import Figure
 from drivesizer.physics.thermal import (
     COPPER,
     TwoBodies,
@@ -38,8 +39,8 @@ _TIMES, _ROUNDS = 4096, 5  # that are looked at in each round of that search
 class State(NamedTuple):
     """Temperatures of winding and housing [K]: of one motor, or columns."""
 
-    winding: Any
-    housing: Any
+    winding: Figure
+    housing: Figure
 
 
 class _Modes(NamedTuple):
@@ -55,7 +56,7 @@ class _Modes(NamedTuple):
     hh_fast: Array
 
 
-def _modes(bodies: TwoBodies, I2: Any) -> _Modes:
+def _modes(bodies: TwoBodies, I2: Figure) -> _Modes:
     """Matrix and eigenvalues, without cancellation: the determinant is known, and (A_ww - fast)(A_hh - fast) too."""
     ratio = bodies.R_th2 / bodies.R_th1
     feedback = (COPPER * bodies.R_25 * bodies.R_th1) * np.asarray(I2)
@@ -70,7 +71,7 @@ def _modes(bodies: TwoBodies, I2: Any) -> _Modes:
     return _Modes(fast, slow, ww, wh, hw, hh, ww_fast, hh_fast)
 
 
-def after(bodies: TwoBodies, ambient: Any, start: State, I2: Any, P_h: Any, t: Any) -> State:
+def after(bodies: TwoBodies, ambient: Figure, start: State, I2: Figure, P_h: Figure, t: Figure) -> State:
     r"""Temperatures after a span of constant mean square current and constant loss at the housing.
 
     .. math:: x(t) = x_0 + \left(\varphi_f + \frac{\varphi_s - \varphi_f}{s - f} (A - f)\right) \dot x_0, \qquad

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import nominal_friction
-from drivesizer.physics.figures import Columns, Figures, once_per_part
-from drivesizer.physics.load_cycle import Figure
+from drivesizer.physics.figures import Columns, Figure, Figures, once_per_part
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
 
