@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
-    GetCoreSchemaHandler,
-    GetJsonSchemaHandler,
+    PlainSerializer,
+    Tag,
     ValidationInfo,
     WithJsonSchema,
     model_validator,
@@ -328,47 +330,31 @@ def moment(given: Any) -> Any:
     return given.moment if isinstance(given, Solid) else given
 
 
-class InertiaQuantity(Quantity):
-    """An inertia as a text, as a body, or as a list of either."""
-
-    models: ClassVar[tuple[type[Section], ...]] = (Solid,)  # for messages
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        text = core_schema.with_info_plain_validator_function(
-            self.read, metadata={"pydantic_js_functions": [lambda _schema, _handler: self._as_text()]}
-        )
-        body = handler.generate_schema(Solid)
-        either = core_schema.tagged_union_schema({"a figure": text, "a body": body}, _tag_within)
-        several = core_schema.list_schema(either, min_length=1, max_length=100)
-        return core_schema.tagged_union_schema(
-            {
-                "a figure": text,
-                "a body": core_schema.no_info_after_validator_function(OfSolids, body),
-                "bodies": core_schema.no_info_after_validator_function(OfSolids, several),
-            },
-            _tag,
-            serialization=core_schema.plain_serializer_function_ser_schema(float),
-        )
-
-    def _as_text(self) -> dict[str, Any]:
-        return Quantity.__get_pydantic_json_schema__(self, None, None)
-
-    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        return handler(schema)
-
-
-def _tag(given: Any) -> str:
+def _form(given: Any) -> str:
     """The form in which an inertia is given."""
     return "a body" if isinstance(given, dict | Solid) else "bodies" if isinstance(given, list) else "a figure"
 
 
-def _tag_within(given: Any) -> str:
-    """The same of an entry of a list, which is no list itself."""
-    return "a figure" if isinstance(given, list) else _tag(given)
+def _inertia(**limits: float) -> Any:
+    """Type of an inertia as a text, as a body, or as a list of either."""
+    figure = Annotated[float, Quantity("inertia", **limits), Tag("a figure")]
+    either = Annotated[
+        figure | Annotated[Solid, Tag("a body")],
+        Discriminator(lambda given: "a body" if _form(given) == "a body" else "a figure"),
+    ]
+    several = Annotated[list[either], Field(min_length=1, max_length=100), AfterValidator(OfSolids), Tag("bodies")]
+    return Annotated[
+        figure | Annotated[Solid, AfterValidator(OfSolids), Tag("a body")] | several,
+        Discriminator(_form),
+        PlainSerializer(float),
+    ]
 
 
-Inertia = Annotated[float, InertiaQuantity("inertia", least=0.0)]
-InertiaAbove = Annotated[float, InertiaQuantity("inertia", above=0.0)]
+if TYPE_CHECKING:
+    Inertia = float
+    InertiaAbove = float
+else:
+    Inertia, InertiaAbove = _inertia(least=0.0), _inertia(above=0.0)
 
 
 # -- Sections of a spec that was read before, in place of data that are the very same: nobody reads them once more.

@@ -158,8 +158,6 @@ def models_in(annotation: Any) -> list[type[BaseModel]]:
     """Models that a type is, or may be."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    if hasattr(annotation, "models"):  # a figure that may be a group of fields too
-        return list(annotation.models)
     if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
         return [found for inner in get_args(annotation) for found in models_in(inner)]
     return []
