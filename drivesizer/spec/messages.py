@@ -5,8 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterator
-from types import UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -128,19 +127,12 @@ def _reached(model: type[BaseModel], path: Path_, data: Any) -> tuple[list[type[
         if isinstance(step, str) and not by_name:
             fields = [m.model_fields[step] for m in models if step in m.model_fields]
             models = [found for f in fields for found in models_of(f)]
-            by_name = any(_is_by_name(f.annotation) for f in fields)
+            by_name = any(get_origin(part) is dict for f in fields for part in _parts_of(f))
         elif isinstance(step, str):
             by_name = False
         found = data if isinstance(data, dict) else {}
         models = [m for m in models if _is_named(m, found)] or models
     return models, by_name
-
-
-def _is_by_name(annotation: Any) -> bool:
-    """Whether a type is a group of fields by names of the user's, or may be one."""
-    if get_origin(annotation) in (Union, UnionType):
-        return any(map(_is_by_name, get_args(annotation)))
-    return get_origin(annotation) is dict
 
 
 def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
@@ -151,16 +143,15 @@ def _is_named(model: type[BaseModel], data: dict[str, Any]) -> bool:
 
 def models_of(field: FieldInfo) -> list[type[BaseModel]]:
     """Models that a field is of, or may be, by its type or by what marks it."""
-    return [found for part in (field.annotation, *field.metadata) for found in models_in(part)]
+    return [part for part in _parts_of(field) if isinstance(part, type) and issubclass(part, BaseModel)]
 
 
-def models_in(annotation: Any) -> list[type[BaseModel]]:
-    """Models that a type is, or may be."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    if get_origin(annotation) in (Union, UnionType, list) or get_origin(annotation) is not None:
-        return [found for inner in get_args(annotation) for found in models_in(inner)]
-    return []
+def _parts_of(field: FieldInfo) -> Iterator[Any]:
+    """All that the type of a field is made of."""
+    waiting = [field.annotation, *field.metadata]
+    for one in waiting:
+        yield one
+        waiting += get_args(one)
 
 
 # -- Validation errors of a spec, a line each: ``file:line: field: found; expected, example``.
@@ -346,12 +337,7 @@ def _expected(field: FieldInfo | None) -> str:
 
 
 def _quantity_of(field: FieldInfo) -> fields.Quantity | None:
-    waiting = [field.annotation, *field.metadata]
-    for one in waiting:  # grows by what types are made of
-        if isinstance(one, fields.Quantity):
-            return one
-        waiting += get_args(one)
-    return None
+    return next((part for part in _parts_of(field) if isinstance(part, fields.Quantity)), None)
 
 
 def _example_of(field: FieldInfo, quantity: fields.Quantity) -> str:
