@@ -44,6 +44,12 @@ def _text(document: dict[str, Any]) -> str:
     return as_text(document)
 
 
+def _parts_of(shelf: dict[str, Catalog], hits: list[Hit], *, sources: bool = False) -> dict[str, Any]:
+    from drivesizer.catalog.exporting import as_document
+
+    return as_document(shelf, hits, sources=sources)
+
+
 def known_section(section: str) -> str:
     """Refuse the name of an unknown section; else return it."""
     from drivesizer.catalog import PARTS
@@ -87,10 +93,9 @@ def export(
     if output.suffix == ".csv":
         write_csv(output, hits)
     elif output.suffix == ".json":
-        from drivesizer.catalog.exporting import as_document
         from drivesizer.files.writing import write_files
 
-        write_files({output: f"{_text(as_document(shelf, hits))}\n".encode()})
+        write_files({output: f"{_text(_parts_of(shelf, hits))}\n".encode()})
     else:
         raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .csv or .json")
     typer.echo(f"{output}: {number_of(len(hits), 'part')}")
@@ -210,10 +215,8 @@ def listed(
     if csv:
         write_csv(csv, hits)
     if json:
-        from drivesizer.catalog.exporting import as_document
-
         undecided = sum(selection.undecided for selection in found.values())
-        typer.echo(_text({"found": len(hits), "undecided": undecided} | as_document(shelf, hits)))
+        typer.echo(_text({"found": len(hits), "undecided": undecided} | _parts_of(shelf, hits)))
         raise typer.Exit(0 if hits else 1)
     from drivesizer.catalog import columns_of
     from drivesizer.catalog.conditions import name_of
@@ -259,9 +262,8 @@ def show(
     if json:
         from drivesizer.catalog.estimates import as_records
         from drivesizer.catalog.estimates.estimate import limit_records
-        from drivesizer.catalog.exporting import as_document
 
-        document = as_document(shelf, hits, sources=True)
+        document = _parts_of(shelf, hits, sources=True)
         for one, hit in zip(document["parts"], hits, strict=True):
             one["goes_with"] = partners(hit)
             one["estimates"] = as_records(hit.table, hit.row) + limit_records(hit.table, hit.row)
@@ -297,9 +299,7 @@ def compare(
         raise InputError(f"{quoted(' '.join(parts))} is one part; expected two or more to compare")
     rows = [row for row in side_by_side(hits) if row.differs is not False or not differing]
     if json:
-        from drivesizer.catalog.exporting import as_document
-
-        typer.echo(_text(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}}))
+        typer.echo(_text(_parts_of(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}}))
         return
     from drivesizer.output.terminal import catalog as terminal_catalog
 
