@@ -15,40 +15,36 @@ _DOCUMENTS = {"Sizing and report": report_schema, "Prediction": prediction_schem
 
 def json_documents() -> str:
     """Each document, and each record in it once, by its name; parts have the columns of the catalogues."""
-    parts, made, tables = {part.__name__ for part in PARTS.values()}, dict[str, Any](), []
+    parts, made, tables = {part.__name__ for part in PARTS.values()}, set[str](), []
     for title, schema in _DOCUMENTS.items():
         document = schema()
-        heads = {}  # a name that another document has for another record is told apart
-        for name, one in document["$defs"].items():
-            heads[name] = name if made.get(name, one) == one else f"{name} of {title.lower()}"
-        records = {heads[n]: one for n, one in document["$defs"].items() if n not in parts and heads[n] not in made}
-        made |= records
-        links = {name: f"[{head}](#{head.lower().replace(' ', '-')})" for name, head in heads.items()}
-        links |= {name: f"[{name}](catalogues.md#columns)" for name in parts}
-        tables.append(f"## {title}\n\n{_table(document['properties'], links)}")
-        tables += [f"### {name}\n\n{_table(one['properties'], links)}" for name, one in sorted(records.items())]
+        records = {name: one for name, one in document["$defs"].items() if name not in made | parts}
+        made |= records.keys()
+        tables.append(f"## {title}\n\n{_table(document['properties'], parts)}")
+        tables += [f"### {name}\n\n{_table(one['properties'], parts)}" for name, one in sorted(records.items())]
     return "\n\n".join(tables)
 
 
-def _table(properties: dict[str, Any], links: dict[str, str]) -> str:
-    rows = [f"| `{key}` | {_type(of, links)} | {of.get('description', '')} |" for key, of in properties.items()]
+def _table(properties: dict[str, Any], parts: set[str]) -> str:
+    rows = [f"| `{key}` | {_type(of, parts)} | {of.get('description', '')} |" for key, of in properties.items()]
     return "\n".join(("| key | type | what it is |", "|---|---|---|", *rows))
 
 
-def _type(of: dict[str, Any], links: dict[str, str]) -> str:
+def _type(of: dict[str, Any], parts: set[str]) -> str:
     """The type of a key in words."""
     if "$ref" in of:
-        return links[of["$ref"].rpartition("/")[2]]
+        name = of["$ref"].rpartition("/")[2]
+        return f"[{name}](catalogues.md#columns)" if name in parts else f"[{name}](#{name.lower()})"
     if "anyOf" in of:
-        every = " or ".join(_type(one, links) for one in of["anyOf"])
+        every = " or ".join(_type(one, parts) for one in of["anyOf"])
         return " or ".join(dict.fromkeys(every.split(" or ")))
     if "enum" in of:
         return " or ".join(f"`{one}`" for one in of["enum"])
     if "const" in of:
         return f"`{of['const']}`"
     if of.get("type") == "array":
-        return f"array of {_type(of['items'], links)}" if of.get("items") else "array"
+        return f"array of {_type(of['items'], parts)}" if of.get("items") else "array"
     if isinstance(of.get("additionalProperties"), dict) and of["additionalProperties"]:
-        return f"object of {_type(of['additionalProperties'], links)}"
+        return f"object of {_type(of['additionalProperties'], parts)}"
     kinds = of.get("type", "any")
     return kinds if isinstance(kinds, str) else " or ".join(kinds)

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics import thermal
 
-__all__ = ["FURTHER", "code", "solved", "value"]
-
 Numbers = NDArray[np.float64]
 
 # profile and the pitches that it is made in, mm

@@ -190,9 +190,15 @@ def _write_temporary(target: Path, content: bytes, waiting: list[_Waiting]) -> N
             continue
         with stream:
             stream.write(content)
-        if (found := _status(target)) is not None:  # with the permissions of the file that it replaces
-            temporary.chmod(stat.S_IMODE(found.st_mode))
+        _as_before(temporary, target)
         return
+
+
+def _as_before(temporary: Path, target: Path) -> None:
+    """Give a file the permissions of the one that it replaces."""
+    found = _status(target)
+    if found is not None:
+        temporary.chmod(stat.S_IMODE(found.st_mode))
 
 
 def _take_free_place(temporary: Path, target: Path) -> None:

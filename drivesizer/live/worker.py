@@ -20,7 +20,8 @@ from multiprocessing.context import SpawnProcess
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from drivesizer.live.engine import OWN, Piece, run
+from drivesizer.live.engine import OWN, run
+from drivesizer.live.held import Piece
 
 __all__ = ["Worker"]
 

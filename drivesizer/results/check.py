@@ -9,12 +9,6 @@ from typing import Literal, NamedTuple
 
 from drivesizer.units import show
 
-__all__ = [
-    "GRAVEST", "Band", "Check", "Driver", "Figure", "FigureSpread", "LoopShare", "Reliability", "Spread", "Status",
-    "Uncertain", "Uncertainty", "gravest", "sentence_case", "tightest", "verdict", "worst", "worst_of_cases",
-]  # fmt: skip
-
-
 # -- A check and a figure as records, and what several checks amount to.
 
 

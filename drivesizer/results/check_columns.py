@@ -30,8 +30,6 @@ from drivesizer.physics.figures import Range
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS
 
-__all__ = ["PROPOSAL", "AtEnds", "CheckColumn", "at_least", "at_most", "fits", "over_band", "together", "worst_case"]
-
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _DECLARED = frozenset(name for declared in CHECKS.values() for name in declared)

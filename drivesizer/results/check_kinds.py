@@ -14,12 +14,6 @@ from drivesizer.results.check import Check, sentence_case
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.units import show
 
-__all__ = [
-    "BATTERY_LASTING", "BATTERY_SAMPLED", "BATTERY_VOLTAGES", "CHECKS", "OWN_REQUIREMENTS", "PARTS", "REQUIREMENTS",
-    "CheckKind", "figure_words", "marked_figures", "missing_figures", "part_of", "rests_on", "sorted_by_part",
-    "unknown_figures",
-]  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True)
 class CheckKind:

@@ -21,13 +21,6 @@ from drivesizer.results.problem import ChosenScrew
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, show, show_band
 
-__all__ = [
-    "BrakingBudget", "Comparison", "Consumption", "DriveParts", "DriveSet", "EnergyBudget", "EstimatedFigure",
-    "MassRow", "MotorPiece", "Relaxation", "Requirement", "html_table", "loss_assumptions", "made_by", "section_of",
-    "share", "voltage_assumption",
-]  # fmt: skip
-
-
 # -- Figures of a drive's parts that no data sheet gives, as they were estimated from peers.
 
 

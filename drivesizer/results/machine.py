@@ -17,12 +17,6 @@ from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "SUMMED", "AxisSizing", "CarriedMass", "Course", "Exceeded", "MachinePower", "MachineSizing", "objective_sum",
-    "of_one_axis",
-]  # fmt: skip
-
-
 # -- Power of all axes of a machine on one supply over its cycle, as a record.
 
 

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from drivesizer.results.drive_set import EstimatedFigure
 
-__all__ = ["Band", "Conditions", "Predicted", "Prediction", "WarmingCourse"]
-
 Array = NDArray[np.float64]
 
 

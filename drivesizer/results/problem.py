@@ -20,11 +20,6 @@ from drivesizer.units import show
 if TYPE_CHECKING:
     from drivesizer.loads.screw import Screw as ScrewLoad
 
-__all__ = [
-    "SHIFT", "BeltDrives", "ChosenScrew", "LoadCase", "Problem", "TriedScrew", "chosen_of", "for_drive",
-    "leaves_open", "screw_figures", "wants_screw", "with_screw",
-]  # fmt: skip
-
 
 # -- A screw out of a catalogue in the machine that it moves.
 

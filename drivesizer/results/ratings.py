@@ -16,26 +16,6 @@ from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.spec.sections import Supply
 
-__all__ = [
-    "ASSUMED",
-    "ASSUMED_AMBIENT",
-    "OWN_SUPPLY",
-    "coil_voltage",
-    "continuous_speed_limit",
-    "controller_current",
-    "controller_power_limit",
-    "lasting_limit",
-    "nominal_current_limit",
-    "nominal_torque_limit",
-    "permitted_power",
-    "short_limit",
-    "supply_voltage_limit",
-    "unless_printed",
-    "unstated_ambient",
-    "unstated_supply",
-    "unstated_temperature",
-]
-
 Array = NDArray[np.float64]
 _USUAL = (273.15, 313.15)  # K, 0 and 40 degC: ambients of IEC 60034-1 where nothing else is stated
 ASSUMED = "assumed, by select.assume"

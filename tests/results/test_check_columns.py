@@ -4,7 +4,10 @@ from dataclasses import replace
 from math import nan
 
 import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
 
+from drivesizer.physics.figures import Range
 from drivesizer.results.check import worst_of_cases
 from drivesizer.results.check_columns import at_least, at_most, worst_case
 
@@ -27,3 +30,19 @@ def test_of_unknown_checks_the_smallest_actual_figure_counts():
     }
     (found,) = worst_of_cases([(name, [replace(one, status="unknown", margin=nan)]) for name, one in known.items()])
     assert (found.case, found.limit) == ("b", 46.1)
+
+
+ENDS = st.tuples(*[st.floats(-1e3, 1e3)] * 2).map(sorted)
+
+
+@given(ENDS, ENDS, st.sampled_from([0.0, 20.0]), st.sampled_from([0.0, 0.25]))
+def test_a_range_passes_or_fails_where_every_figure_within_it_does(demand, limit, zero, needed):
+    """Nine demands against nine limits within the ends, each judged alone; without a high end nothing passes."""
+    within = [np.linspace(*ends, 9) for ends in (demand, limit)]
+    every = at_most("motor_power", within[0][:, None], within[1], zero=zero, needed=needed)
+    whole = at_most("motor_power", Range(*demand), Range(*limit), zero=zero, needed=needed)
+    assert not whole.passed or every.passed.all()
+    assert not whole.failed or every.failed.all()
+    if demand[0] > zero:  # what is at its zero passes by itself
+        assert whole.passed == every.passed.all() and whole.failed == every.failed.all()
+    assert not at_most("motor_power", Range(demand[0], nan), Range(*limit), zero=zero, needed=needed).passed

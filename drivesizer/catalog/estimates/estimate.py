@@ -32,13 +32,6 @@ from drivesizer.catalog.tables import Catalog, Estimates, Table
 from drivesizer.physics.stepper import PULL_OUT_SHARE, START_BAND
 from drivesizer.physics.thermal import continuous_current, rated_ambient, resistance_25, steady_winding_temperature
 
-__all__ = [
-    "ASSUMED", "DENSITY", "LIMITS", "MOUNTED", "SAME_FAMILY", "Estimate", "FamilyLimit", "as_records", "assumed_mass",
-    "estimates", "estimates_by_rated_current", "estimates_of", "estimates_of_catalog", "family_limits", "law_text",
-    "limit_records", "shipped_laws", "written",
-]  # fmt: skip
-
-
 CONVECTION = 10.0  # W/m^2 K
 DENSITY = 2000.0  # kg/m^3, of an actuator whole
 _HOTTEST = 453.15  # K, thermal class 180 (H) of IEC 60085

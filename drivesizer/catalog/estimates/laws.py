@@ -16,11 +16,6 @@ from drivesizer.catalog.expressions import value
 from drivesizer.catalog.tables import Catalog, Table, as_printed
 from drivesizer.files.text import listed
 
-__all__ = [
-    "LAWS", "ROWS", "Fit", "Law", "Peers", "column", "constructions_of", "families_of", "fit", "fits", "given_column",
-    "left_out", "members_of", "widening",
-]  # fmt: skip
-
 
 class Law(NamedTuple):
     """One figure of one class of parts, from terms in logarithms."""

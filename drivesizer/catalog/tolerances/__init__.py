@@ -15,13 +15,6 @@ from numpy.typing import NDArray
 from drivesizer.errors import CatalogError, InputError, quoted
 from drivesizer.units import number
 
-__all__ = [
-    "CLASSES", "CUT", "END", "NOT_OF_STEPPERS", "OF_STEPPERS", "TOLERANCES", "Class", "Distribution", "MakerTolerance",
-    "class_from_stall", "class_of", "classes", "deviations_at", "join_maker_tolerances", "lognormal",
-    "losses_from_stall", "maker_tolerances_of", "owner_of", "share",
-]  # fmt: skip
-
-
 # -- Distributions of an uncertain figure, evaluated as columns.
 #
 # All distributions are bounded. A normal one is truncated 4 standard deviations from its mean, beyond which 6 of

@@ -15,12 +15,6 @@ from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.controllers import selected
 
-__all__ = [
-    "FREE", "Amount", "Candidates", "Crossed", "Rejected", "Rows", "Sieve", "amounting", "bound_of", "candidates",
-    "joined", "pairs",
-]  # fmt: skip
-
-
 # -- The candidates: motor x gearhead x belt ratio, as rows of the catalogue's tables.
 
 

@@ -25,17 +25,10 @@ from drivesizer.search.columns.paper import motor_requirements, vehicle
 from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "Evaluation", "at_ends", "at_figures", "by_physics", "estimated", "evaluate",
-    "figures_by_physics", "smallest_margin",
-]  # fmt: skip
-
-
 # -- Candidates with figures that are estimated: which they are, and the problem at both ends of the bands.
 
 
 # sizes and masses: whether a drive moves its load does not hang on them
-_SIZES = {"mass", "length", "diameter", "backlash"}
 _NEEDED = {"length": "length", "mass": "mass", "diameter": "diameter", "backlash": "backlash_at_load"}
 
 
@@ -73,7 +66,7 @@ def estimated(problem: Problem, candidates: Candidates, method: str = "physics")
 
 def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDArray[np.bool_]:
     """Parts of which a figure that counts is not the same at both ends."""
-    left = frozenset(name for name in _SIZES if not getattr(spec.needs, _NEEDED[name]))
+    left = frozenset(name for name, need in _NEEDED.items() if not getattr(spec.needs, need))
 
     def differ() -> NDArray[np.bool_]:
         low, high = (end.table(section) for end in catalog.ends)

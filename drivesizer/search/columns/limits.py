@@ -39,19 +39,6 @@ from drivesizer.spec.mounting import controller_needed, motor_needed, rise_neede
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import required_life
 
-__all__ = [
-    "electrical_limits",
-    "electrical_speed",
-    "gearhead_limits",
-    "load_limits",
-    "motor_limits",
-    "moving_limits",
-    "own_limit",
-    "size_limits",
-    "unpowered_limits",
-    "waived",
-]
-
 Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
 _NO_SHORT = "the limit at least: none for a short time is printed"
@@ -176,14 +163,7 @@ def moving_limits(
     ]  # fmt: skip
     if not cycle.acts[SPEED]:
         found.append(_hottest_phase(spec, demand, motor))
-    return [*found, *unpowered_limits(spec, cycle, demand, heating, parts)]
-
-
-def unpowered_limits(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
-) -> list[CheckColumn]:
-    """Those of ``moving_limits`` that hang on no current, also of steppers: inertias."""
-    return _inertias(spec, cycle, demand, parts)
+    return found + inertia_limits(spec, cycle, demand, parts)
 
 
 def winding_limit(spec: RobotSpec, winding: Array | Range, motor: Figures, time: Range | None = None) -> CheckColumn:
@@ -214,8 +194,8 @@ def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Figures) -> CheckCol
     )
 
 
-def _inertias(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
-    """Inertia ratio and first resonance: motor and load as two masses on the belt's stiffness."""
+def inertia_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
+    """Inertia ratio and first resonance, which hang on no current: motor and load on the belt's stiffness."""
     needs, found = spec.needs, []
     total = demand.total_ratio * cycle.belt
     braking = 0.0 if parts.brake is None else at_motor(parts.brake, "inertia", total)

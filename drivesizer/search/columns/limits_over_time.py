@@ -31,12 +31,6 @@ from drivesizer.results.ratings import controller_current, controller_power_limi
 from drivesizer.search.columns.limits import waived, winding_limit
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "WAVEFORM_LIMITS", "Exactly", "Moments", "Pair", "Wanted", "bounds", "bus_limit", "decided", "exact", "least",
-    "left_open", "waveform_limits",
-]  # fmt: skip
-
-
 # -- Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
 #
 # The winding is as warm as it is at each moment of the cycle in periodic steady state (``kernel``); its voltage is

@@ -22,12 +22,6 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.limits import motor_limits
 
-__all__ = [
-    "CONTROLLING", "Offers", "bought", "chosen", "limits_behind_each", "offers", "placed",
-    "unknown_where_doubtful", "worst_of_all",
-]  # fmt: skip
-
-
 # -- Figures of the parts that are bought with each candidate: motor or actuator, gearhead, brake, encoder, controller.
 #
 # What is inside an actuator has the figure 0 by itself. Of an encoder or controller that no catalogue lists the mass

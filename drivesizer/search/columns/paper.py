@@ -18,12 +18,6 @@ from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.spec.motions import Trapezoid
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "FEW", "drive_requirements", "hopeless", "largest_allowed", "largest_torque_at_motor", "motor_requirements", "rule",
-    "vehicle",
-]  # fmt: skip
-
-
 # -- The paper's method: equations (1)-(20) for a spec.
 #
 # One derivation serves everything: with one rotor inertia it gives the figures of one drive, with a column of them

@@ -39,8 +39,6 @@ from drivesizer.spec.sections import required_life
 if TYPE_CHECKING:
     from drivesizer.spec.mounting import Shaft
 
-__all__ = ["THRUST", "life_of_gearheads", "loads_on_gearheads", "loads_on_motors", "shaft_loads", "shock_limits"]
-
 
 # -- Forces on the output shaft of gearhead or motor over a load cycle.
 #

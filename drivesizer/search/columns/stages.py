@@ -19,7 +19,7 @@ from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.columns.brakes import at_motor, brake_limits, brakes_for, counts_check, encoders_for
 from drivesizer.search.columns.candidates import Amount, Candidates, Crossed, Rejected, Rows, Sieve, amounting, bound_of
-from drivesizer.search.columns.limits import gearhead_limits, load_limits, moving_limits, size_limits, unpowered_limits
+from drivesizer.search.columns.limits import gearhead_limits, inertia_limits, load_limits, moving_limits, size_limits
 from drivesizer.search.columns.limits_over_time import Exactly
 from drivesizer.search.columns.offers import (
     Offers,
@@ -385,9 +385,11 @@ def _in_motion(
     problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], cases: Sequence[Moving], parts: Parts, k: int
 ) -> list[CheckColumn]:
     """Limits of combinations in one load case that its moments decide."""
-    limits = unpowered_limits if has_steppers(problem.catalog) else moving_limits
     spec, cycle, case = problem.cases[k].spec, cycles[k], cases[k]
-    checks = limits(spec, cycle, *case, parts)
+    if has_steppers(problem.catalog):
+        checks = inertia_limits(spec, cycle, case.demand, parts)
+    else:
+        checks = moving_limits(spec, cycle, *case, parts)
     if offered.brakes and parts.brake is not None:
         listed = offered.brakes.goes(parts.motor.rows, parts.brake.rows)
         checks += brake_limits(spec, cycle, parts, case.demand, listed)

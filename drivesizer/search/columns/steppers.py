@@ -40,11 +40,6 @@ from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, wor
 from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "Draw", "Frictionless", "PullOut", "drawn", "driver_limits", "ends_of", "inertia_at_motor", "stepped",
-    "supply_limits", "torque_limits",
-]  # fmt: skip
-
 Array = NDArray[np.float64]
 LEVELS = 64
 _LEVEL = 1e-9  # of the largest acceleration of a cycle, up to which its speed is constant: fits are not exact

@@ -8,8 +8,6 @@ from drivesizer.errors import InputError
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerances import FEWEST, MOST
 
-__all__ = ["FINALISTS", "POOL", "Sampling", "sampling_of"]
-
 FINALISTS = 3  # drives that are simulated in closed loop
 POOL = 100  # best drives that are sampled where a confidence is required
 

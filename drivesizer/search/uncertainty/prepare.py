@@ -22,9 +22,6 @@ from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied,
 from drivesizer.spec.motions import Cam
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Prepared", "blocks", "prepared"]
-
-
 # -- Load cycles of all samples: figures of load, motion and stages go through their laws as columns.
 #
 # What no column of numbers goes through is computed sample by sample: a platform on its path, a curve that is smoothed.

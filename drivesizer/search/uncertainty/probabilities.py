@@ -35,13 +35,6 @@ from drivesizer.search.uncertainty.sampling import (
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "Examined", "Over", "SampledDrives", "Subject", "at_ends", "counting", "drivers", "examined", "failing",
-    "figure_spreads", "over_samples", "quantiles", "reduced", "reliabilities", "sample_drives", "subject",
-    "uncertainty", "without_effect",
-]  # fmt: skip
-
-
 # -- Drives over samples: probability that all checks pass, the checks that fail, and the assumptions that matter most.
 
 

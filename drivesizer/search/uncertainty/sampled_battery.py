@@ -22,8 +22,6 @@ from drivesizer.spec.robot import RobotSpec
 if TYPE_CHECKING:
     from drivesizer.spec.battery import Battery
 
-__all__ = ["AtSamples", "Feeding", "battery_limits", "columns_of", "feeding"]
-
 
 # -- Load cycles of samples at the gearhead's output: ``physics.motor_demand`` with samples along the last axis.
 #
@@ -132,7 +130,8 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
 def battery_limits(spec: Any, feeds: Feeding, at: AtSamples, draws: Sequence[Draw]) -> list[CheckColumn]:
     """Autonomy, range, peak and voltage of the battery, as far as they are required."""
     total = at.load_cycle.total
-    speed = _travel(spec, at) / total if feeds.travels else np.full_like(total, nan)
+    travel = spec.load.distance if spec.load.is_wheel else at.travel
+    speed = travel / total if feeds.travels else np.full_like(total, nan)
     return columns_of(spec, feeds, total, speed, draws)
 
 
@@ -147,8 +146,3 @@ def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequenc
     checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
     checked -= {*BATTERY_VOLTAGES} if feeds.pack.polarisation else set()
     return [check for check in drawn_columns(spec, spec.battery, feeds.pack, load) if check.name in checked]
-
-
-def _travel(spec: Any, at: AtSamples) -> Any:
-    """Distance that the machine travels in a cycle [m]."""
-    return spec.load.distance if spec.load.is_wheel else at.travel

@@ -38,8 +38,6 @@ from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["deviating", "loop_share"]
-
 Array = NDArray[np.float64]
 _LOST = "the loop does not come to an end"
 

@@ -43,8 +43,6 @@ from drivesizer.search.uncertainty.uncertain_figures import holding
 from drivesizer.spec.mounting import controller_needed, loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["Block", "SetRows", "checks_of", "deviating_drive", "figure_columns", "gearhead_times", "motor_times"]
-
 Array = NDArray[np.float64]
 Made = TypeVar("Made")
 _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
@@ -316,7 +314,7 @@ def _stepper_checks(spec: Any, at: AtSamples, drive: _Drive, _: bool) -> tuple[l
     assert drive.pull_out is not None
     required = demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, felt(at, parts))
     found = steppers.torque_limits(spec, at, required, parts, drive.pull_out)
-    found += limits.unpowered_limits(spec, at, required, None, parts)  # type: ignore[arg-type]  # no heat is known
+    found += limits.inertia_limits(spec, at, required, parts)
     if parts.brake is not None:
         found += brake_limits(spec, at, parts, required, drive.listed)
     draw, rated = steppers.drawn(spec, at, required, parts), drive.printed["nominal_current"]

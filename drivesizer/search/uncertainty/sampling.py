@@ -16,12 +16,6 @@ from drivesizer.catalog.tolerances import CUT, deviations_at
 from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
-__all__ = [
-    "REPLICATES", "Sample", "first_of_each", "first_order", "mean_and_error", "rank_correlations", "sample", "sobol",
-    "values_of",
-]  # fmt: skip
-
-
 # -- Scrambled Sobol points, and normal deviations at them, kept in the cache folder once they are made.
 #
 # SciPy's statistics take about as long to load as a whole sizing takes, and the same points are needed repeatedly.

@@ -31,12 +31,6 @@ from drivesizer.files.yaml_source import Path_
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerances import Toleranced
 
-__all__ = [
-    "COLUMNS", "NOT_SAMPLED", "Assumption", "applied", "assumptions", "case_paths", "enters_checks", "holding",
-    "holding_of_a_set", "of_a_class", "of_the_file", "reason", "used",
-]  # fmt: skip
-
-
 _TABLE = (*listed("drivesizer.search.uncertainty", "figures.txt"),)
 # figures that enter checks beside the load cycle, and such as have no effect on any, with the reason
 COLUMNS = {section: {*fields.split()} for head, (section, fields) in _TABLE if head == "checks"}
