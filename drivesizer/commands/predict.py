@@ -84,7 +84,7 @@ def _answer(found: Prediction, json: bool) -> None:
 
         typer.echo(as_text(found))
         return
-    from drivesizer.output.terminal.prediction import predicted
+    from drivesizer.output.terminal.sizing import predicted
 
     predicted(found)
     print_notes(found.warnings)

@@ -172,9 +172,9 @@ def drive(
 
         typer.echo(as_text(document(found, one, runs, speeds)))
     else:
-        from drivesizer.output.terminal import driving as terminal_driving
+        from drivesizer.output.terminal import sizing as terminal
 
-        terminal_driving.driven(found, one, runs, speeds)
+        terminal.driven(found, one, runs, speeds)
         if not one:
             common.print_notes(("no drive meets all limits for the spec's own motion; see `drivesizer size`",))
     raise typer.Exit(0 if one and one.status != "fail" else 1)

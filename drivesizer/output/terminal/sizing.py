@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
-from drivesizer.output.document import SECTIONS, at_work, candidates, printed
+from drivesizer.output.document import SECTIONS, at_work, candidates, machine, printed
 from drivesizer.output.document.content import Content, OfDrives, OfLoop
 from drivesizer.output.document.records import TERMINAL, Column, Printed, Quantity, Row, Section, Status, Table
 from drivesizer.output.document.rows import check_row
@@ -22,9 +22,14 @@ from drivesizer.results.check_kinds import missing_figures
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import Explanation, SizingResult
+from drivesizer.units import show
 
 if TYPE_CHECKING:
+    from drivesizer.control.path_following.following import Followed
     from drivesizer.control.validation import Validation
+    from drivesizer.load_cases.platform import Driving
+    from drivesizer.machine.platform_budget import PermittedSpeeds
+    from drivesizer.results.prediction import Prediction
 
 __all__ = [
     "DETAILS",
@@ -216,3 +221,25 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
             *(at_work.remedies(proof, axis) for axis, proof in proofs.items() if proof.tried),
         ],
     )
+
+
+# -- a set at the bench, a platform on its path
+
+
+def predicted(found: Prediction) -> None:
+    """Print a prediction."""
+    from drivesizer.output.document.bench import prediction_blocks
+
+    out = console()
+    heading(out, found.label, "")
+    render.blocks(out, prediction_blocks(found))
+
+
+def driven(
+    found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
+) -> None:
+    """Print the requirements at each wheel, the checks of a drive on the path, its speeds."""
+    out, path = console(), found.trajectory
+    status = (MARK[chosen.status], STYLE[chosen.status]) if chosen else ("no drive", "")
+    heading(out, f"{found.spec.name}: {show(path.length, 'm', 'length')} in {show(path.total, 's', 'time')}", *status)
+    render.blocks(out, machine.driving_blocks(found, chosen, runs, speeds))
