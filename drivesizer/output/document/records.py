@@ -208,6 +208,12 @@ class Table:
     file: str = ""  # end of the name of a CSV file of its own
 
 
+def listed(heads: Sequence[tuple[str, str]], rows: Iterable[Sequence[Cell]], caption: Text = "") -> Table:
+    """A table of texts: the head and the side of each column, left or right, and its rows."""
+    columns = [Column(str(n), head, "number" if side == "right" else "text") for n, (head, side) in enumerate(heads)]
+    return Table(caption, columns, [Row({str(n): text for n, text in enumerate(row)}) for row in rows])
+
+
 @dataclass(frozen=True, slots=True)
 class Series:
     """Columns over the first of them, usually time: a sheet, and a CSV file of its own."""

@@ -9,14 +9,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 from rich.text import Text
 
 from drivesizer.output import derivation
 from drivesizer.output.derivation import numbers_in
+from drivesizer.output.document.records import Cell, Small, Strong, Table, listed
 from drivesizer.output.platform import EquationNumbers, Printed, cell, printed
-from drivesizer.output.terminal import tables as tables
+from drivesizer.output.terminal import tables
+from drivesizer.output.terminal.render import blocks
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.platform import matrix_equation, robot_figures
 from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
@@ -30,17 +30,17 @@ __all__ = ["equation", "equations", "platform_equation"]
 def equations() -> None:
     """Print all equations, a line each."""
     console = tables.console()
-    table = tables.bare(("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left"))
+    rows = []
     for declared in [*EQUATIONS.values(), *COMPANIONS.values()]:
         number = f"({declared.number})" if declared.number else ""
         mark = " *" if derivation.printed_failure(declared) else ""
         computed = f"{declared.symbol} = {derivation.text(declared.computed)}{mark}"
-        table.add_row(number, Text(declared.title), Text(computed), label(declared.shown))
+        rows.append((number, declared.title, computed, label(declared.shown)))
     for _, matrix in sorted(PLATFORM.items()):
         mark = " *" if any(robot_figures.finding(matrix)) else ""
         computed = f"{matrix.symbol} = {matrix_equation.text(matrix.computed)}{mark}"
-        table.add_row(f"({matrix.number})", Text(matrix.title), Text(computed), _unit(matrix.result.unit))
-    console.print(table)
+        rows.append((f"({matrix.number})", matrix.title, computed, _unit(matrix.result.unit)))
+    blocks(console, [listed((("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left")), rows)])
     console.print("* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why.")
 
 
@@ -83,8 +83,7 @@ def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None 
         console.print(Text(numbers.of, style="bold"))
         if numbers.remarks:
             console.print(Text(" ".join(numbers.remarks)))
-        for table in _tables(numbers.tables):
-            console.print(table)
+        blocks(console, _tables(numbers.tables))
 
 
 def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
@@ -97,10 +96,8 @@ def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
             yield _matrix(one, printed(one), one.symbol)
     for rows, alike in columns.items():
         if rows == ("",):
-            table = tables.bare(("", "left"), ("", "right"), headed=False)
-            for one in alike:
-                table.add_row(one.symbol, cell(one.values.item(), one.units[0][0]))
-            yield table
+            every_one = [(one.symbol, cell(one.values.item(), one.units[0][0])) for one in alike]
+            yield listed((("", "left"), ("", "right")), every_one)
         else:
             units = [[u for one in alike for u in one.units[i]] for i in range(len(rows))]
             values = np.hstack([one.values for one in alike])
@@ -111,10 +108,8 @@ def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
 def _matrix(numbers: Numbers, shown: Printed, symbol: str = "") -> Table:
     """Numbers with their labels, symbol and unit in the corner."""
     corner = f"{symbol} ({shown.unit})" if shown.unit else symbol
-    table = tables.bare((escape(corner), "left"), *((head, "right") for head in shown.heads))
-    for name, cells in zip(numbers.rows, shown.cells, strict=True):
-        table.add_row(name, *cells)
-    return table
+    heads = ((corner, "left"), *((head, "right") for head in shown.heads))
+    return listed(heads, [(name, *cells) for name, cells in zip(numbers.rows, shown.cells, strict=True)])
 
 
 _NAMES = ("as printed", "unit check", "value check", "as computed", "note", "result", "source")
@@ -122,8 +117,8 @@ _NAMES = ("as printed", "unit check", "value check", "as computed", "note", "res
 
 def _print_rows(console: Console, rows: list[tuple[str, str]]) -> None:
     """Rows of a name, or a symbol, and words."""
-    table = tables.bare(("", "left"), ("", "left"), headed=False)
-    for name, words in rows:
-        style = "red" if words.startswith("fails") else ""
-        table.add_row(Text(name, style="dim" if name in _NAMES else ""), Text(words, style=style))
-    console.print(table)
+    made: list[tuple[Cell, Cell]] = [
+        ((Small(name),) if name in _NAMES else name, (Strong(words),) if words.startswith("fails") else words)
+        for name, words in rows
+    ]
+    blocks(console, [listed((("", "left"), ("", "left")), made)])

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from math import isnan
 
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import PARTS, Catalog, singular
@@ -17,9 +15,11 @@ from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Coverage, coverage, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
+from drivesizer.output.document.records import Table, listed
 from drivesizer.output.part import family_count
 from drivesizer.output.terminal.catalog import counts_text
-from drivesizer.output.terminal.tables import bare, console, heading
+from drivesizer.output.terminal.render import blocks
+from drivesizer.output.terminal.tables import console, heading
 from drivesizer.output.words import number_of
 from drivesizer.units import show
 
@@ -46,10 +46,8 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
         heading(
             out, name, ", ".join(f"{count} combination{'s' * (count > 1)} of {what}" for what, count in pairs if count)
         )
-        table = bare(("", "left"), ("parts", "right"), ("families", "right"), *_LEVELS)
-        for section, one in sections.items():
-            table.add_row(section, str(one.parts), str(one.families), *_confidences([one]))
-        out.print(table)
+        rows = [(section, str(one.parts), str(one.families), *_confidences([one])) for section, one in sections.items()]
+        blocks(out, [listed((("", "left"), ("parts", "right"), ("families", "right"), *_LEVELS), rows)])
     for section in PARTS:
         some = {name: sections[section] for name, sections in found.items() if section in sections}
         _completeness(out, some, section)
@@ -57,18 +55,17 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
 
 def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
     """Many catalogues, a line each, and their sum by section."""
-    table = bare(("", "left"), ("parts", "right"), ("makers", "right"), *_LEVELS)
+    rows, whole = [], []
     for section in PARTS:
         some = [one[section] for one in found.values() if section in one]
-        table.add_row(section, str(sum(one.parts for one in some)), str(len(some)), *_confidences(some))
-    out.print(table)
-    table = bare(("catalogue", "left"), ("parts", "left"), *_LEVELS)
+        rows.append((section, str(sum(one.parts for one in some)), str(len(some)), *_confidences(some)))
     for name, sections in found.items():
         parts = "\n".join(
             f"{one.parts} {section if one.parts > 1 else singular(section)}" for section, one in sections.items()
         )
-        table.add_row(Text(name), parts, *_confidences(list(sections.values())))
-    out.print(table)
+        whole.append((name, parts, *_confidences(list(sections.values()))))
+    blocks(out, [listed((("", "left"), ("parts", "right"), ("makers", "right"), *_LEVELS), rows),
+                 listed((("catalogue", "left"), ("parts", "left"), *_LEVELS), whole)])  # fmt: skip
 
 
 def _confidences(some: Sequence[Coverage]) -> list[str]:
@@ -94,11 +91,10 @@ def _completeness(out: Console, found: Mapping[str, Coverage], section: str) -> 
     known = [column for column in printed(section) if any(one.known[column] for one in found.values())]
     for start in range(0, len(found), _BESIDE):
         some = dict(list(found.items())[start : start + _BESIDE])
-        table = bare((section, "left"), *((escape(name), "right") for name in some), title=f"{section}: figures known")
-        for column in known:
-            shares = (_share(one.known[column], one.parts) for one in some.values())
-            table.add_row(column.replace("_", " "), *shares)
-        out.print(table)
+        rows = [(column.replace("_", " "), *(_share(one.known[column], one.parts) for one in some.values()))
+                for column in known]  # fmt: skip
+        heads = ((section, "left"), *((name, "right") for name in some))
+        blocks(out, [listed(heads, rows, f"{section}: figures known")])
     never = [column.replace("_", " ") for column in printed(section) if column not in known]
     if found and never:
         out.print(Text(f"never known: {', '.join(never)}"))
@@ -153,7 +149,10 @@ def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
         out.print(Text(f"{file}, {section}: {identity}", style="bold"), Text(f"  {meaning}"), sep="\n")
         if accepted:
             out.print(Text(f"  accepted: {accepted}", style="green"))
-        out.print(_broken(some) if some[0].kind else Text("  " + ", ".join(one.part for one in some)))
+        if some[0].kind:
+            blocks(out, [_broken(some)])
+        else:
+            out.print(Text("  " + ", ".join(one.part for one in some)))
     wrong = sum(one.unexplained for one in found)
     accepted_too = sum(bool(one.accepted) for one in found)
     said = f"{wrong} unexplained, {accepted_too} accepted, {len(found) - wrong - accepted_too} informational"
@@ -161,11 +160,12 @@ def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
 
 
 def _broken(some: Sequence[Finding]) -> Table:
-    heads = ("found", "expected", "off by", "tolerance")
-    table = bare(("part", "left"), ("family", "left"), *((head, "right") for head in heads))
+    heads = (("part", "left"), ("family", "left"),
+             *((head, "right") for head in ("found", "expected", "off by", "tolerance")))  # fmt: skip
+    rows = []
     for one in some:
         numbers = [show(value, one.unit, one.kind) for value in (one.found, one.expected)]
         numbers[1] = f"{one.relation.removeprefix('=')} {numbers[1]}".strip()
         shares = ["" if isnan(share) else f"{100 * share:.1f} %" for share in (one.deviation, one.tolerance)]
-        table.add_row(*map(Text, (one.part, one.family, *numbers, *shares)))
-    return table
+        rows.append((one.part, one.family, *numbers, *shares))
+    return listed(heads, rows)

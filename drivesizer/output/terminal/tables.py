@@ -50,7 +50,10 @@ def width_of(table: RenderableType) -> int:
 
 
 def heading(console: Console, name: str, right: str, style: str = "") -> None:
-    """Print a heading and a rule."""
+    """Print a heading and a rule; what is long stands below the name."""
+    if len(right) > console.width // 2:
+        console.print(Text(name, style="bold"), Text(right, style=style), Rule(style="dim"), sep="\n")
+        return
     grid = Table.grid(expand=True)
     grid.add_column(overflow="fold")
     grid.add_column(justify="right", no_wrap=True)
