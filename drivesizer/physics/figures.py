@@ -35,7 +35,7 @@ class Columns(Figures, Protocol):
 
     @property
     def rows(self) -> NDArray[np.int64]:
-        """Which of the parts of a catalogue these are; -1 none."""
+        """Numbers of these parts in their catalogue; -1 none."""
 
     def on(self, rows: Any, /) -> Columns:
         """Some of them."""
