@@ -90,7 +90,7 @@ def _line_of(error: Any, program: Any, words: list[str]) -> str:
 
 
 def _found_and_expected(error: Any, command: Any) -> str:
-    """What is wrong with a command line, by the type of error and, of some, by its words."""
+    """Fault of a command line, by the type of error and, of some, by its words."""
     arguments = [one for one in command.params if one.param_type_name == "argument"]
     flags = [name for one in command.params if getattr(one, "is_flag", False)
              for name in (*one.opts, *one.secondary_opts)]  # fmt: skip

@@ -323,7 +323,7 @@ def _brief(value: Any) -> Any:
 
 
 def _expected(field: FieldInfo | None) -> str:
-    """What a missing field takes, with an example."""
+    """Words for what a missing field takes, with an example."""
     if field is None:
         return "a value"
     if inner := models_of(field):

@@ -70,7 +70,7 @@ def test_each_part_has_its_own_hours():
 @pytest.mark.parametrize(
     ("life", "sections", "said"),
     [
-        ("-10 h", {}, 'needs.life: "-10 h" must be above 0 s, e.g. 2 s'),
+        ("-10 h", {}, 'needs.life: "-10 h" must be above 0 s, e.g. 20000 h'),
         ({}, {}, "needs.life: give screw, gearhead or output_bearing, or one time for all, e.g. life: 20000 h"),
         ({"screw": "10 h"}, {"load": RACK}, "needs.life.screw: a rack_pinion has no screw; leave it out"),
         (

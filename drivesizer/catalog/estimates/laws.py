@@ -42,7 +42,7 @@ LAWS: tuple[Law, ...] = tuple(_declared())
 
 
 class _Figure(NamedTuple):
-    """What is no column of its own: known where all that it is made of is."""
+    """Figure that is no column of its own: known where all that it is made of is."""
 
     value: str
     column: str = ""  # that it gives
