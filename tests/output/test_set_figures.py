@@ -166,12 +166,12 @@ def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
 
 def test_every_figure_of_a_set_has_a_name_units_and_the_same_bytes(hoist, result):
     made = report_drawings(hoist, None)
-    assert list(made) == ["profile", "cycle", "front", "margins", "field", "efficiency", "demand", "heat", "energy"]
+    assert " ".join(made) == "sketch profile cycle front margins field efficiency demand heat energy"
     for name, draw in made.items():
         svg = draw("svg")
         assert ElementTree.fromstring(svg).tag.endswith("svg") and draw("svg") == svg, name
         typeset = draw("typeset")
-        assert b"<text" in typeset and len(typeset) < len(svg), name
+        assert b"<text" in typeset and (len(typeset) < len(svg) or name == "sketch"), name  # whose texts are letters
     assert made["profile"]("png").startswith(b"\x89PNG")
     best = result.sets[0]
     unknown = replace(best, motor=replace(best.motor, winding_time_constant=nan, motor_time_constant=nan))

