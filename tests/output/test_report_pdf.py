@@ -134,7 +134,8 @@ def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text,
     pairs = ("speed: 1.5 m/s", "speed: 9 m/s"), ("name: SPS surveillance robot", f"name: {LONG}")
     found = size(changed(example_text, tmp_path, *pairs))
     assert not found.sets
-    made = printed(found, None)
+    with blank_figures():
+        made = printed(found, None)
     assert_within_margins(made.pictures, "a4")
     text = text_of(made.content)
     assert "No drive meets all limits." in text and "; it fails on:" in text and found.misses[0].motor.part in text
