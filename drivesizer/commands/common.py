@@ -349,7 +349,7 @@ def progress() -> Iterator[Callable[[int, int], None]]:
 
 
 def simulating(on: str) -> AbstractContextManager[None]:
-    """Status line of a simulation; one whose machine code is not at hand says that it is made first.
+    """Status line of a simulation; the first one on a machine says what is made for all that follow.
 
     Parameters
     ----------
@@ -361,9 +361,14 @@ def simulating(on: str) -> AbstractContextManager[None]:
     context manager
         Of :func:`working`.
     """
+    import matplotlib
+
     from drivesizer.control.engine import is_compiled
 
-    return working(on if is_compiled() else f"{on}; translating the simulation to machine code first, once, some 10 s")
+    once = [] if is_compiled() else ["translating the simulation to machine code, some 10 s"]
+    if not any(Path(matplotlib.get_cachedir()).glob("fontlist-*.json")):  # as python-control loads its figures
+        once.append("listing the fonts of this machine, some 2 s")
+    return working(f"{on}; first, once: {' and '.join(once)}" if once else on)
 
 
 @contextmanager
@@ -466,11 +471,11 @@ def in_closed_loop(
     InputError
         As ``validate``, of several axes with the name of the axis.
     """
-    from drivesizer.load_cases.of_machine import load_cases
-    from drivesizer.simulate import hardest_case, validate, with_remedies
-    from drivesizer.sizing import size
+    with simulating(f"simulating {name or 'the drive'} in closed loop"):  # whose libraries take a second to load
+        from drivesizer.load_cases.of_machine import load_cases
+        from drivesizer.simulate import hardest_case, validate, with_remedies
+        from drivesizer.sizing import size
 
-    with simulating(f"simulating {name or 'the drive'} in closed loop"):
         own = case if case in [one for _, one, _ in load_cases(spec)] else hardest_case(spec, drive)
         try:
             proof = validate(spec, drive, profile=profile, load_case=own)
