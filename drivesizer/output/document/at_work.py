@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby
 from math import isnan
+from typing import Any
 
 from drivesizer.control.validation import Loop, Validation
 from drivesizer.output.derivation import margin, step
@@ -104,10 +105,10 @@ def _equations(content: Content) -> Iterator[Block]:
         Math('eta_"g"', "η_g"),
         " in (17), (18).",
     ))  # fmt: skip
-    spec = content.result.spec
-    slope = str((spec.entered.get("load") or {}).get("slope", "")).strip()
+    load: Any = content.result.spec.load
+    slope = str((content.result.spec.entered.get("load") or {}).get("slope", "")).strip()
     if slope.endswith("%"):
-        yield Words(f"The slope of {slope} is put in as its angle, {show(spec.load.slope, 'deg', 'angle')}.")
+        yield Words(f"The slope of {slope} is put in as its angle, {show(load.slope, 'deg', 'angle')}.")
     yield _compared(content)
     yield Heading("Nominal force, torque and power", media="paper")
     for r in content.result.requirements:
@@ -138,9 +139,9 @@ def _compared(content: Content) -> Table:
     """The figures that the paper gives first, in its order: nominal and maximum force, torque and power."""
     of_drive = content.drive.requirements if content.drive else ()
     found = {r.name: Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)}
-    radius = content.result.spec.load.wheel_diameter / 2.0
+    load: Any = content.result.spec.load
     if "maximum_torque" in found:
-        found["maximum_force"] = Quantity(found["maximum_torque"].value / radius, "N", "force")
+        found["maximum_force"] = Quantity(2.0 * found["maximum_torque"].value / load.wheel_diameter, "N", "force")
     columns = (Column("title", "", "name", 1.0), Column("nominal", "nominal", "number"),
                Column("maximum", "maximum", "number"), Column("rms", "RMS", "number"),
                Column("note", "equations", "small"))  # fmt: skip

@@ -65,8 +65,7 @@ def _on_a_belt(load: Any, at: Moment) -> tuple[str, Terms]:
     belt, idlers = load.belt_mass, load.idler_inertia
     kept = ["m", *(["m_b"] if belt else []), *(["J_i / r_i**2"] if idlers else [])]
     moved = f"({' + '.join(kept)})" if len(kept) > 1 else "m"
-    more = {"m_b": (belt, "kg"), "J_i": (idlers, "kg*m^2"), "r_i": (radius, "m")}
-    return _along(load, at, moved=moved, **more)
+    return _along(load, at, moved=moved, m_b=(belt, "kg"), J_i=(idlers, "kg*m^2"), r_i=(radius, "m"))
 
 
 def _conveyed(load: Any, at: Moment) -> tuple[str, Terms]:
