@@ -14,11 +14,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from drivesizer.control import remedies
-from drivesizer.control.closed_loop.checks import checks, figures, series, series_units
+from drivesizer.control.closed_loop.checks import checks, columns, figures
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
@@ -138,7 +139,7 @@ def validate(
         assumptions, warnings = (*proof.assumptions, *more), (*proof.warnings, *farther)
         return replace(proof, assumptions=assumptions, warnings=warnings)
     case = run(spec, drive_set, motion)
-    found, controller = checks(case), drive_set.controller
+    found, recorded, controller = checks(case), columns(case), drive_set.controller
     if shared:
         note = "of this load case alone, informational: it has a share of the time, and `size` checks the whole shift"
         found = tuple(
@@ -160,8 +161,8 @@ def validate(
         checks=found,
         figures=figures(case),
         gains=case.controller,
-        series=series(case),
-        series_units=series_units(case),
+        series={name: values for name, (values, _) in recorded.items()},
+        series_units={name: unit for name, (_, unit) in recorded.items()},
         assumptions=(*case.assumptions, *_assumptions(case), *more),
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,
@@ -337,8 +338,9 @@ def _rest_current_note(case: ClosedLoop) -> list[str]:
 
     Beyond that which holds the load, with its payload then and without friction.
     """
-    rows, machine, task = series(case), case.train, case.task
-    still = (rows["speed_reference"] == 0.0) & (rows["motor_speed"] == 0.0)
+    rows: Any = case.out.series
+    machine, task = case.train, case.task
+    still = (rows["reference"] == 0.0) & (rows["motor_speed"] == 0.0)
     still[:-1] &= still[1:]  # what begins with the next motion, as another payload, is no rest
     if not case.profile.top_speed or not still.any():
         return []

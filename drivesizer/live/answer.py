@@ -15,7 +15,7 @@ from typing import Any
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.held import EngineMemory, Piece, StoppedError
+from drivesizer.live.engine import EngineMemory, Piece, StoppedError
 from drivesizer.output.derivation import margin
 from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting

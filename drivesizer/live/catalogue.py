@@ -13,7 +13,7 @@ from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Hit, origins, select, side_by_side
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.held import EngineMemory, Piece
+from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output import part as tables
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns
 from drivesizer.spec.drive import Select

@@ -10,18 +10,81 @@ import signal
 import sys
 import tempfile
 import threading
+import time
 import warnings
-from collections.abc import Iterable, Iterator
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, printable
-from drivesizer.live.held import EngineMemory, Piece, StoppedError, take_over
+from drivesizer.files.text import hand_over, state_of, states
 
-__all__ = ["INSIDE", "JOBS", "OWN", "done", "run"]
+__all__ = ["INSIDE", "JOBS", "OWN", "EngineMemory", "Piece", "StoppedError", "done", "run", "take_over"]
+
+Piece = dict[str, Any]
+_LOOK = 0.01  # s between looks at newer requests
+_KEPT = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
+
+
+class StoppedError(Exception):
+    """A newer request has come: nobody waits for this answer."""
+
+
+@dataclass(slots=True)
+class EngineMemory:
+    """Memory of a process of the engine between jobs."""
+
+    name: str  # of the file that the page edits, as messages call it
+    stopped: Callable[[], bool] = lambda: False
+    sized: OrderedDict[str, Any] = field(default_factory=OrderedDict)  # sizings by their spec's text
+    shelf: dict[str, Any] = field(default_factory=dict)  # shipped catalogues by name, each by itself
+    own: tuple[str, ...] = ()  # names of the user's catalogues
+
+    def go_on(self, *_: int) -> None:
+        """Stop a job of which nobody wants the answer; takes the numbers of a progress."""
+        if self.stopped():
+            raise StoppedError
+
+    def rest(self, seconds: float) -> None:
+        """Wait for a newer request: while a slider moves nobody looks at more than the ranking."""
+        for _ in range(round(seconds / _LOOK)):
+            self.go_on()
+            time.sleep(_LOOK)
+
+    def keep(self, key: str, make: Callable[[], Any]) -> Any:
+        """A sizing that was made before of the same files, or is made now."""
+        kept, files = self.sized.get(key, (None, {}))
+        if kept is None or any(state_of(name) != state for name, state in files.items()):
+            before = states()
+            kept = make()
+            files = states() | before  # of one that changes meanwhile the earlier state
+            while len(self.sized) >= _KEPT:
+                self.sized.popitem(last=False)
+        self.sized[key] = kept, files
+        self.sized.move_to_end(key)
+        return kept
+
+
+def take_over(held: EngineMemory, own: Mapping[str, bytes]) -> None:
+    """Take the user's catalogues in place of those before, and read them; what was found with these is forgotten."""
+    from drivesizer.catalog import load
+
+    hand_over({Path(held.name).parent / name: content for name, content in own.items()})
+    held.own = tuple(own)
+    held.sized.clear()
+    with suppress(DrivesizerError, MemoryError):  # said where it is used
+        for name in own:
+            load([name], beside=Path(held.name).parent)
+
+
+# -- The life of the process: one job after another.
+
 
 _FAULT = "a fault of drivesizer itself"
 _MEMORY = 4 << 30  # bytes that the process may take: some six times what a sizing with all its reports needs
@@ -125,9 +188,9 @@ def _limit_memory() -> None:
 def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
     """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
     from drivesizer.files.text import restrict_reading, shipped_folder
-    from drivesizer.live.answer import named, whole
 
-    restrict_reading(named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
+    answer = import_module("drivesizer.live.answer")
+    restrict_reading(answer.named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
-            whole(held, spec, brief=True)
+            answer.whole(held, spec, brief=True)

@@ -7,16 +7,16 @@ import math
 import sys
 from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from secrets import compare_digest
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, create_model
 from starlette.datastructures import MutableHeaders
 from starlette.responses import JSONResponse, Response
 
 from drivesizer.catalog import PARTS
 from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.errors import InputError, printable
-from drivesizer.live.held import Piece
+from drivesizer.live.engine import Piece
 from drivesizer.output.report.html.templates import digest
 
 __all__ = ["CATALOGUE", "LARGEST", "LONGEST", "REQUESTS", "CatalogueRequest", "Guard", "SaveRequest", "request_of"]
@@ -56,24 +56,6 @@ class SpecRequest(BaseModel):
     slider: _Word = ""  # in the tab
 
 
-class _SweepRequest(SpecRequest):
-    path: _Path
-    values: Annotated[list[_Word | int | _Number], Field(max_length=64)]
-
-
-class _DriveRequest(SpecRequest):
-    motor: _Word
-    gearhead: _Word
-
-
-class _CompareRequest(SpecRequest):
-    sets: Annotated[list[tuple[_Word, _Word]], Field(max_length=4)]
-
-
-class _FileRequest(SpecRequest):
-    form: _Word
-
-
 class SaveRequest(BaseModel):
     """A text for the file of the page, which is replaced where it is the one that the page has read."""
 
@@ -93,50 +75,34 @@ class CatalogueRequest(BaseModel):
 
 
 _Names = Annotated[list[_Word], Field(max_length=500)]
-if TYPE_CHECKING:
-    _Section = str
-    _Option = str
-else:
-    _Section, _Option = Literal[tuple(PARTS)], Literal[tuple(OPTIONS)]
+_Section: Any = Literal[tuple(PARTS)]
+_Option: Any = Literal[tuple(OPTIONS)]
 
-
-class _PartsRequest(SpecRequest):
-    section: _Section
-    catalogues: _Names
-    options: dict[_Option, _Word] = {}
-    where: Annotated[list[_Word], Field(max_length=20)] = []
-    piece: _Word = ""
-    sort: _Word = ""
-    excluded: bool = False
-    start: Annotated[int, Field(ge=0)] = 0
-
-
-class _PartRequest(SpecRequest):
-    catalogue: _Word
-    section: _Section
-    part: _Word
-
-
-class _BesideRequest(SpecRequest):
-    section: _Section
-    parts: Annotated[list[tuple[_Word, _Word]], Field(min_length=2, max_length=4)]
-
-
-class _ChooseRequest(SpecRequest):
-    part: tuple[_Word, _Section, _Word] | None = None  # catalogue, section and number
-    family: bool = False
-    catalogues: _Names = []
-    add: bool = False
-    axis: _Word = ""
-
-
-# name of a job: what its request has
-REQUESTS: dict[str, type[SpecRequest]] = {
-    "answer": SpecRequest, "sweep": _SweepRequest, "rejected": _DriveRequest, "compare": _CompareRequest,
-    "loop": SpecRequest, "report": _FileRequest, "export": _FileRequest, "document": SpecRequest,
-    "catalogues": SpecRequest, "parts": _PartsRequest, "part": _PartRequest, "beside": _BesideRequest,
-    "choose": _ChooseRequest,
+# of each job, what its request has beside the spec: kind, and what stands for it where it is left out
+_FIELDS: dict[str, dict[str, Any]] = {
+    "answer": {},
+    "sweep": {"path": (_Path, ...), "values": (Annotated[list[_Word | int | _Number], Field(max_length=64)], ...)},
+    "rejected": {"motor": (_Word, ...), "gearhead": (_Word, ...)},
+    "compare": {"sets": (Annotated[list[tuple[_Word, _Word]], Field(max_length=4)], ...)},
+    "loop": {}, "report": {"form": (_Word, ...)}, "export": {"form": (_Word, ...)}, "document": {}, "catalogues": {},
+    "parts": {
+        "section": (_Section, ...), "catalogues": (_Names, ...), "options": (dict[_Option, _Word], {}),
+        "where": (Annotated[list[_Word], Field(max_length=20)], []), "piece": (_Word, ""), "sort": (_Word, ""),
+        "excluded": (bool, False), "start": (Annotated[int, Field(ge=0)], 0),
+    },
+    "part": {"catalogue": (_Word, ...), "section": (_Section, ...), "part": (_Word, ...)},
+    "beside": {
+        "section": (_Section, ...),
+        "parts": (Annotated[list[tuple[_Word, _Word]], Field(min_length=2, max_length=4)], ...),
+    },
+    "choose": {  # a part by catalogue, section and number, or catalogues
+        "part": (tuple[_Word, _Section, _Word] | None, None), "family": (bool, False), "catalogues": (_Names, []),
+        "add": (bool, False), "axis": (_Word, ""),
+    },
 }  # fmt: skip
+REQUESTS: dict[str, type[SpecRequest]] = {
+    job: create_model(job, __base__=SpecRequest, **fields) for job, fields in _FIELDS.items()
+}
 
 
 def request_of(model: type[BaseModel], body: bytes) -> Piece:

@@ -20,8 +20,7 @@ from multiprocessing.context import SpawnProcess
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from drivesizer.live.engine import OWN, run
-from drivesizer.live.held import Piece
+from drivesizer.live.engine import OWN, Piece, run
 
 __all__ = ["Worker"]
 

@@ -268,6 +268,7 @@ def rest_left(total: Figure, until: float | None) -> Figure:
 
 
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
+TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
 
 _PIECES = 32  # of a jerk phase
 _QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7.5e-5 of its peak, 1 - cos(pi/256)

@@ -24,9 +24,8 @@ from changes import damaged_bytes
 from drivesizer import cli
 from drivesizer.commands.ends import ended, parsed
 from drivesizer.files import cache, text
-from drivesizer.live.engine import JOBS, done
+from drivesizer.live.engine import JOBS, EngineMemory, done
 from drivesizer.live.guard import REQUESTS, request_of
-from drivesizer.live.held import EngineMemory
 from drivesizer.study import rows
 from drivesizer.study import run as study_run
 

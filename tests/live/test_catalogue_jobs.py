@@ -13,9 +13,8 @@ from own_catalogue import RIGHT
 from drivesizer.files.text import hand_over
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.engine import done
+from drivesizer.live.engine import EngineMemory, done, take_over
 from drivesizer.live.guard import REQUESTS, request_of
-from drivesizer.live.held import EngineMemory, take_over
 
 NAME = "dropped/mine.yaml"
 SPEC = """\

@@ -14,8 +14,7 @@ import pytest
 
 from drivesizer.commands.common import proven
 from drivesizer.errors import InputError
-from drivesizer.live.engine import done
-from drivesizer.live.held import EngineMemory, StoppedError
+from drivesizer.live.engine import EngineMemory, StoppedError, done
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.report import write
 from drivesizer.results.machine import of_one_axis

@@ -10,8 +10,7 @@ import pytest
 from own_catalogue import RIGHT
 
 from drivesizer.files.text import hand_over
-from drivesizer.live.engine import done
-from drivesizer.live.held import EngineMemory, take_over
+from drivesizer.live.engine import EngineMemory, done, take_over
 
 SCRIPT = '<script>alert(1)</script><img src=x onerror=alert(2)>"><svg/onload=alert(3)>{{7*7}}'
 SPEC = f"""\

@@ -134,7 +134,7 @@ def test_memory_is_bounded() -> None:
     code = f"""
 import json, resource
 from drivesizer.live import engine
-from drivesizer.live.held import EngineMemory
+from drivesizer.live.engine import EngineMemory
 held = EngineMemory("robot.yaml")
 small = {{"text": "a: 1"}}
 list(engine.done(held, "answer", small))

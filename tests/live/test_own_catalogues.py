@@ -15,9 +15,8 @@ from own_catalogue import CONTRADICTORY, RIGHT
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.text import hand_over
-from drivesizer.live.engine import done
-from drivesizer.live.held import EngineMemory, take_over
-from drivesizer.live.own_catalogues import taken
+from drivesizer.live.engine import EngineMemory, done, take_over
+from drivesizer.live.server import taken
 
 NAME = "dropped/mine.yaml"
 
@@ -90,7 +89,7 @@ def test_names_and_amounts_are_bounded(drop, monkeypatch):
         assert drop(RIGHT, f"{n}.yaml")["kind"] == "kept"
     assert "4 catalogues are here already" in drop(RIGHT, "one_more.yaml")["lines"][0]
     assert drop(RIGHT, "2.yaml")["kind"] == "kept"
-    monkeypatch.setattr("drivesizer.live.own_catalogues._LARGEST", 10)
+    monkeypatch.setattr("drivesizer.live.server._LARGEST", 10)
     assert "larger than" in drop(RIGHT, "2.yaml")["lines"][0]
 
 

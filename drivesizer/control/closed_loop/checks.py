@@ -17,7 +17,7 @@ from drivesizer.control.loop_design import stated_margin
 from drivesizer.control.validation import Gains
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import floor_friction
-from drivesizer.load_cases.profile import SPEED
+from drivesizer.load_cases.profile import SPEED, TRAVEL
 from drivesizer.loads.course import Profile, course
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -35,138 +35,113 @@ from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 from drivesizer.units import show
 
-__all__ = ["TRAVEL", "checks", "figures", "series", "series_units"]
+__all__ = ["checks", "columns", "figures", "loop_figures"]
 
 
 # -- Figures and time series of a closed-loop simulation, seen from the load.
 
 
-TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
 _SHARE, _FACTOR = ("dimensionless", "%"), ("dimensionless", "1")
 _CURRENT, _VOLTAGE, _POWER = ("current", "A"), ("voltage", "V"), ("power", "W")
 _HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy", "W*h")
-_Row = tuple[str, str, float, tuple[str, str], float | None]
+_ANGLE, _TIME = ("angle", "deg"), ("time", "s")
+_LOOP_FIGURES: tuple[tuple[str, str, tuple[str, str]], ...] = (  # of the velocity loop, by the names of its record
+    ("bandwidth", "Velocity loop, bandwidth (-3 dB)", _HERTZ),
+    ("phase_margin", "Velocity loop, phase margin", _ANGLE),
+    ("gain_margin", "Velocity loop, gain margin (factor)", _FACTOR),
+    ("overshoot", "Velocity loop, overshoot of a step", _SHARE),
+)
+
+
+def loop_figures(case: ClosedLoop) -> list[Figure]:
+    """Figures of the velocity loop by linear analysis."""
+    return [Figure(name=name, title=title, value=getattr(case.loops.velocity, name), kind=kind, unit=unit)
+            for name, title, (kind, unit) in _LOOP_FIGURES]  # fmt: skip
 
 
 def figures(case: ClosedLoop) -> tuple[Figure, ...]:
-    """Figures of a simulation, without limits of their own."""
-    rows = [*_tracking(case), *_loop_rows(case), *_electrical_rows(case)]
-    if case.task.cycles > 1:
-        rows.append(("mission", "Simulated time", case.figure("time"), ("time", "min"), None))
-    return tuple(Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=at) for n, t, v, (k, u), at in rows)
+    """Figures of a simulation, without limits of their own, seen from the load.
 
-
-def _tracking(case: ClosedLoop) -> list[_Row]:
-    """Errors of the load against the reference; of two masses also those of the motor, as at the load.
-
-    Those go through the total ratio as if the shaft were stiff.
+    Of two masses also the errors of the motor, as at the load: through the total ratio as if the shaft were stiff.
     """
-    seen, time, top, controller = case.figure, case.figure("time"), case.profile.top_speed, case.controller
-    speed, travel, distance = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis], case.profile.distance
-    radius, per_speed, encoder = case.train.radius, case.train.motor_per_speed, case.drive_set.encoder
+    seen, time, loops, motors = case.figure, case.figure("time"), case.loops, case.spec.load.motors
+    speed, travel, top = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis], case.profile.top_speed
+    radius, per_speed, two = case.train.radius, case.train.motor_per_speed, case.train.flexible
+    distance, encoder, counted = case.profile.distance * case.task.cycles, case.drive_set.encoder, case.controller
     peak, when = seen("load_speed_error") * radius, seen("load_speed_error_time")
-    rms_error = math.sqrt(seen("load_speed_error_square") / time) * radius
-    quantum = math.nan
+    rms_error, quantum = math.sqrt(seen("load_speed_error_square") / time) * radius, math.nan
     if encoder:  # smallest step of the counted speed over its counting time
-        quantum = speed_quantum(encoder.lines, controller.velocity_period, max(controller.counted_over, 1))
-    rows: list[_Row] = [("tracking_error_peak", "Tracking error, peak", peak, speed, when)]
-    if top:
-        rows.append(("tracking_error_peak_share", "Tracking error, peak, of top speed", peak / top, _SHARE, when))
-    rows.append(("tracking_error_rms", "Tracking error, RMS", rms_error, speed, None))
-    if top:
-        rows.append(("tracking_error_rms_share", "Tracking error, RMS, of top speed", rms_error / top, _SHARE, None))
-    rows += [
-        ("position_error_peak", "Position error at the load, peak", seen("load_angle_error") * radius, travel,
-         seen("load_angle_error_time")),
-        ("distance_error", "Final position error, load", distance * case.task.cycles - seen("load_angle") * radius,
-         travel, None),
-    ]  # fmt: skip
-    if case.train.flexible:
-        rows += [
-            ("motor_tracking_error_peak", "Tracking error of the motor, as at the load, peak",
-             seen("speed_error") / per_speed, speed, seen("speed_error_time")),
-            ("motor_tracking_error_rms", "Tracking error of the motor, as at the load, RMS",
-             math.sqrt(seen("speed_error_square") / time) / per_speed, speed, None),
-            ("motor_position_error_peak", "Position error of the motor, as at the load, peak",
-             seen("angle_error") / per_speed, travel, seen("angle_error_time")),
-            ("motor_distance_error", "Final position error, motor, as at the load",
-             distance * case.task.cycles - seen("angle") / per_speed, travel, None),
-        ]  # fmt: skip
-    return [
-        *rows,
-        ("voltage_saturation", "Time at the voltage limit", seen("time_at_voltage_limit") / time, _SHARE, None),
-        ("current_limitation", "Time at the current limit", seen("time_at_current_limit") / time, _SHARE, None),
-        ("speed_quantum", "One encoder count, at the load", quantum / per_speed, speed, None),
-    ]
-
-
-def _loop_rows(case: ClosedLoop) -> list[_Row]:
-    loops, velocity = case.loops, case.loops.velocity
-    rows: list[_Row] = [
-        ("bandwidth", "Velocity loop, bandwidth (-3 dB)", velocity.bandwidth, _HERTZ, None),
-        ("phase_margin", "Velocity loop, phase margin", velocity.phase_margin, ("angle", "deg"), None),
-        ("gain_margin", "Velocity loop, gain margin (factor)", velocity.gain_margin, _FACTOR, None),
-        ("overshoot", "Velocity loop, overshoot of a step", velocity.overshoot, _SHARE, None),
-    ]
-    if loops.current:
-        rows.insert(0, ("current_bandwidth", "Current loop, bandwidth (-3 dB)", loops.current.bandwidth, _HERTZ, None))
-    if case.train.flexible:
-        rows.append(("resonance", "Resonance of motor and load", loops.resonance, _HERTZ, None))
-    return rows
-
-
-def _electrical_rows(case: ClosedLoop) -> list[_Row]:
-    motors, seen = case.spec.load.motors, case.figure
+        quantum = speed_quantum(encoder.lines, counted.velocity_period, max(counted.counted_over, 1))
     feed = case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
     standby = float(feed.stage.standby)
-    peak = float(of_the_source(seen("power") + standby, feed)) * motors
-    taken = (seen("energy_in") + standby * seen("time")) * motors + seen("energy_resisted")
-    rows: list[_Row] = [
-        ("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT, None),
-        ("peak_current", "Motor current, peak", seen("current"), _CURRENT, seen("current_time")),
-        ("bus_lowest", "Supply voltage, lowest", seen("bus_lowest"), _VOLTAGE, None),
-        ("peak_power", "Electrical power, peak, all drives", peak, _POWER, seen("power_time")),
-        ("energy_in", "Electrical energy taken, all drives", taken, _ENERGY, None),
-        ("energy_returned", "Electrical energy returned, all drives", seen("energy_returned") * motors, _ENERGY, None),
-    ]
+    power = float(of_the_source(seen("power") + standby, feed)) * motors
+    taken = (seen("energy_in") + standby * time) * motors + seen("energy_resisted")
+    made: list[Figure] = []
+
+    def add(name: str, title: str, value: float, unit: tuple[str, str], at_time: float | None = None) -> None:
+        made.append(Figure(name=name, title=title, value=value, kind=unit[0], unit=unit[1], at_time=at_time))
+
+    add("tracking_error_peak", "Tracking error, peak", peak, speed, when)
+    if top:
+        add("tracking_error_peak_share", "Tracking error, peak, of top speed", peak / top, _SHARE, when)
+    add("tracking_error_rms", "Tracking error, RMS", rms_error, speed)
+    if top:
+        add("tracking_error_rms_share", "Tracking error, RMS, of top speed", rms_error / top, _SHARE)
+    add("position_error_peak", "Position error at the load, peak", seen("load_angle_error") * radius, travel,
+        seen("load_angle_error_time"))  # fmt: skip
+    add("distance_error", "Final position error, load", distance - seen("load_angle") * radius, travel)
+    if two:
+        add("motor_tracking_error_peak", "Tracking error of the motor, as at the load, peak",
+            seen("speed_error") / per_speed, speed, seen("speed_error_time"))  # fmt: skip
+        add("motor_tracking_error_rms", "Tracking error of the motor, as at the load, RMS",
+            math.sqrt(seen("speed_error_square") / time) / per_speed, speed)  # fmt: skip
+        add("motor_position_error_peak", "Position error of the motor, as at the load, peak",
+            seen("angle_error") / per_speed, travel, seen("angle_error_time"))  # fmt: skip
+        add("motor_distance_error", "Final position error, motor, as at the load",
+            distance - seen("angle") / per_speed, travel)  # fmt: skip
+    add("voltage_saturation", "Time at the voltage limit", seen("time_at_voltage_limit") / time, _SHARE)
+    add("current_limitation", "Time at the current limit", seen("time_at_current_limit") / time, _SHARE)
+    add("speed_quantum", "One encoder count, at the load", quantum / per_speed, speed)
+    if loops.current:
+        add("current_bandwidth", "Current loop, bandwidth (-3 dB)", loops.current.bandwidth, _HERTZ)
+    made += loop_figures(case)
+    if two:
+        add("resonance", "Resonance of motor and load", loops.resonance, _HERTZ)
+    add("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT)
+    add("peak_current", "Motor current, peak", seen("current"), _CURRENT, seen("current_time"))
     if case.periodic:
-        rows.insert(2, ("winding_end", "Winding at the end, from ambient", seen("winding"), _HEAT, None))
-    return rows
+        add("winding_end", "Winding at the end, from ambient", seen("winding"), _HEAT)
+    add("bus_lowest", "Supply voltage, lowest", seen("bus_lowest"), _VOLTAGE)
+    add("peak_power", "Electrical power, peak, all drives", power, _POWER, seen("power_time"))
+    add("energy_in", "Electrical energy taken, all drives", taken, _ENERGY)
+    add("energy_returned", "Electrical energy returned, all drives", seen("energy_returned") * motors, _ENERGY)
+    if case.task.cycles > 1:
+        add("mission", "Simulated time", time, ("time", "min"))
+    return tuple(made)
 
 
-def series_units(case: ClosedLoop) -> dict[str, tuple[str, str]]:
-    """Kind and unit of the trade of each column of the series."""
-    speed, travel = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis]
-    units = {
-        "time": ("time", "s"), "speed_reference": speed, "speed": speed, "error": speed, "motor_error": speed,
-        "position_error": travel, "motor_position_error": travel, "motor_speed": ("rotary_speed", "rpm"),
-        "current": _CURRENT, "voltage": _VOLTAGE, "motor_torque": ("torque", "mN*m"),
-        "gearhead_torque": ("torque", "N*m"), "winding_temperature": _HEAT, "supply_power": _POWER,
-    }  # fmt: skip
-    return {name: unit for name, unit in units.items() if name in series(case)}
-
-
-def series(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
-    """Recorded rows of the first cycle as columns, seen from the load and from the supply, of all drives."""
+def columns(case: ClosedLoop) -> dict[str, tuple[NDArray[np.float64], tuple[str, str]]]:
+    """Recorded rows of the first cycle, seen from the load and from the supply of all drives; kind and unit of each."""
     rows: Any = case.out.series
     train, feed = case.train, case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
-    reference, speed = rows["reference"] / train.motor_per_speed, rows["load_speed"] * train.radius
+    speed, travel = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis]
+    reference, moved = rows["reference"] / train.motor_per_speed, rows["load_speed"] * train.radius
     at_stage = rows["voltage"] * rows["current"] + feed.lost(rows["current"]) + feed.stage.standby
     found = {
-        "time": rows["time"],
-        "speed_reference": reference,
-        "speed": speed,
-        "error": reference - speed,
-        "motor_error": reference - rows["motor_speed"] / train.motor_per_speed,
-        "position_error": rows["load_position_error"] * train.radius,
-        "motor_position_error": rows["position_error"] / train.motor_per_speed,
-        "motor_speed": rows["motor_speed"],
-        "current": rows["current"],
-        "voltage": rows["voltage"],
-        "motor_torque": train.torque_constant * rows["current"],
-        "gearhead_torque": rows["gear_torque"],
-        "winding_temperature": rows["winding"],
-        "supply_power": of_the_source(at_stage, feed) * case.spec.load.motors,
+        "time": (rows["time"], _TIME),
+        "speed_reference": (reference, speed),
+        "speed": (moved, speed),
+        "error": (reference - moved, speed),
+        "motor_error": (reference - rows["motor_speed"] / train.motor_per_speed, speed),
+        "position_error": (rows["load_position_error"] * train.radius, travel),
+        "motor_position_error": (rows["position_error"] / train.motor_per_speed, travel),
+        "motor_speed": (rows["motor_speed"], ("rotary_speed", "rpm")),
+        "current": (rows["current"], _CURRENT),
+        "voltage": (rows["voltage"], _VOLTAGE),
+        "motor_torque": (train.torque_constant * rows["current"], ("torque", "mN*m")),
+        "gearhead_torque": (rows["gear_torque"], ("torque", "N*m")),
+        "winding_temperature": (rows["winding"], _HEAT),
+        "supply_power": (of_the_source(at_stage, feed) * case.spec.load.motors, _POWER),
     }
     if not case.periodic:
         del found["winding_temperature"]  # it is held at 25 degC

@@ -17,6 +17,7 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.control.closed_loop.checks import loop_figures
 from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.loop_models import (
@@ -221,8 +222,7 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
 
 
 def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearFigure, ...]:
-    speed, velocity = SPEED[case.spec.load.axis], case.loops.velocity
-    units = {"current": ("current", "A"), "error": speed, "voltage": ("voltage", "V")}
+    units = {"current": ("current", "A"), "error": SPEED[case.spec.load.axis], "voltage": ("voltage", "V")}
     found = []
     for name, (title, column, figure) in _PEAKS.items():
         value, at, (kind, unit) = math.nan, None, units[column]
@@ -233,12 +233,5 @@ def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearF
         linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
         own = case.figure(figure) * (case.train.radius if column == "error" else 1.0)
         found.append(LinearFigure(linear, replace(linear, value=own, at_time=case.figure(f"{figure}_time"))))
-    for name, title, kind, unit in (
-        ("bandwidth", "Velocity loop, bandwidth (-3 dB)", "frequency", "Hz"),
-        ("phase_margin", "Velocity loop, phase margin", "angle", "deg"),
-        ("gain_margin", "Velocity loop, gain margin (factor)", "dimensionless", "1"),
-        ("overshoot", "Velocity loop, overshoot of a step", "dimensionless", "%"),
-    ):
-        analysed = Figure(name=name, title=title, value=getattr(velocity, name), kind=kind, unit=unit)
-        found.append(LinearFigure(analysed))
+    found += [LinearFigure(one) for one in loop_figures(case)]
     return tuple(found)

@@ -17,7 +17,7 @@ from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.machine_code import machine_code
 from drivesizer.load_cases.platform import remaining_torque
-from drivesizer.load_cases.profile import SPEED
+from drivesizer.load_cases.profile import SPEED, TRAVEL
 from drivesizer.loads.course import Profile
 from drivesizer.physics.figures import Range
 from drivesizer.physics.stepper import natural_frequency
@@ -275,7 +275,6 @@ METHOD = "open loop"
 _RULE = "pulses along the profile, open-loop"
 _SOURCE = "P. Acarnley, Stepping Motors: a guide to theory and practice, 4th ed., IET, 2002, chapters 3 and 4"
 _SLIP, _CREST = math.pi, math.pi / 2.0  # electrical: half a tooth pitch, and where the torque is largest
-_TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
 _CRESTS = "electrical: 90° is a full step, where the torque is largest; beyond 180° steps are lost: informational"
 _OWN = {"microsteps", "phase_current", "idle_current", "damping_ratio"}  # fields of ``control`` that a stepper has
 
@@ -284,7 +283,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     """The simulation of a stepper as a record."""
     found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper, seen, rows = case.stepper, case.out.figures, case.out.series
-    speed, travel = SPEED[case.spec.load.axis], _TRAVEL[case.spec.load.axis]
+    speed, travel = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis]
     per = 1.0 / stepper.motor_per_speed  # m/rad, or 1: travel of the load per angle of the motor
     belt = drive_set.belt_ratio * drive_set.belt_efficiency
     count, torque = ("dimensionless", "1"), ("torque", "mN*m")
