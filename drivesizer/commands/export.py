@@ -47,10 +47,8 @@ def export(
     with common.working("designing the controller"):
         if several and result:
             of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)
-        elif wheel is None and one.platform is not None and bodies:
-            of = exports.platform_alone(exports.platform_export(one, found))
         else:
-            of = exports.one_axis(exports.export_of(one, found, wheel))
+            of = exports.drive_export(one, found, wheel=wheel, bodies=bodies)
         written = exports.write(of, form, output)
     common.print_notes((*of.notes, *of.assumptions))
     for path in written:

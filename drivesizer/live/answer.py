@@ -301,16 +301,8 @@ def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     if form not in exports.FORMATS:
         raise InputError(f"{quoted(form)} is not known; expected {', '.join(exports.FORMATS)}")
     result, bodies = whole(held, text_of(held, request), top=1), exports.FORMATS[form].bodies
-    if hasattr(result, "axes"):
-        if any(one.best is None for one in result.axes):
-            raise InputError("an axis has no drive that meets all limits; nothing to export")
-        of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)
-    elif not result.sets:
-        raise InputError("no drive meets all limits; nothing to export")
-    elif result.spec.platform is not None and bodies:
-        of = exports.platform_alone(exports.platform_export(result.spec, result.sets[0]))
-    else:
-        of = exports.one_axis(exports.export_of(result.spec, result.sets[0]))
+    sizing = result if hasattr(result, "axes") else of_one_axis(result)
+    of = exports.machine_export(sizing, one_rate=form == "ros2_control", bodies=bodies)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"drive{exports.FORMATS[form].suffixes[0]}"
         exports.write(of, form, path)

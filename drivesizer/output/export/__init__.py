@@ -10,12 +10,12 @@ from typing import NamedTuple
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.writing import ready, write_files
 from drivesizer.output.export.common import Export, check_wheel, export_of, identifier
-from drivesizer.output.export.machine import MachineExport, machine_export, one_axis, platform_alone
+from drivesizer.output.export.machine import MachineExport, drive_export, machine_export, one_axis, platform_alone
 from drivesizer.output.export.platform import PlatformExport, platform_export
 
 __all__ = [
-    "FORMATS", "Export", "Format", "MachineExport", "PlatformExport", "accept", "check_wheel", "export_of", "files",
-    "machine_export", "one_axis", "platform_alone", "platform_export", "write",
+    "FORMATS", "Export", "Format", "MachineExport", "PlatformExport", "accept", "check_wheel", "drive_export",
+    "export_of", "files", "machine_export", "one_axis", "platform_alone", "platform_export", "write",
 ]  # fmt: skip
 
 

@@ -22,7 +22,8 @@ from drivesizer.loads.stage_losses import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_rows
 from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier, sentences
 from drivesizer.output.export.joint_drive import JointDrive
-from drivesizer.output.export.platform import PlatformExport
+from drivesizer.output.export.platform import PlatformExport, platform_export
+from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.spec.description import read_description, rotation
 from drivesizer.spec.description_record import Robot, about
@@ -30,7 +31,8 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 
 __all__ = [
-    "MachineExport", "RobotExport", "free_name", "head", "in_urdf", "machine_export", "one_axis", "platform_alone",
+    "MachineExport", "RobotExport", "drive_export", "free_name", "head", "in_urdf", "machine_export", "one_axis",
+    "platform_alone",
 ]  # fmt: skip
 
 
@@ -114,12 +116,25 @@ def platform_alone(of: PlatformExport) -> MachineExport:
     return MachineExport(name=of.name, gravity=of.ground.gravity, platform=of)
 
 
+def drive_export(spec: RobotSpec, found: DriveSet, *, wheel: int | None = None, bodies: bool = True) -> MachineExport:
+    """The record of a drive alone; of a platform that with all its wheels, where there are bodies and none is named."""
+    if wheel is None and spec.platform is not None and bodies:
+        return platform_alone(platform_export(spec, found))
+    return one_axis(export_of(spec, found, wheel))
+
+
 def machine_export(sizing: MachineSizing, *, one_rate: bool = False, bodies: bool = True) -> MachineExport:
     """The record of a machine that a sizing found.
 
     With controllers of one rate, the slowest of their own; joints of a robot among its bodies, or as axes.
     """
     machine = sizing.machine
+    lacking = next((axis.name for axis in sizing.axes if axis.best is None), None)
+    if lacking is not None:
+        whose = "" if sizing.alone else f"{lacking}: "
+        raise InputError(f"{whose}no drive meets all limits; nothing to export")
+    if sizing.alone and (best := sizing.axes[0].best):
+        return drive_export(sizing.axes[0].spec, best, bodies=bodies)
 
     def exported(rate: float | None) -> dict[str, Export]:
         def at_rate(spec: RobotSpec) -> RobotSpec:
