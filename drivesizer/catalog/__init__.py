@@ -19,6 +19,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from importlib import resources
 from pathlib import Path
 
@@ -109,7 +110,10 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     keys = [_key(raw) for raw in raws]
 
     def join() -> Catalog:
-        return joined([_one(*each) for each in zip(paths, raws, keys, strict=True)])
+        return joined([
+            catalog_of_text(path, raw) if is_handed(path) else _compiled(path.stem, key, partial(_parsed, path, raw))
+            for path, raw, key in zip(paths, raws, keys, strict=True)
+        ])  # fmt: skip
 
     if len(paths) == 1:
         return join()
@@ -142,12 +146,6 @@ def _key(raw: bytes) -> str:
 def _schema() -> bytes:
     schema, laws = [columns_of(section) for section in PARTS], resources.files(__package__) / "laws.yaml"
     return repr((schema, RANGES, sorted(MAY_BE_ZERO), AT_MOST)).encode() + laws.read_bytes()
-
-
-def _one(path: Path, raw: bytes, key: str) -> Catalog:
-    if is_handed(path):
-        return catalog_of_text(path, raw)
-    return _compiled(path.stem, key, lambda: _parsed(path, raw))
 
 
 def catalog_of_text(path: Path, raw: bytes) -> Catalog:

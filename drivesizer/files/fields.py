@@ -30,8 +30,8 @@ __all__ = [
     "Jerk", "Length", "Mass", "Names", "OfSolids", "Part", "Pause", "Place", "Power", "Price", "Pull", "Quantity",
     "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Solid",
     "Speed", "Stiffness", "Temperature", "ThermalResistance", "Thickness", "Torque", "TorqueAbove", "Turning",
-    "Velocity", "Voltage", "all_defaults", "default", "exactly_one", "left_out_before", "moment", "no_entries",
-    "optional", "read_before", "required",
+    "Velocity", "Voltage", "all_defaults", "default", "exactly_one", "moment", "no_entries",
+    "optional", "required", "unchanged",
 ]  # fmt: skip
 
 
@@ -365,17 +365,17 @@ else:
 _NAMING = ("kind", "profile")  # what sort of section it is
 
 
-def read_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
+def _read_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
     """Groups of a section, and lists of groups, as they were read before where their data are the very same."""
     inside = {name: value for name, value in data.items() if isinstance(value, dict | list) and name in known}
     return {name: _kept(value, known[name], getattr(before, name, None)) for name, value in inside.items()}
 
 
-def left_out_before(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
-    """Groups of a section, and lists of groups, that its data leave out as they did before."""
+def unchanged(data: dict[str, Any], known: dict[str, Any], before: Section) -> dict[str, Any]:
+    """Groups that were read before, where their data are the very same or leave them out as they did then."""
     left_out = type(before).model_fields.keys() - data.keys() - known.keys()
     values = {name: getattr(before, name) for name in left_out}
-    return {name: value for name, value in values.items() if _is_read(value)}
+    return {name: value for name, value in values.items() if _is_read(value)} | _read_before(data, known, before)
 
 
 def _is_read(value: Any) -> bool:
@@ -395,4 +395,4 @@ def _kept(data: Any, known: Any, before: Any) -> Any:
     alike = isinstance(data, dict) and isinstance(known, dict)
     if not alike or any(data.get(name) != known.get(name) for name in _NAMING):
         return data
-    return data | read_before(data, known, before)
+    return data | _read_before(data, known, before)

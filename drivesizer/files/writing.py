@@ -190,15 +190,9 @@ def _write_temporary(target: Path, content: bytes, waiting: list[_Waiting]) -> N
             continue
         with stream:
             stream.write(content)
-        _as_before(temporary, target)
+        if (found := _status(target)) is not None:  # with the permissions of the file that it replaces
+            temporary.chmod(stat.S_IMODE(found.st_mode))
         return
-
-
-def _as_before(temporary: Path, target: Path) -> None:
-    """Give a file the permissions of the one that it replaces."""
-    found = _status(target)
-    if found is not None:
-        temporary.chmod(stat.S_IMODE(found.st_mode))
 
 
 def _take_free_place(temporary: Path, target: Path) -> None:

@@ -201,10 +201,6 @@ def _origin() -> Array:
     return np.zeros(3)
 
 
-def _none() -> Array:
-    return np.zeros((3, 3))
-
-
 @dataclass(frozen=True, slots=True)
 class Link:
     """A body; mass 0 and inertia 0 where the file gives none."""
@@ -213,7 +209,9 @@ class Link:
     line: int
     mass: float = 0.0  # kg
     centre: Array = field(default_factory=_origin)  # m, of mass, in the link's frame
-    inertia: Array = field(default_factory=_none)  # kg*m^2, about the centre of mass, along the link's axes
+    inertia: Array = field(
+        default_factory=lambda: np.zeros((3, 3))
+    )  # kg*m^2, about the centre of mass, along the link's axes
     radii: tuple[tuple[float, Array], ...] = ()  # m, of its cylinders and spheres; axis of each, zeros for a sphere
     lacking: str = ""  # reason why its mass is unknown, such as a mesh alone; empty where it is known
 

@@ -454,8 +454,9 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
 
 
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before: RobotSpec | None = None) -> RobotSpec:
-    axis = _axis(data)
-    known = {**data, **_unchanged(data, axis, before)}
+    axis, known = _axis(data), data
+    if before is not None and before._source is not None and _axis(before._source.data) == axis:
+        known = {**data, **fields.unchanged(data, before._source.data, before)}
     try:
         spec = RobotSpec.model_validate(known, context={"axis": axis})
     except ValidationError as error:
@@ -465,14 +466,6 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before:
     spec.model_fields_set.difference_update(known.keys() - data.keys())
     spec._source = source
     return spec
-
-
-def _unchanged(data: dict[str, Any], axis: str, before: RobotSpec | None) -> dict[str, Any]:
-    """Sections of a spec that was read before where their data are the very same, or both leave them out."""
-    source = None if before is None else before._source
-    if before is None or source is None or _axis(source.data) != axis:
-        return {}
-    return {**fields.left_out_before(data, source.data, before), **fields.read_before(data, source.data, before)}
 
 
 def _axis(data: Mapping[str, Any]) -> str:

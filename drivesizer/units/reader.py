@@ -189,7 +189,8 @@ def _in_si(text: object, kind: str) -> float:
         raise InputError(f"{quoted(text)} has no unit; {hint}")
     name = _spellings(kind).get(_key(unit)) if unit else "1"
     if name is None:
-        raise InputError(f"{quoted(text)}: {_unfit(value, unit, kind)}; {hint}")
+        quotient = as_quotient(value, unit) if expected.si == "1" else ""  # of a ratio, the number that is meant
+        raise InputError(f"{quoted(text)}: {quotient or _misfit(unit, kind)}; {hint}")
     factor, offset = _table()[kind][name]
     result = value * factor + offset
     if not math.isfinite(result):
@@ -199,11 +200,6 @@ def _in_si(text: object, kind: str) -> float:
     if outside(result, kind):
         raise InputError(f"{quoted(text)} is no {noun(kind)} of a machine; {possible(kind)}")
     return result
-
-
-def _unfit(value: float, unit: str, kind: str) -> str:
-    """The fault of a unit; of a plain number that is written as a ratio, the number that is meant."""
-    return (as_quotient(value, unit) if KINDS[kind].si == "1" else "") or _misfit(unit, kind)
 
 
 _remembered = lru_cache(maxsize=4096, typed=True)(_in_si)  # variants of a spec have most of their figures in common
