@@ -11,7 +11,7 @@ Symbols: i ratio, e efficiency, T torque [N*m], w speed [rad/s].
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
@@ -26,6 +26,7 @@ from drivesizer.physics.gear_life import turned_load
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
 _PART = 1 << 16  # segments of a long cycle whose functions are there at a time
+_LOST = (0.0, 0.05, 0.15, 0.35, 0.6)  # of the largest power that is given back
 ROUNDING = 1e-9  # share of a function's largest value that is 0 but for rounding
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
 Array = NDArray[np.float64]
@@ -188,6 +189,26 @@ class CycleAtBelt:
         found: Array = np.maximum(against, 0.0)  # a torque has one direction of power
         found[ACCELERATION] = sum(_against(self.load_cycle.duration[some], f) for some, f in self.parts)
         return found
+
+    @cached_property
+    def hardest_braking(self) -> list[tuple[Array, Array, float]]:
+        """Of one cycle: stretches in which the load gives back most, less so much power that is lost meanwhile.
+
+        Of each the integrals of products of the functions, shape (6, 6), the work of each against the motion, as
+        ``braked`` has it, and the duration [s].
+        """
+        cycle, duration = self.load_cycle, self.load_cycle.duration
+        power, found = cycles.mean_product(self.torque, cycle.speed), {}
+        for share in _LOST:
+            work = np.append(0.0, np.cumsum(duration * (power - share * power.min())))
+            end = int((np.maximum.accumulate(work) - work).argmax())
+            start = int(work[: end + 1].argmax())
+            if start < end and (start, end) not in found:
+                four = ("duration", "speed", "acceleration", "torque")
+                stretch = replace(cycle, **{name: getattr(cycle, name)[start:end] for name in four})
+                own, total = CycleAtBelt(stretch, self.efficiency), float(stretch.total)
+                found[start, end] = own.moments * total, own.braked, total
+        return list(found.values())
 
     def turned(self, exponent: float) -> Figure:
         """Mean over the cycle of the torque to an exponent, times speed: ``turned_load`` of it."""

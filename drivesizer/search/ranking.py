@@ -189,6 +189,7 @@ _OF_ROWS = ("rows", "unknown", "doublings", "margin", "encoder", "controller", "
 _LONG = 1 << 14  # segments of a cycle, up to which all drives that bounds leave open are computed
 _CELLS = 50_000_000  # drives times segments that are computed before none is said to pass but for what all lack
 _FIRST, _SEEN = 32, 200  # drives that are computed at first, and at least before that is said
+_NAMED = 8  # of those that lack figures, at first
 _ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
 
@@ -400,16 +401,22 @@ def _computed(problem: Problem, found: _Found, wanted: int) -> tuple[_Found, int
     unknown, doublings, most = found.unknown.copy(), found.doublings.copy(), found.most.copy()
     figures, bound = {name: x.copy() for name, x in found.figures.items()}, np.full(len(undecided), np.inf)
     seen, size = 0, max(2 * wanted, _FIRST)
+    lacks = figures[UNDECIDED] > 1.0  # none of these passes, whatever the waveform says
+    lacks &= not lacks[undecided].all()  # but for what all lack
     while undecided.any():
         # anew, for with its waveform a drive may need a heavier controller
         value, missing = values(catalog, found.sets, figures, problem.spec.select.objective)
-        rank, value = order(catalog, found.sets, value, missing), rounded(value)
-        some = rank[undecided[rank]][:size]
-        better = (missing < missing[some[0]]) | ((missing == missing[some[0]]) & (value < value[some[0]]))
         of_all = np.bitwise_and.reduce(unknown[~(undecided | failed)], axis=0) if seen >= enough else np.uint64(0)
         passes = ~(undecided | failed | opened | (unknown & ~of_all).any(axis=1))
-        if np.count_nonzero(passes & better) >= wanted:
+        rank, value = order(catalog, found.sets, value, missing, before=[lacks]), rounded(value)
+        some = rank[undecided[rank]][:size]
+        better = (missing < missing[some[0]]) | ((missing == missing[some[0]]) & (value < value[some[0]]))
+        if np.count_nonzero(passes & (better | lacks[some[0]])) >= wanted:
             break
+        if not seen:  # the best of those is named beside the first that passes
+            others = np.flatnonzero(undecided & lacks)
+            few = order(catalog, found.sets.on(others), value[others], missing[others])[:_NAMED]
+            some = np.union1d(some, others[few])
         one = by_physics(problem, found.sets.on(some), False)  # at least those that bounds leave open
         checks = [check for check in one.checks if not check.advice]
         failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})

@@ -195,8 +195,12 @@ def test_every_check_of_random_sets(name, worked, catalog):
     assert set(theirs) == set(mine[0][0])
     wrong = []
     for row, (checks, controller, asked, _) in enumerate(mine):
+        others = set(by_hand.ELECTRICAL) - set(by_hand.OF_CONTROLLER)
+        doomed = any(checks[n].status == "fail" for n in others if n in checks and not n.startswith("encoder"))
         for name_, verdict in checks.items():
             check = theirs[name_]
+            if doomed and name_ in by_hand.OF_CONTROLLER:
+                continue  # whatever its controller
             status = "pass" if check.passed[row] else "fail" if check.failed[row] else "unknown"
             demand, limit = float(check.demand[row]), float(check.limit[row])
             if name_ == "bus_voltage" and 0.0 < asked.stored[1] < 1e-9 * asked.drawn:
@@ -207,8 +211,8 @@ def test_every_check_of_random_sets(name, worked, catalog):
             if not ok:
                 wrong.append((row, name_, status, demand, limit, verdict))
         chosen = int(found.controller[row])
-        assert (chosen < 0) == (controller is None)
-        if controller is not None:
+        assert doomed or (chosen < 0) == (controller is None)
+        if controller is not None and not doomed:
             assert records("controllers")[chosen].part == controller.part
     assert not wrong, (len(wrong), Counter(w[1] for w in wrong), wrong[:3])
 

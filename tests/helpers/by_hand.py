@@ -598,7 +598,7 @@ def size_of(spec: Any) -> Callable[[Any], float]:
 
 
 def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) -> list[tuple[int, Any]]:
-    """Those that do what is asked with the number of figures that each lacks: fewest first, then by the objective.
+    """Those that do what is asked with the number of figures assumed of each: fewest unknown, then by the objective.
 
     By mass the lightest of those whose mass is known, by energy that with the least loss; then by current.
     """
@@ -616,17 +616,19 @@ def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) ->
             continue
         if c.max_speed_sine < wanted.turning or c.max_encoder_frequency < wanted.lines:
             continue
-        figures = [c.supply_min + c.supply_max, c.continuous_current, c.peak_current, given]
+        volts = 0.0 if wanted.volts == 0.0 else deciding_voltage(spec, c, wanted.volts)
+        figures = [c.supply_min + c.supply_max, c.continuous_current, c.peak_current, volts]
         figures += [c.max_speed_sine] if wanted.turning != 0.0 else []
         figures += [c.max_encoder_frequency] if wanted.lines != 0.0 else []
-        figures += [c.peak_time] if c.continuous_current < wanted.peak else []
-        does.append((sum(math.isnan(f) for f in figures), c))
-    unknown = [math.isnan(c.continuous_current) for _, c in does]
-    order = sorted(
-        range(len(does)),
-        key=lambda n: (does[n][0], size(does[n][1]), unknown[n], does[n][1].continuous_current, does[n][1].part),
-    )
-    return [does[n] for n in order]
+        figures += [c.peak_time] if c.continuous_current < wanted.peak / (1 + spec.margins.torque) else []
+        assumed = math.isnan(given) + (math.isnan(c.peak_time) and c.continuous_current < wanted.peak)
+        does.append((sum(math.isnan(f) for f in figures), assumed, c))
+
+    def place(one: tuple[int, int, Any]) -> tuple[Any, ...]:
+        lacks, assumed, c = one
+        return lacks, size(c), assumed, math.isnan(c.continuous_current), c.continuous_current, c.part
+
+    return [(assumed, c) for _, assumed, c in sorted(does, key=place)]
 
 
 def voltage_of(spec: Any, controller: Any) -> float:
@@ -692,6 +694,9 @@ def figure(part: Any | None, name: str) -> float:
 
 
 HANGING = "supply_voltage", "controller_peak_time", "bus_voltage", "controller_power", "supply_current", "supply_power"
+OF_CONTROLLER = (
+    *HANGING, "controller_continuous_current", "controller_peak_current", "controller_speed", "encoder_frequency",
+)  # fmt: skip
 ELECTRICAL = (
     *HANGING, "winding_temperature", "motor_peak_torque", "controller_continuous_current", "controller_peak_current",
     "controller_speed", "encoder_speed", "encoder_frequency", "encoder_resolution",
@@ -707,10 +712,10 @@ def chosen(
     belt: float,
     offered: list[Any],
 ) -> tuple[dict[str, Verdict], Any, Asked]:
-    """Every check of one set with the first controller of which none fails: by figures that it lacks, then by current.
+    """Every check of one set with the best controller: none fails, the fewest are unknown, least cost, the smallest.
 
-    One more is better with which fewer are unknown, where it lacks no figure. Where all fail there is none, for others
-    may exist, but where without one a check fails as well; more voltage than the supply has fails with the largest.
+    Of equals one goes before that has all figures. Where all fail there is none, for others may exist, but where
+    without one a check fails as well; more voltage than the supply has fails with the largest.
     ``of``: demands with a controller, which hang on its loss.
     """
 
@@ -722,12 +727,15 @@ def chosen(
     def fails(some: dict[str, Verdict], names: Sequence[str] = ELECTRICAL) -> bool:
         return any(some[n].status == "fail" for n in names if n in some and n not in idle)
 
-    def lacking(some: dict[str, Verdict]) -> int:
-        return sum(some[n].status == "unknown" for n in ELECTRICAL if n in some and n not in idle)
-
-    def least_margin(some: dict[str, Verdict]) -> float:
-        known = (some[n].margin for n in ELECTRICAL if n in some and n not in idle)
-        return min((x for x in known if not math.isnan(x)), default=math.inf)
+    def rank(assumed: int, controller: Any, some: dict[str, Verdict]) -> tuple[Any, ...]:
+        unknown = sum(some[n].status == "unknown" for n in OF_CONTROLLER if n in some and n not in idle)
+        unknown += math.isnan(controller.supply_min + controller.supply_max)
+        cost = size_of(spec)(controller)
+        if spec.select.objective == "margin":
+            known = (some[n].margin for n in ELECTRICAL if n in some and n not in idle)
+            cost = -round(min((x for x in known if not math.isnan(x)), default=math.inf), 9)
+        current = controller.continuous_current
+        return unknown, cost, assumed, math.isnan(current), current, controller.part
 
     motor, _, encoder = parts
     found = of(None)
@@ -742,24 +750,12 @@ def chosen(
     best = with_one(one)
     if not does or fails(best, [n for n in ELECTRICAL if n not in HANGING]):
         return best, one, of(one)
-    for lacks, other in does[1:]:
-        if not fails(best) and (lacks or all(best[n].status == "pass" for n in HANGING if n in best)):
-            break
-        if not fails(best) and best["supply_voltage"].status == "unknown" and math.isnan(found.V_peak[1]):
-            break  # however much a controller gives
-        new = with_one(other)
-        if fails(new) < fails(best) or (not fails(new) and not fails(best) and lacking(new) < lacking(best)):
-            best, one = new, other
-    if fails(best) and not fails(with_one(None)):
+    more = (1 + spec.margins.speed) * best["supply_voltage"].demand > spec.supply.lowest
+    able = [(rank(assumed, c, some), c, some) for assumed, c in does if not more and not fails(some := with_one(c))]
+    if able:
+        _, one, best = min(able, key=lambda each: each[0])
+    elif fails(best) and not more and not fails(with_one(None)):
         best, one = with_one(None), None
-
-    def cost(controller: Any, some: dict[str, Verdict]) -> float:
-        return -least_margin(some) if spec.select.objective == "margin" else size_of(spec)(controller)
-
-    for _, other in does if not fails(best) and not lacking(best) else []:  # another that passes may be better
-        new = with_one(other)
-        if not fails(new) and not lacking(new) and cost(other, new) < cost(one, best):
-            best, one = new, other
     return best, one, of(one)
 
 

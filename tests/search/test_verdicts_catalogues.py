@@ -102,6 +102,20 @@ select: {{catalogs: [andymark, vex, rev, ctre], motor: {{part: "{motor}"}}}}
 """
 
 
+@pytest.mark.parametrize(
+    ("makers", "said"),
+    [
+        ("andymark, vex, rev, ctre", "none is listed for a brushed motor"),
+        ("andymark", "the catalogues list no controller"),
+    ],
+)
+def test_the_row_says_why_there_is_no_controller(makers, said):
+    """Of these makers REV alone has one, for brushless motors."""
+    (one,) = best(WINCH.format(motor="CIM").replace("andymark, vex, rev, ctre", makers))
+    assert (one.motor.part, one.controller, check(one, "controller_available").note) == ("CIM", None, said)
+    assert check(one, "controller_available").status == "unknown"
+
+
 @pytest.mark.parametrize(("motor", "stall"), [("Kraken X44", 279.099), ("Falcon 500", 257.0)])
 def test_a_motor_with_a_controller_inside_takes_that_one(motor, stall):
     """It supplies the current with which the motor was measured, and works at 0.85 to 1.15 of the nominal 12 V."""

@@ -82,7 +82,7 @@ def _encoder_offers(
     row = np.where(there, order[place], -1) if len(order) else np.full((len(listed), 1), -1)
     fastest, known = _fastest(table, counted)
     end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
-    worth = sum(weight * parts_share(name, table, catalog) for name, weight in weights.items())
+    worth = sum(weight * parts_share(name, table, catalog, alone=len(weights) == 1) for name, weight in weights.items())
     return EncoderOffers(
         row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row],
         np.append(worth, np.inf)[row], np.nan_to_num(np.append(table["inertia"], 0.0))[row], end, least,
@@ -233,7 +233,7 @@ def _in_order(catalog: Catalog, spec: RobotSpec, listed: NDArray[np.bool_]) -> N
     table = catalog.brakes
     worth = np.zeros(len(table))
     for name, weight in spec.select.weights.items():
-        worth += weight * parts_share(name, table, catalog)
+        worth += weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)
     order = np.lexsort((table["part"], table["static_torque"], table["mass"], worth))
     behind = np.argsort(~listed[:, order], axis=1, kind="stable")
     found: NDArray[np.int64] = order[behind]

@@ -1,7 +1,7 @@
 """A controller for every candidate at once, out of small tables.
 
-Of those with the bus, the voltage and the kind of motor that suffice the smallest, by continuous current; one
-of which all of that is known before one of which something is not. Ties go by part number. Where none of them suffices
+Of those with the bus, the voltage and the kind of motor the one of which no check fails, then the fewest are unknown,
+then the best by the objective, then the smallest by continuous current and part number. Where each of them fails
 a motor has none, for others may still exist: unknown. One that is inside an actuator, or that the spec names, is all
 that there is: the nearest is then named, so that its check can say by how much it falls short; so is the largest where
 the motor takes more voltage than the supply has, which fails with any.
@@ -18,30 +18,26 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog, Table
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.extremes import distinct
-from drivesizer.physics.power_stage import STAGE_FIGURES, least_capacitance
+from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
-from drivesizer.results.ratings import controller_current, permitted_power
-from drivesizer.spec.drive import Choice, ControllerChoice
+from drivesizer.results.ratings import controller_current
+from drivesizer.spec.drive import ASSUMABLE, Choice, ControllerChoice
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 __all__ = [
-    "HANGING",
-    "ChosenPart",
-    "Required",
-    "Usable",
-    "controllers",
-    "figure_order",
-    "matching",
-    "no_better_than",
-    "none_suits",
-    "offered_buses",
-    "offers",
-    "parts_share",
-    "room_on_bus",
-    "selected",
+    "HANGING", "LAST", "LOST", "ChosenPart", "Required", "Standing", "Usable", "controllers",
+    "figure_order", "matching", "none_suits", "offered_buses", "offers", "parts_share", "selected",
     "usable_controllers",
-]
+]  # fmt: skip
+
+LAST = 1e9  # in place of a figure that is unknown: behind all that are known
+LOST = np.int8(99)  # in place of the number of unknown checks: one fails, or it may not drive the motor
+# checks of a drive that hang on its controller and on its cycle
+HANGING = (
+    "supply_voltage", "controller_peak_time", "controller_power", "bus_voltage", "common_bus_voltage", "supply_current",
+    "supply_power",
+)  # fmt: skip
 
 
 class ChosenPart(NamedTuple):
@@ -49,7 +45,56 @@ class ChosenPart(NamedTuple):
 
     row: NDArray[np.int64]
     checks: list[CheckColumn]
-    better: NDArray[np.bool_]  # whether one of which more is unknown adds less to the objective
+    standing: Standing
+
+
+class Standing(NamedTuple):
+    """How the usable controllers stand for candidates: shape (controllers, candidates)."""
+
+    lacking: NDArray[np.int8]  # how many of their checks are unknown; ``LOST`` where one fails
+    hanging: NDArray[np.int8]  # of those that hang on the cycle too, as far as that is known
+    share: NDArray[np.float64]  # of the objective, without the margin's: (controllers, 1 or candidates)
+    margin: NDArray[np.float64]  # the smallest of theirs
+    unprinted: NDArray[np.int8]  # figures that checks assume: of equals one goes before that has them
+    weight: float  # of the margin in the objective
+
+    def on(self, rows: NDArray[np.int64]) -> Standing:
+        """Of some of the candidates."""
+        taken: dict[str, Any] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
+        return self._replace(**{name: x[:, rows] for name, x in taken.items() if x.shape[1] > 1})
+
+    def best(
+        self, most: NDArray[np.float64] | float = np.inf, barred: NDArray[np.bool_] | None = None
+    ) -> NDArray[np.float64]:
+        """Of each candidate number of unknown checks, worth, unprinted figures and place of its best controller.
+
+        The less of the first the better, then of the second. ``most``: margin of all other checks.
+        """
+        unknown = np.minimum(self.lacking + self.hanging, LOST)
+        if barred is not None:
+            unknown[barred] = LOST
+        fewest, worth = unknown.min(axis=0), self.worth(most)
+        rank: Any = worth
+        if worth.shape[1] == 1:  # the same order for all
+            rank = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)
+        last = np.int16(len(worth)) if worth.shape[1] == 1 else np.inf
+        own = np.where(unknown == fewest, rank, last)
+        place = np.where(own == own.min(axis=0), self.unprinted, LOST).argmin(axis=0)
+        return np.array([fewest, *(_at(x, place) for x in (worth, self.unprinted)), place], float)
+
+    def worth(self, most: NDArray[np.float64] | float = np.inf) -> NDArray[np.float64]:
+        """Share of the objective, less is better, in digits without rounding."""
+        if not self.weight:
+            return np.round(self.share, 9)
+        left = np.maximum(np.minimum(self.margin, most), -0.999)
+        found: NDArray[np.float64] = np.round(self.share + self.weight / (1.0 + left), 9)
+        return found
+
+
+def _at(figure: NDArray[Any], place: NDArray[np.int64]) -> NDArray[Any]:
+    """A figure of one controller of each candidate."""
+    found: NDArray[Any] = figure[place, 0 if figure.shape[1] == 1 else np.arange(len(place))]
+    return found
 
 
 class Required(NamedTuple):
@@ -155,97 +200,80 @@ def controllers(
     motor: NDArray[Any],
     required: Required,
     usable: Usable | None = None,
-    barred: NDArray[np.bool_] | None = None,
-    known: NDArray[np.bool_] | None = None,
-    present: tuple[NDArray[np.int64], NDArray[np.float64]] | None = None,
 ) -> ChosenPart:
-    """The controller of each candidate.
-
-    ``barred``: which are not to be taken, shape (controllers, candidates); ``known``: candidates whose controller must
-    have all figures; ``present``: controllers with which candidates pass, -1 of the others, and what margin they leave:
-    another one has to be better.
-    """
+    """The controller of each candidate, as far as that is known before the limits that hang on the cycle are."""
     table, usable = catalog.controllers, usable or usable_controllers(spec, catalog)
     order, lowest, rms = usable.order, usable.lowest, required.rms
     lasting = controller_current(table, usable.ambient)
     # one controller a row, one candidate a column: few long rows are quicker than many short ones
     continuous, peak, peak_time = (x[order][:, None] for x in (lasting, table["peak_current"], table["peak_time"]))
-    limits = [
-        (rms, required.lasting, continuous, continuous),
-        (required.peak, required.torque, peak, peak),
-    ]
+    limits = [(rms, required.lasting, continuous), (required.peak, required.torque, peak)]
     for name in ("max_speed_sine", "max_encoder_frequency"):
         if (demand := getattr(required, name)) is not None:
-            limits.append((demand, required.speed, *2 * (table[name][order][:, None],)))
-    if required.voltage is not None:
-        feed = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES})._replace(voltage=lowest)
-        limits.append((required.voltage, required.speed, np.minimum(feed.usable_at_most, lowest), feed.usable))
-    enough = usable.allowed.T.take(motor, axis=1)
-    lacking = np.zeros(enough.shape, np.int8) + usable.unclear[order][:, None]
-    by_margin = "margin" in spec.select.weights
-    margin = np.full(enough.shape if by_margin else (1, 1), np.inf)
-    for demand, needed, limit, printed in limits:
-        enough &= ~(limit < demand * (1.0 + needed))
-        if (unknown := np.isnan(printed)).any():
-            lacking += unknown & (demand != 0.0)
-        if by_margin:
+            limits.append((demand, required.speed, table[name][order][:, None]))
+    lacking = np.where(usable.allowed.T.take(motor, axis=1), np.int8(0), LOST)
+    lacking += (usable.unclear[order][:, None] & (lacking < LOST)).astype(np.int8)
+    hanging, unprinted = np.zeros((1, 1), np.int8), np.zeros((len(order), 1), np.int8)
+    weights = spec.select.weights
+    margin = np.full(lacking.shape if "margin" in weights else (1, 1), np.inf)
+    for demand, needed, limit in limits:
+        lacking[limit < demand * (1.0 + needed)] = LOST
+        if (unknown := np.isnan(limit)).any():
+            lacking += unknown & (demand != 0.0) & (lacking < LOST)
+        if "margin" in weights:
             with np.errstate(divide="ignore", invalid="ignore"):
                 margin = np.fmin(margin, np.where(demand == 0.0, np.inf, limit / demand - 1.0))
-    if required.voltage is not None and (untimed := np.isnan(peak_time)).any():
-        lacking += untimed & (continuous < required.peak * (1.0 + required.torque))
-    if barred is not None:
-        enough &= ~barred
-    if known is not None:
-        enough &= ~known | (lacking == 0)
-    worth = _worth(spec, catalog, order, required, margin)
-    if present is not None:
-        row, left = present
-        place = np.zeros(len(table) + 1, np.int64)
-        place[order] = np.arange(len(order))
-        own = 1.0 / (1.0 + np.maximum(left, -0.999))
-        if spec.select.objective != "margin":
-            own = np.broadcast_to(worth, enough.shape)[place[row], np.arange(len(row))]
-        enough &= (row < 0) | (worth < own - 1e-9 * np.minimum(own, 1.0))  # an unknown price is a huge share
-    otherwise = usable.nearest[motor] if barred is None else np.full(len(motor), -1)
-    if required.voltage is not None and barred is None:
-        otherwise = np.where(required.voltage * (1.0 + required.speed) > lowest, usable.largest[motor], otherwise)
-    row, better = _best(order, enough, lacking, worth, otherwise)
+    otherwise = usable.nearest[motor]
+    if required.voltage is not None:
+        feed = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES})._replace(voltage=lowest)
+        volts = required.voltage * (1.0 + required.speed)
+        lacking[np.minimum(feed.usable_at_most, lowest) < volts] = LOST
+        hanging = (np.isnan(feed.usable_for(volts)) & (volts != 0.0)).astype(np.int8)
+        if not any("controller_peak_time" in ASSUMABLE[name] for name in spec.select.assume):
+            hanging = hanging + (np.isnan(peak_time) & (continuous < required.peak))
+        unprinted = np.isnan(feed.usable).astype(np.int8)
+        unprinted = unprinted + (np.isnan(peak_time) & (continuous < required.peak * (1.0 + required.torque)))
+        otherwise = np.where(volts > lowest, usable.largest[motor], otherwise)
+    shares, weight = _shares(spec, catalog, order, rms), weights.get("margin", 0.0)
+    standing = Standing(lacking, hanging, shares, margin, unprinted, weight)
+    row = otherwise
+    if len(order):
+        unknown, _, _, place = standing.best()
+        row = np.where(unknown < LOST, order[place.astype(np.int64)], otherwise)
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return ChosenPart(row, [
         usable.available(motor, row),
         at_most("controller_continuous_current", rms, continuous),
         at_most("controller_peak_current", required.peak, peak),
-    ], better)  # fmt: skip
+    ], standing)  # fmt: skip
 
 
-LAST = 1e9  # in place of a figure that is unknown: behind all that are known
-
-
-def _worth(
-    spec: RobotSpec, catalog: Catalog, order: NDArray[np.int64], required: Required, margin: NDArray[np.float64]
+def _shares(
+    spec: RobotSpec, catalog: Catalog, order: NDArray[np.int64], rms: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Share of each controller in the objective of each candidate, less is better: shape (controllers, 1 or more).
 
-    What no objective counts is 0 of all. A margin is the largest that a controller leaves.
+    What no objective counts is 0 of all; the margin's share hangs on the candidate's other checks.
     """
     table, found = catalog.controllers, np.zeros((len(order), 1))
     for name, weight in spec.select.weights.items():
         if name == "energy":
             stage = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES}).stage
-            current = np.maximum(required.rms, 1e-9)
+            current = np.maximum(rms, 1e-9)
             lost = stage.loss + stage.resistance * current + stage.standby / current
             found = found + weight * np.nan_to_num(lost, nan=LAST) / spec.supply.nominal
-        elif name == "margin":
-            found = found + weight / (1.0 + np.maximum(margin, -0.999))
-        else:
-            found = found + weight * parts_share(name, table, catalog)[order][:, None]
+        elif name != "margin":
+            found = (
+                found + weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)[order][:, None]
+            )
     return found
 
 
-def parts_share(name: str, table: Table[Any], catalog: Catalog) -> NDArray[np.float64]:
-    """Figure of parts that an objective sums, in that of a typical motor; unknown ones behind all others, by mass.
+def parts_share(name: str, table: Table[Any], catalog: Catalog, *, alone: bool) -> NDArray[np.float64]:
+    """Figure of parts that an objective sums, in that of a typical motor; unknown ones behind all others.
 
-    Of what turns with the motor the inertia, where the objective is a figure of the motor's current.
+    Unknown ones go by mass where nothing else counts: beside other figures a mass would be one more of them. Of what
+    turns with the motor the inertia, where the objective is a figure of the motor's current.
     """
     if name == "energy" and table.section == "brakes":
         return np.asarray(np.nan_to_num(released_power(table), nan=LAST), float)
@@ -254,76 +282,9 @@ def parts_share(name: str, table: Table[Any], catalog: Catalog) -> NDArray[np.fl
         return np.zeros(len(table))
     figure, of_motors = table[column], catalog.motors["rotor_inertia" if column == "inertia" else name]
     typical = np.median(known) if len(known := of_motors[~np.isnan(of_motors)]) else 1.0
-    found: NDArray[np.float64] = np.where(np.isnan(figure), LAST + np.nan_to_num(table["mass"]), figure / typical)
+    unknown = LAST + np.nan_to_num(table["mass"]) if alone else LAST
+    found: NDArray[np.float64] = np.where(np.isnan(figure), unknown, figure / typical)
     return found
-
-
-def _best(
-    order: NDArray[np.int64],
-    enough: NDArray[np.bool_],
-    lacking: NDArray[np.int8],
-    worth: NDArray[np.float64],
-    otherwise: NDArray[np.int64],
-) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Of those that are enough one of which the fewest figures are lacking: of them the best, then the first.
-
-    And whether one of the others is better.
-    """
-    if not len(order):
-        return otherwise, np.zeros(len(otherwise), bool)
-    fewest = np.where(enough, lacking, np.int8(99)).min(axis=0)
-    if worth.shape[1] == 1:  # the same order for all
-        worth = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)
-        last: Any = np.int16(len(order))
-    else:
-        last = np.inf
-    own = np.where(enough & (lacking == fewest), worth, last)
-    place = own.argmin(axis=0)
-    better = np.where(enough, worth, last).min(axis=0) < own[place, np.arange(len(place))]
-    return np.where(fewest < 99, order[place], otherwise), better
-
-
-HANGING = (  # checks of a drive that hang on its controller and on its cycle, beside what ``controllers`` looks at
-    "supply_voltage", "controller_peak_time", "controller_power", "bus_voltage", "common_bus_voltage", "supply_current",
-    "supply_power",
-)  # fmt: skip
-
-
-_RATED = (
-    "continuous_current", "peak_time", "max_power", "max_power_voltage", "reduced_power", "reduced_power_voltage",
-)  # fmt: skip
-
-
-def no_better_than(spec: RobotSpec, table: Table[Any], usable: Usable) -> dict[str, NDArray[np.bool_]]:
-    """For each of ``HANGING`` which of the usable controllers meets it no better than which other one."""
-    of = {name: table[name][usable.order] for name in (*STAGE_FIGURES, *_RATED)}
-    stage = spec.feed(of).stage
-    kept: tuple[NDArray[Any], ...] = (of["supply_max"], stage.least_loss)
-    if spec.supply.capacitance is None and spec.chopper_voltage is None:  # then each has at least its own
-        kept = (*kept, of["continuous_current"])
-    drawn = -stage.loss, -np.broadcast_to(stage.standby, stage.loss.shape)
-    more = {
-        "supply_voltage": (spec.feed(of)._replace(voltage=usable.lowest).usable, -stage.loss, -stage.max_duty),
-        "controller_peak_time": (of["continuous_current"], of["peak_time"]),
-        "controller_power": (permitted_power(of, spec.supply.highest), *drawn),
-        "bus_voltage": kept,
-        "common_bus_voltage": (of["supply_max"],),
-        "supply_current": drawn,
-        "supply_power": drawn,
-    }
-    return {
-        name: np.logical_and.reduce([column[:, None] <= column for column in columns]) for name, columns in more.items()
-    }
-
-
-def room_on_bus(spec: RobotSpec, table: Table[Any], usable: Usable) -> NDArray[np.float64]:
-    """Energy that each usable controller stores at least; no end of it where the spec says how the bus is held."""
-    if spec.supply.capacitance is not None or spec.chopper_voltage is not None:
-        return np.full(len(usable.order), np.inf)
-    current, most = (table[name][usable.order] for name in ("continuous_current", "supply_max"))
-    highest = spec.supply.highest
-    room: NDArray[np.float64] = 0.5 * least_capacitance(current, highest) * (most**2 - highest**2)
-    return room
 
 
 def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest: float) -> NDArray[np.bool_]:
@@ -350,7 +311,7 @@ def none_suits(
     inside = box != "" and bool((table["inside"] == box).any())
     rows = (table["inside"] == (box if inside else "")) & selected(table, spec.select.controller)
     if not rows.any():
-        return f"{own} is inside the motor; no figures of it are listed" if own else ""
+        return f"{own} is inside the motor; no figures of it are listed" if own else "the catalogues list no controller"
     bus = spec.select.controller.bus or ""
     volts = show(high, "V", "voltage") if low == high else f"{low:.4g} to {show(high, 'V', 'voltage')}"
     able = {

@@ -165,30 +165,64 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
     warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
     hot = np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
-    k_t, current, cold = motor["torque_constant"], stresses.current.value, stresses.cold_voltage.value
-    at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, cold)
+    low = lowest(spec, cycle, demand, heating, stresses, parts)
+    k_t, current = motor["torque_constant"], stresses.current.value
+    at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, low.voltage)
     volts = at_hot
     if spec.resists:
         volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + feed.leads), demand.left_out).value)
     limit, total = controller_current(parts.controller, ambient), cycle.load_cycle.total
     with np.errstate(divide="ignore", invalid="ignore"):  # what is exceeded so long has that mean square
         longest = total * np.minimum(np.square(demand.rms_current / limit) * (1.0 + _ROUNDING), 1.0)
-    below = np.where(np.isnan(current) | np.isnan(limit), np.nan, 0.0)
-    nothing = np.full_like(k_t, np.nan)
-    none = Moments(*[nothing] * len(Moments._fields))
-    low = none._replace(
-        winding=heating.winding, voltage=cold, above=np.where(current > limit, _SOME, below), stored=np.zeros_like(k_t)
-    )
-    high = none._replace(
-        winding=warmest, voltage=volts, above=np.where(current > limit, longest, below),
+    beyond = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * current  # where two constants differ
+    power = current * at_hot + np.where(np.isnan(beyond), np.inf, beyond)
+    high = low._replace(
+        winding=warmest, voltage=volts, above=np.where(low.above > 0.0, longest, low.above),
+        power=of_the_source(power + feed.lost(current) + feed.stage.standby, feed),
         stored=_most_kept(spec, cycle, demand, motor),
     )  # fmt: skip
-    if spec.supply.current or spec.supply.power:
-        beyond = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * current  # where two constants differ
-        power = current * at_hot + np.where(np.isnan(beyond), np.inf, beyond)
-        power = of_the_source(power + feed.lost(current) + feed.stage.standby, feed)
-        low, high = low._replace(power=np.zeros_like(k_t)), high._replace(power=power)
     return low, high
+
+
+def lowest(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
+) -> Moments:
+    """Lower bounds over the waveform, of candidates with their controllers, or with each of a column of controllers."""
+    current, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
+    unknown = np.full_like(current, np.nan)
+    return Moments(*[unknown] * len(Moments._fields))._replace(
+        winding=heating.winding,
+        voltage=stresses.cold_voltage.value,
+        above=np.where(current > limit, _SOME, np.where(np.isnan(current) | np.isnan(limit), np.nan, 0.0)),
+        power=np.zeros_like(current),
+        stored=_least_kept(spec, cycle, demand, heating, stresses, parts),
+    )
+
+
+def _least_kept(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
+) -> Array:
+    r"""Less than the energy that stays on the bus [J]: what a stretch of hard braking leaves of it.
+
+    .. math:: E \ge -(1 - s) W_- - \int k_t w I + R I^2 + R_b I^2 + V_l |I| + |k_t - k_e| |w I| \, dt
+
+    with a winding as warm as it may be, the share s that is kept, and work W_- of all that brakes.
+    """
+    share, found = _kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
+    if not share > 0.0 or not cycle.base.hardest_braking:
+        return found
+    motor, ambient, stage = parts.motor, spec.environment.ambient, spec.feed(parts.controller).stage
+    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
+    hot = np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
+    c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
+    apart = np.abs(demand.surplus(motor["torque_constant"])) * cycle.belt
+    for together, against, total in cycle.base.hardest_braking:
+        square = np.maximum(((c @ together) * c).sum(axis=1), 0.0) / motor["torque_constant"] ** 2  # A^2*s
+        lost = (hot + stage.resistance) * square + stage.least_loss * np.sqrt(total * square)
+        lost = lost + apart * np.sqrt(together[SPEED, SPEED] * square)
+        kept = -ratio * (c @ together[:, SPEED]) - lost - (1.0 - share) * ratio * (c @ against)
+        found = np.fmax(kept * (1.0 - _ROUNDING), found)
+    return found
 
 
 def _permitted(temperature: Array, motor: Any) -> Array:

@@ -1,8 +1,8 @@
-"""Candidates with the smallest controller that does in all load cases, against what is electrical and temperature.
+"""Candidates with the best controller that does in all load cases, against what is electrical and temperature.
 
 What a controller must give depends on how warm the winding is, and on the controller: for how long the current is
-above its own, what it loses, what its capacitance takes. So one is chosen by moments and extremes for a cold winding
-first, and where it turns out not to suffice others, by rising current.
+above its own, what it loses, what its capacitance takes. So all controllers of a candidate are ordered by what moments
+and extremes say of them at least, and computed in that order until none that is left could be better.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.physics.winding import Heat, Parts, Stress, on, put, replaced, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
@@ -23,11 +22,11 @@ from drivesizer.search.columns.brakes import line_frequency
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import (
     HANGING,
+    LOST,
     ChosenPart,
     Required,
+    Standing,
     controllers,
-    no_better_than,
-    room_on_bus,
 )
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
 from drivesizer.search.columns.limits_over_time import (
@@ -39,15 +38,17 @@ from drivesizer.search.columns.limits_over_time import (
     exact,
     least,
     left_open,
+    lowest,
     waveform_limits,
 )
 from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
 from drivesizer.spec.mounting import controller_needed
+from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["UNDECIDED", "Moving", "Powered", "powered"]
 
 Array = NDArray[np.float64]
-UNDECIDED = "undecided"  # figure of a candidate: 1 where bounds leave open whether the waveform meets its limits
+UNDECIDED = "undecided"  # figure of a candidate: above 0 where bounds leave open whether the waveform meets its limits
 
 
 class Moving(NamedTuple):
@@ -86,20 +87,22 @@ def powered(
         stress(ambient, cycle, c.demand, parts.motor) for ambient, cycle, c in zip(ambients, cycles, cases, strict=True)
     ]
     case = _Cases(problem, offered, cycles, cases, stresses, parts, exactly, each)
-    first = case.controllers([u.cold_voltage.value for u in case.stresses])
-    chosen = first.row
-    free = np.ones(len(chosen), bool) if parts.controller is None else parts.controller.rows == FREE
-    row = chosen if parts.controller is None else np.where(free, chosen, parts.controller.rows)
+    first = case.controllers()
+    free = np.ones(len(first.row), bool) if parts.controller is None else parts.controller.rows == FREE
+    row = first.row if parts.controller is None else np.where(free, first.row, parts.controller.rows)
+    if len(offered.controllers.order):
+        row = case.with_least(row, first.standing, free)
     found = case.judged(row)
-    row, found = _walked(case, row, found, np.flatnonzero(free & ~case.undecided(row, found)), first.better)
+    if len(offered.controllers.order):
+        row, found = _best_of_all(case, first.standing, row, found, free & ~(case.undecided(row, found) > 0.0))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     available = offered.controllers.available(parts.motor.rows, row)
-    figures = _where_known(figures, cases) | {UNDECIDED: case.undecided(row, found).astype(float)}
+    figures = _where_known(figures, cases) | {UNDECIDED: case.undecided(row, found)}
     return Powered(row, [available, *found.checks], figures)
 
 
 _OF_CONTROLLER = (
-    "controller_continuous_current", "controller_peak_current", "controller_speed", "encoder_frequency",
+    "controller_continuous_current", "controller_peak_current", "controller_speed", "encoder_frequency", *HANGING,
 )  # fmt: skip
 
 
@@ -109,34 +112,9 @@ class _Found(NamedTuple):
     checks: list[CheckColumn]
     pairs: list[Pair]  # of each load case
 
-    def failed(self, others: bool = False) -> NDArray[np.bool_]:
-        """Whether a check fails; ``others``: one that no other controller changes."""
-        some = [check.failed for check in self.checks if not check.advice and not (others and check.name in HANGING)]
-        found: NDArray[np.bool_] = np.logical_or.reduce(some)
-        return found
-
     def on(self, rows: NDArray[Any]) -> _Found:
         """Of some of the candidates."""
-        rows = np.flatnonzero(rows) if rows.dtype == bool else rows
         return _Found([check.on(rows) for check in self.checks], [(on(a, rows), on(b, rows)) for a, b in self.pairs])
-
-    def margin(self, of_controller: bool) -> Array:
-        """The smallest margin of the checks that hang on the controller, or of the others."""
-        some = [c for c in self.checks if (c.name in _OF_CONTROLLER or c.name in HANGING) == of_controller]
-        found: Array = np.minimum.reduce([check.tightness for check in some])
-        return found
-
-    @property
-    def passes(self) -> NDArray[np.bool_]:
-        """Whether every check passes."""
-        found: NDArray[np.bool_] = np.logical_and.reduce([check.passed for check in self.checks if not check.advice])
-        return found
-
-    @property
-    def lacking(self) -> NDArray[np.int64]:
-        """Number of checks that are unknown."""
-        found: NDArray[np.int64] = np.sum([~(c.passed | c.failed) for c in self.checks if not c.advice], axis=0)
-        return found
 
     def replaced(self, rows: NDArray[np.int64], new: _Found, of: NDArray[np.int64]) -> _Found:
         """With some of the candidates found anew; ``of`` says which of the new ones these are."""
@@ -149,6 +127,18 @@ class _Found(NamedTuple):
             [check.with_rows(rows, other.on(of)) for check, other in zip(self.checks, new.checks, strict=True)],
             [both(*pair) for pair in zip(self.pairs, new.pairs, strict=True)],
         )
+
+    def failed(self, names: Collection[str] | None = None) -> NDArray[np.bool_]:
+        """Whether a check fails; of those that no controller changes, or of all."""
+        some = [c.failed for c in self.checks if not c.advice and (names is None or c.name not in names)]
+        found: NDArray[np.bool_] = np.logical_or.reduce(some)
+        return found
+
+    def margin(self, of_controller: bool) -> Array:
+        """The smallest margin of the checks that hang on the controller, or of the others."""
+        some = [c.tightness for c in self.checks if (c.name in _OF_CONTROLLER) == of_controller]
+        found: Array = np.minimum.reduce(some)
+        return found
 
 
 class _Cases(NamedTuple):
@@ -163,6 +153,16 @@ class _Cases(NamedTuple):
     exactly: Exactly
     each: Collection[str]
 
+    @property
+    def by_bounds(self) -> bool:
+        """Whether nothing is computed from the waveform."""
+        return isinstance(self.exactly, str) and self.exactly == "bounds"
+
+    @property
+    def complete(self) -> NDArray[np.bool_]:
+        """Whether all that is demanded of each candidate is known."""
+        return np.asarray(np.logical_and.reduce([c.demand.complete for c in self.moving]), bool)
+
     def some(self, rows: NDArray[np.int64]) -> _Cases:
         """Some of the candidates."""
         moving, stresses = [on(case, rows) for case in self.moving], [on(u, rows) for u in self.stresses]
@@ -172,64 +172,85 @@ class _Cases(NamedTuple):
             cycles=cycles, moving=moving, stresses=stresses, parts=self.parts.on(rows), exactly=exactly
         )
 
-    def controllers(
-        self,
-        voltage: Sequence[Array],
-        barred: NDArray[np.bool_] | None = None,
-        known: NDArray[np.bool_] | None = None,
-        present: tuple[NDArray[np.int64], Array] | None = None,
-    ) -> ChosenPart:
+    def controllers(self) -> ChosenPart:
         """The best that suffices in the worst of all cases, as far as that is known before its own limits are."""
         spec, motor, moving = self.problem.spec, self.parts.motor, self.moving
         lines = np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in moving])
         required = Required(
             np.maximum.reduce([c.demand.rms_current for c in moving]),
             np.maximum.reduce([u.current.value for u in self.stresses]),
-            np.maximum.reduce(list(voltage)),
+            np.maximum.reduce([u.cold_voltage.value for u in self.stresses]),
             np.maximum.reduce([electrical_speed(c.demand, motor) for c in moving]),
             lines if spec.wants_encoder else None,
             max(controller_needed(case.spec, spec.margins.torque) for case in self.problem.cases),
             spec.margins.torque,
             spec.margins.speed,
         )
-        usable = self.offered.controllers
-        return controllers(spec, self.problem.catalog, motor.rows, required, usable, barred, known, present)
+        return controllers(spec, self.problem.catalog, motor.rows, required, self.offered.controllers)
 
-    def others(
-        self,
-        found: _Found,
-        barred: NDArray[np.bool_],
-        known: NDArray[np.bool_],
-        present: tuple[NDArray[np.int64], Array],
-    ) -> NDArray[np.int64]:
-        """Of those that are not barred the best that may suffice, -1 where none may.
+    def with_least(self, row: NDArray[np.int64], standing: Standing, free: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Controllers that are the best by lower bounds over the waveform; what has one that meets these keeps it."""
+        parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
+        unmet = np.zeros(len(row), bool)
+        if standing.weight:
+            unmet[:] = True
+        else:
+            for number in range(len(self.cycles)):
+                unmet |= ~np.logical_and.reduce([c.passed for c in self._hanging(number, parts)])
+        rows = np.flatnonzero(unmet & free & (row >= 0) & self.complete)
+        if not len(rows):
+            return row
+        few = self.some(rows)
+        standing = few.standing(standing.on(rows))
+        unknown, _, _, place = standing.best()
+        taken = np.flatnonzero(unknown < LOST)  # where each fails the first one says on what
+        return put(row, rows[taken], self.offered.controllers.order[place[taken].astype(np.int64)])
 
-        Of candidates that fail nothing one of which all is ``known``, at the highest voltage where that is open. Leads
-        take of the voltage that was found: then it is that of a cold winding.
-        """
-        opened = known & ~next(c.passed | c.failed for c in found.checks if c.name == "supply_voltage")
-        volts = [np.where(opened, np.nan_to_num(high.voltage, nan=np.inf), low.voltage) for low, high in found.pairs]
-        if self.problem.spec.resists:
-            volts = [u.cold_voltage.value for u in self.stresses]
-        return self.controllers(volts, barred, known, present).row
+    def _hanging(self, number: int, parts: Parts, low: Moments | None = None) -> list[CheckColumn]:
+        """Limits of one load case that hang on controller and cycle, by lower bounds."""
+        spec = self.problem.cases[number].spec
+        if low is None:
+            low = lowest(spec, self.cycles[number], *self.moving[number], self.stresses[number], parts)
+        return [check for check in waveform_limits(spec, low, low, parts) if check.name in HANGING]
+
+    def standing(
+        self, standing: Standing, row: NDArray[np.int64] | None = None, found: _Found | None = None
+    ) -> Standing:
+        """How all controllers stand by lower bounds over the waveform, and by what was computed with one of them."""
+        usable, table = self.offered.controllers, self.problem.catalog.controllers
+        parts = self.parts._replace(controller=Rows(table, usable.order[:, None]))
+        passed: dict[str, NDArray[np.bool_]] = {}
+        lacking, margin = standing.lacking.copy(), standing.margin
+        for number, case in enumerate(self.problem.cases):
+            low = lowest(case.spec, self.cycles[number], *self.moving[number], self.stresses[number], parts)
+            if found is not None and row is not None:
+                low = self._at_least(case.spec, low, found.pairs[number][0], parts, row)
+            for check in self._hanging(number, parts, low):
+                lacking[np.broadcast_to(check.failed, lacking.shape)] = LOST
+                passed[check.name] = passed.get(check.name, np.True_) & check.passed
+                if standing.weight:
+                    margin = np.minimum(margin, check.tightness)
+        hanging = np.zeros(lacking.shape, np.int8)
+        for one in passed.values():
+            hanging += ~one
+        return standing._replace(lacking=lacking, hanging=hanging, margin=margin)
+
+    def _at_least(
+        self, spec: RobotSpec, low: Moments, computed: Moments, parts: Parts, row: NDArray[np.int64]
+    ) -> Moments:
+        """Lower bounds by what was computed with one controller: with a smaller loss no less is returned."""
+        if not spec.resists:
+            low = low._replace(voltage=np.fmax(low.voltage, computed.voltage))
+        tried = spec.feed(Rows(self.problem.catalog.controllers, row)).stage.least_loss
+        loses_less = spec.feed(parts.controller).stage.least_loss <= tried
+        stored = np.where(loses_less, np.fmax(low.stored, computed.stored), low.stored)
+        return low._replace(stored=stored)
 
     def beyond_supply(self, found: _Found) -> NDArray[np.bool_]:
         """Candidates whose motor takes more voltage than the supply has, with any controller."""
         more, cases = 1.0 + self.problem.spec.margins.speed, zip(self.problem.cases, found.pairs, strict=True)
         beyond = [more * low.voltage > case.spec.supply.lowest for case, (low, _) in cases]
         return np.asarray(np.logical_or.reduce(beyond), bool)
-
-    def full_bus(self, found: _Found, tried: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Usable controllers without room for the energy returned with those tried: (controllers, candidates).
-
-        Of those that lose no more, with which no less is returned.
-        """
-        usable, table = self.offered.controllers, self.problem.catalog.controllers
-        loss = self.problem.spec.feed({name: table[name][usable.order] for name in STAGE_FIGURES}).stage.least_loss
-        full = np.zeros((len(loss), len(tried)), bool)
-        for case, (low, _) in zip(self.problem.cases, found.pairs, strict=True):
-            full |= room_on_bus(case.spec, table, usable)[:, None] * (1.0 + 1e-9) < low.stored
-        return np.asarray(full & (loss[:, None] <= loss[tried]), bool)
 
     def judged(self, row: NDArray[np.int64]) -> _Found:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
@@ -251,14 +272,20 @@ class _Cases(NamedTuple):
         last = worst_of_all(self.problem, lambda k: unknown_where_doubtful(limits[k], complete[k]))
         return _Found([*first, *last], pairs)
 
-    def undecided(self, row: NDArray[np.int64], found: _Found) -> NDArray[np.bool_]:
-        """Candidates that fail nothing by bounds alone, which is all that is wanted, and that the waveform may fail."""
-        if not isinstance(self.exactly, str) or self.exactly != "bounds":
-            return np.zeros(len(row), bool)
+    def undecided(self, row: NDArray[np.int64], found: _Found) -> Array:
+        """1 of candidates that fail nothing by bounds, which are all that is wanted, and that the waveform may fail.
+
+        2 of those of which a check is unknown whatever the waveform says.
+        """
+        if not self.by_bounds:
+            return np.zeros(len(row))
         parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
-        cases = zip(self.problem.cases, found.pairs, self.moving, strict=True)
-        left = [left_open(case.spec, pair, parts) & moving.demand.complete for case, pair, moving in cases]
-        return np.asarray(np.logical_or.reduce(left) & ~found.failed(), bool)
+        left, lacks = np.zeros(len(row), bool), np.zeros(len(row), bool)
+        for case, (low, high), moving in zip(self.problem.cases, found.pairs, self.moving, strict=True):
+            left |= left_open(case.spec, (low, high), parts) & moving.demand.complete
+            for check in waveform_limits(case.spec, low, low, parts):
+                lacks |= ~(check.passed | check.failed)
+        return np.where(left & ~found.failed(), 1.0 + lacks, 0.0)
 
     def _stress(self, k: int, row: NDArray[np.int64]) -> Stress:
         """The stress of one load case, with what resistances before the winding take of the voltage."""
@@ -292,73 +319,72 @@ class _Cases(NamedTuple):
         return Moments(*columns[0]), Moments(*columns[1])
 
 
-def _walked(
-    case: _Cases, row: NDArray[np.int64], found: _Found, rows: NDArray[np.int64], better: NDArray[np.bool_]
+def _best_of_all(
+    case: _Cases, standing: Standing, row: NDArray[np.int64], found: _Found, free: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], _Found]:
-    """Candidates whose controller does not suffice, or is not the best, with others, each with its own limits.
+    """Candidates with the best of all controllers, as computed from the waveform.
 
-    Until the best does. None is tried that no figure makes better than one that was, nor one of which something is not
-    known in place of one that only leaves a check unknown. Where all that are listed fail others may exist: none.
+    They are tried in the order of what bounds say of them at least, until none that is left could be better. Where all
+    that are listed fail others may exist: none.
     """
-    usable, table = case.offered.controllers, case.problem.catalog.controllers
-    by_margin = case.problem.spec.select.objective == "margin"
-    if not len(rows := rows[_wanting(case, row, found, better)[rows]]):
+    usable = case.offered.controllers
+    unmet = ~np.logical_and.reduce([c.passed for c in found.checks if c.name in HANGING])
+    if standing.weight:
+        unmet |= found.margin(True) < found.margin(False)
+    wanting = unmet & free & (row >= 0) & ~found.failed(HANGING) & ~case.beyond_supply(found)
+    rows = np.flatnonzero(wanting & (case.complete | found.failed()))
+    if not len(rows):
         return row, found
-    no_better, place = no_better_than(case.problem.spec, table, usable), np.zeros(len(table), np.int64)
-    place[usable.order] = np.arange(len(usable.order))
-    barred, one, new = np.zeros((len(usable.order), len(rows)), bool), row[rows], found.on(rows)
-    while len(rows):
-        full = case.full_bus(new, place[one])
-        barred |= (usable.order[:, None] == one) | _pointless(new, no_better, place[one], full)
-        now = found.on(rows)
-        fails, passes = now.failed(), now.passes
-        present = np.where(passes, row[rows], -1), now.margin(True) if by_margin else np.zeros(len(rows))
-        one = case.some(rows).others(new, barred, ~fails & ~passes, present)
-        going = (one >= 0) | fails & usable.partial[case.parts.motor.rows[rows]]
-        rows, barred, one, now, new = rows[going], barred[:, going], one[going], now.on(going), new.on(going)
-        if not len(rows):
-            break
-        new = case.some(rows).judged(one)
-        fewer = (new.failed() < now.failed()) | ~(new.failed() | now.failed()) & (new.lacking < now.lacking)
-        both = new.passes & now.passes
-        fewer |= both & (new.margin(True) > now.margin(True) * (1.0 + 1e-9)) if by_margin else both
-        taken = np.flatnonzero(fewer)
+    case, standing, new, one = case.some(rows), standing.on(rows), found.on(rows), row[rows]
+    tried, best = np.zeros((len(usable.order), len(rows)), bool), np.full((4, len(rows)), np.inf)
+    while True:
+        others = new.margin(False) if standing.weight else np.inf
+        reached = _reached(case, standing, one, new, others)
+        taken = np.flatnonzero(_before(reached, best))
+        best[:, taken] = reached[:, taken]
         row, found = put(row, rows[taken], one[taken]), found.replaced(rows[taken], new, taken)
-        better = put(better, rows[taken], np.full(len(taken), True))  # what was no better than the first may be now
-        going = (one >= 0) & ~new.failed(others=True)
-        going &= _wanting(case.some(rows), row[rows], found.on(rows), better[rows])
-        rows, barred, one, new = rows[going], barred[:, going], one[going], new.on(going)
-    return row, found
+        tried |= usable.order[:, None] == one
+        standing = case.standing(standing, one, new)
+        then, fails = standing.best(others, tried), np.isinf(best[0])
+        lost = then[0] == LOST
+        none = lost & fails & usable.partial[case.parts.motor.rows]
+        going = none | (~lost & _before(then, best) & (case.complete | fails))
+        left = np.flatnonzero(going & (one >= 0) & ~new.failed(HANGING))
+        if not len(left):
+            return row, found
+        one = np.where(none, -1, usable.order[then[3].astype(np.int64)])[left]
+        case, rows, standing, tried, best = (
+            case.some(left),
+            rows[left],
+            standing.on(left),
+            tried[:, left],
+            best[:, left],
+        )
+        new = case.judged(one)
 
 
-def _pointless(
-    found: _Found, no_better: dict[str, NDArray[np.bool_]], tried: NDArray[np.int64], full: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
-    """Controllers that cannot do better than those tried: (controllers, candidates).
-
-    No better for one check that fails; where none does, for all that are unknown, of which the bus is where it is full.
-    """
-    failed, checks = found.failed(), [check for check in found.checks if check.name in no_better]
-    fails: Any = np.logical_or.reduce([no_better[check.name][:, tried] & check.failed for check in checks])
-    lacks = np.logical_and.reduce([
-        no_better[check.name][:, tried] | check.passed | (full & (check.name == "bus_voltage")) for check in checks
-    ])  # fmt: skip
-    barred: NDArray[np.bool_] = np.where(failed, fails, lacks & np.logical_or.reduce([~c.passed for c in checks]))
-    return barred
+def _before(one: Array, other: Array) -> NDArray[np.bool_]:
+    """Whether some columns go before others, by the first row in which they differ."""
+    found = np.zeros(one.shape[1], bool)
+    for a, b in zip(one[::-1], other[::-1], strict=True):
+        found = (a < b) | ((a == b) & found)
+    return found
 
 
-def _wanting(case: _Cases, row: NDArray[np.int64], found: _Found, better: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Candidates with whose controller a check fails or is unknown that another one may meet, or one is better."""
-    unmet: NDArray[np.bool_] = np.logical_or.reduce([~check.passed for check in found.checks if check.name in HANGING])
-    if case.problem.spec.select.objective == "margin":
-        better = better | (found.margin(True) < found.margin(False))
-    unmet |= better & found.passes
-    unmet &= (row >= 0) & ~found.failed(others=True) & ~case.beyond_supply(found)
-    if not unmet.any():
-        return unmet
-    known = np.logical_and.reduce([c.demand.complete for c in case.moving])
-    wanting: NDArray[np.bool_] = unmet & (known | found.failed())
-    return wanting
+def _reached(case: _Cases, standing: Standing, row: NDArray[np.int64], found: _Found, others: Array | float) -> Array:
+    """What ``Standing.best`` gives of candidates with a controller each, as computed; infinite where a check fails."""
+    usable, every = case.offered.controllers, np.arange(len(row))
+    some = [c for c in found.checks if c.name in _OF_CONTROLLER and not c.advice]
+    unknown = np.sum([~(c.passed | c.failed) for c in some], axis=0) + (usable.unclear[row] | (row < 0))
+    unknown = np.where(case.undecided(row, found) > 0.0, 0, unknown)  # by bounds it may pass
+    place = np.zeros(len(case.problem.catalog.controllers) + 1, np.int64)
+    place[usable.order] = np.arange(len(usable.order))
+    place = place[row]
+    share = standing.share[place, 0 if standing.share.shape[1] == 1 else every]
+    if standing.weight:
+        share = share + standing.weight / (1.0 + np.maximum(np.minimum(found.margin(True), others), -0.999))
+    unprinted = standing.unprinted[place, 0 if standing.unprinted.shape[1] == 1 else every]
+    return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
 def _where_known(figures: dict[str, Array], cases: Sequence[Moving]) -> dict[str, Array]:
