@@ -26,8 +26,21 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 __all__ = [
-    "HANGING", "LAST", "LOST", "ChosenPart", "Required", "Standing", "Usable", "controllers",
-    "figure_order", "matching", "none_suits", "offered_buses", "offers", "parts_share", "selected",
+    "HANGING",
+    "LAST",
+    "LOST",
+    "ChosenPart",
+    "Ranks",
+    "Required",
+    "Usable",
+    "controllers",
+    "figure_order",
+    "matching",
+    "none_suits",
+    "offered_buses",
+    "offers",
+    "parts_share",
+    "selected",
     "usable_controllers",
 ]  # fmt: skip
 
@@ -45,10 +58,10 @@ class ChosenPart(NamedTuple):
 
     row: NDArray[np.int64]
     checks: list[CheckColumn]
-    standing: Standing
+    ranks: Ranks
 
 
-class Standing(NamedTuple):
+class Ranks(NamedTuple):
     """How the usable controllers stand for candidates: shape (controllers, candidates)."""
 
     lacking: NDArray[np.int8]  # how many of their checks are unknown; ``LOST`` where one fails
@@ -58,7 +71,7 @@ class Standing(NamedTuple):
     unprinted: NDArray[np.int8]  # figures that checks assume: of equals one goes before that has them
     weight: float  # of the margin in the objective
 
-    def on(self, rows: NDArray[np.int64]) -> Standing:
+    def on(self, rows: NDArray[np.int64]) -> Ranks:
         """Of some of the candidates."""
         taken: dict[str, Any] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
         return self._replace(**{name: x[:, rows] for name, x in taken.items() if x.shape[1] > 1})
@@ -228,24 +241,25 @@ def controllers(
         feed = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES})._replace(voltage=lowest)
         volts = required.voltage * (1.0 + required.speed)
         lacking[np.minimum(feed.usable_at_most, lowest) < volts] = LOST
-        hanging = (np.isnan(feed.usable_for(volts)) & (volts != 0.0)).astype(np.int8)
+        given = feed.usable_range
+        hanging = (~((volts <= given.low) | (volts > given.high)) & (volts != 0.0)).astype(np.int8)
         if not any("controller_peak_time" in ASSUMABLE[name] for name in spec.select.assume):
             hanging = hanging + (np.isnan(peak_time) & (continuous < required.peak))
         unprinted = np.isnan(feed.usable).astype(np.int8)
         unprinted = unprinted + (np.isnan(peak_time) & (continuous < required.peak * (1.0 + required.torque)))
         otherwise = np.where(volts > lowest, usable.largest[motor], otherwise)
     shares, weight = _shares(spec, catalog, order, rms), weights.get("margin", 0.0)
-    standing = Standing(lacking, hanging, shares, margin, unprinted, weight)
+    ranks = Ranks(lacking, hanging, shares, margin, unprinted, weight)
     row = otherwise
     if len(order):
-        unknown, _, _, place = standing.best()
+        unknown, _, _, place = ranks.best()
         row = np.where(unknown < LOST, order[place.astype(np.int64)], otherwise)
     continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
     return ChosenPart(row, [
         usable.available(motor, row),
         at_most("controller_continuous_current", rms, continuous),
         at_most("controller_peak_current", required.peak, peak),
-    ], standing)  # fmt: skip
+    ], ranks)  # fmt: skip
 
 
 def _shares(

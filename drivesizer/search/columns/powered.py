@@ -24,8 +24,8 @@ from drivesizer.search.columns.controllers import (
     HANGING,
     LOST,
     ChosenPart,
+    Ranks,
     Required,
-    Standing,
     controllers,
 )
 from drivesizer.search.columns.limits import electrical_limits, electrical_speed
@@ -91,10 +91,10 @@ def powered(
     free = np.ones(len(first.row), bool) if parts.controller is None else parts.controller.rows == FREE
     row = first.row if parts.controller is None else np.where(free, first.row, parts.controller.rows)
     if len(offered.controllers.order):
-        row = case.with_least(row, first.standing, free)
+        row = case.with_least(row, first.ranks, free)
     found = case.judged(row)
     if len(offered.controllers.order):
-        row, found = _best_of_all(case, first.standing, row, found, free & ~(case.undecided(row, found) > 0.0))
+        row, found = _best_of_all(case, first.ranks, row, found, free & ~(case.undecided(row, found) > 0.0))
     figures = _figures(problem, [low.agreed(high) for low, high in found.pairs], case.stresses)
     available = offered.controllers.available(parts.motor.rows, row)
     figures = _where_known(figures, cases) | {UNDECIDED: case.undecided(row, found)}
@@ -188,11 +188,11 @@ class _Cases(NamedTuple):
         )
         return controllers(spec, self.problem.catalog, motor.rows, required, self.offered.controllers)
 
-    def with_least(self, row: NDArray[np.int64], standing: Standing, free: NDArray[np.bool_]) -> NDArray[np.int64]:
+    def with_least(self, row: NDArray[np.int64], ranks: Ranks, free: NDArray[np.bool_]) -> NDArray[np.int64]:
         """Controllers that are the best by lower bounds over the waveform; what has one that meets these keeps it."""
         parts = self.parts._replace(controller=Rows(self.problem.catalog.controllers, row))
         unmet = np.zeros(len(row), bool)
-        if standing.weight:
+        if ranks.weight:
             unmet[:] = True
         else:
             for number in range(len(self.cycles)):
@@ -201,8 +201,8 @@ class _Cases(NamedTuple):
         if not len(rows):
             return row
         few = self.some(rows)
-        standing = few.standing(standing.on(rows))
-        unknown, _, _, place = standing.best()
+        ranks = few.ranks(ranks.on(rows))
+        unknown, _, _, place = ranks.best()
         taken = np.flatnonzero(unknown < LOST)  # where each fails the first one says on what
         return put(row, rows[taken], self.offered.controllers.order[place[taken].astype(np.int64)])
 
@@ -213,14 +213,12 @@ class _Cases(NamedTuple):
             low = lowest(spec, self.cycles[number], *self.moving[number], self.stresses[number], parts)
         return [check for check in waveform_limits(spec, low, low, parts) if check.name in HANGING]
 
-    def standing(
-        self, standing: Standing, row: NDArray[np.int64] | None = None, found: _Found | None = None
-    ) -> Standing:
+    def ranks(self, ranks: Ranks, row: NDArray[np.int64] | None = None, found: _Found | None = None) -> Ranks:
         """How all controllers stand by lower bounds over the waveform, and by what was computed with one of them."""
         usable, table = self.offered.controllers, self.problem.catalog.controllers
         parts = self.parts._replace(controller=Rows(table, usable.order[:, None]))
         passed: dict[str, NDArray[np.bool_]] = {}
-        lacking, margin = standing.lacking.copy(), standing.margin
+        lacking, margin = ranks.lacking.copy(), ranks.margin
         for number, case in enumerate(self.problem.cases):
             low = lowest(case.spec, self.cycles[number], *self.moving[number], self.stresses[number], parts)
             if found is not None and row is not None:
@@ -228,12 +226,12 @@ class _Cases(NamedTuple):
             for check in self._hanging(number, parts, low):
                 lacking[np.broadcast_to(check.failed, lacking.shape)] = LOST
                 passed[check.name] = passed.get(check.name, np.True_) & check.passed
-                if standing.weight:
+                if ranks.weight:
                     margin = np.minimum(margin, check.tightness)
         hanging = np.zeros(lacking.shape, np.int8)
         for one in passed.values():
             hanging += ~one
-        return standing._replace(lacking=lacking, hanging=hanging, margin=margin)
+        return ranks._replace(lacking=lacking, hanging=hanging, margin=margin)
 
     def _at_least(
         self, spec: RobotSpec, low: Moments, computed: Moments, parts: Parts, row: NDArray[np.int64]
@@ -320,7 +318,7 @@ class _Cases(NamedTuple):
 
 
 def _best_of_all(
-    case: _Cases, standing: Standing, row: NDArray[np.int64], found: _Found, free: NDArray[np.bool_]
+    case: _Cases, ranks: Ranks, row: NDArray[np.int64], found: _Found, free: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], _Found]:
     """Candidates with the best of all controllers, as computed from the waveform.
 
@@ -329,23 +327,23 @@ def _best_of_all(
     """
     usable = case.offered.controllers
     unmet = ~np.logical_and.reduce([c.passed for c in found.checks if c.name in HANGING])
-    if standing.weight:
+    if ranks.weight:
         unmet |= found.margin(True) < found.margin(False)
     wanting = unmet & free & (row >= 0) & ~found.failed(HANGING) & ~case.beyond_supply(found)
     rows = np.flatnonzero(wanting & (case.complete | found.failed()))
     if not len(rows):
         return row, found
-    case, standing, new, one = case.some(rows), standing.on(rows), found.on(rows), row[rows]
+    case, ranks, new, one = case.some(rows), ranks.on(rows), found.on(rows), row[rows]
     tried, best = np.zeros((len(usable.order), len(rows)), bool), np.full((4, len(rows)), np.inf)
     while True:
-        others = new.margin(False) if standing.weight else np.inf
-        reached = _reached(case, standing, one, new, others)
+        others = new.margin(False) if ranks.weight else np.inf
+        reached = _reached(case, ranks, one, new, others)
         taken = np.flatnonzero(_before(reached, best))
         best[:, taken] = reached[:, taken]
         row, found = put(row, rows[taken], one[taken]), found.replaced(rows[taken], new, taken)
         tried |= usable.order[:, None] == one
-        standing = case.standing(standing, one, new)
-        then, fails = standing.best(others, tried), np.isinf(best[0])
+        ranks = case.ranks(ranks, one, new)
+        then, fails = ranks.best(others, tried), np.isinf(best[0])
         lost = then[0] == LOST
         none = lost & fails & usable.partial[case.parts.motor.rows]
         going = none | (~lost & _before(then, best) & (case.complete | fails))
@@ -353,10 +351,10 @@ def _best_of_all(
         if not len(left):
             return row, found
         one = np.where(none, -1, usable.order[then[3].astype(np.int64)])[left]
-        case, rows, standing, tried, best = (
+        case, rows, ranks, tried, best = (
             case.some(left),
             rows[left],
-            standing.on(left),
+            ranks.on(left),
             tried[:, left],
             best[:, left],
         )
@@ -371,8 +369,8 @@ def _before(one: Array, other: Array) -> NDArray[np.bool_]:
     return found
 
 
-def _reached(case: _Cases, standing: Standing, row: NDArray[np.int64], found: _Found, others: Array | float) -> Array:
-    """What ``Standing.best`` gives of candidates with a controller each, as computed; infinite where a check fails."""
+def _reached(case: _Cases, ranks: Ranks, row: NDArray[np.int64], found: _Found, others: Array | float) -> Array:
+    """What ``Ranks.best`` gives of candidates with a controller each, as computed; infinite where a check fails."""
     usable, every = case.offered.controllers, np.arange(len(row))
     some = [c for c in found.checks if c.name in _OF_CONTROLLER and not c.advice]
     unknown = np.sum([~(c.passed | c.failed) for c in some], axis=0) + (usable.unclear[row] | (row < 0))
@@ -380,10 +378,10 @@ def _reached(case: _Cases, standing: Standing, row: NDArray[np.int64], found: _F
     place = np.zeros(len(case.problem.catalog.controllers) + 1, np.int64)
     place[usable.order] = np.arange(len(usable.order))
     place = place[row]
-    share = standing.share[place, 0 if standing.share.shape[1] == 1 else every]
-    if standing.weight:
-        share = share + standing.weight / (1.0 + np.maximum(np.minimum(found.margin(True), others), -0.999))
-    unprinted = standing.unprinted[place, 0 if standing.unprinted.shape[1] == 1 else every]
+    share = ranks.share[place, 0 if ranks.share.shape[1] == 1 else every]
+    if ranks.weight:
+        share = share + ranks.weight / (1.0 + np.maximum(np.minimum(found.margin(True), others), -0.999))
+    unprinted = ranks.unprinted[place, 0 if ranks.unprinted.shape[1] == 1 else every]
     return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
