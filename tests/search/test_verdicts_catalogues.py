@@ -122,6 +122,13 @@ def test_a_motor_with_a_controller_inside_takes_that_one(motor, stall):
     assert (inside.mass, inside.price) == (0.0, 0.0)
 
 
+def test_a_controller_inside_is_there_though_the_supply_lacks_voltage():
+    """At 1.5 m/s the drum wants 6875 rpm of a motor that makes 6065 at 12 V: the voltage fails, nothing else does."""
+    found = explain(read(WINCH.format(motor="Kraken X60").replace("0.1 m/s", "1.5 m/s")), "Kraken X60", "direct")
+    failing = {check.name for check in found[0].own_checks if check.status == "fail"}
+    assert "supply_voltage" in failing and check(found[0], "controller_available").status == "pass"
+
+
 TABLE = {
     "name": "table",
     "load": {"kind": "rotary_table", "inertia": "0.09 kg*m^2", "friction_torque": "0.37 N*m"},

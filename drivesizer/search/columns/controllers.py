@@ -189,9 +189,10 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     allowed &= np.where(has_own[:, None], place == box[:, None], (place == "") & (own == "")[:, None])
     partial = ~has_own & ((own != "") | (not choice.named))
     unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
-    nearest = np.where(partial, -1, _last(allowed, order))
+    last = _last(allowed, order)
     known = ~unclear[order] & ~np.isnan(table["continuous_current"] + table["peak_current"])[order]
-    return Usable(order, allowed, nearest, _last(allowed & known, order), partial, unclear, lowest, np.nan)
+    largest = np.where(has_own, last, _last(allowed & known, order))  # one inside is what it is
+    return Usable(order, allowed, np.where(partial, -1, last), largest, partial, unclear, lowest, np.nan)
 
 
 def _box(motors: Table[Any]) -> NDArray[Any]:
