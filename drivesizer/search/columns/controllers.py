@@ -62,7 +62,7 @@ class ChosenPart(NamedTuple):
 
 
 class Ranks(NamedTuple):
-    """How the usable controllers stand for candidates: shape (controllers, candidates)."""
+    """Ranks of the usable controllers for candidates: columns of shape (controllers, candidates)."""
 
     lacking: NDArray[np.int8]  # how many of their checks are unknown; ``LOST`` where one fails
     hanging: NDArray[np.int8]  # of those that hang on the cycle too, as far as that is known

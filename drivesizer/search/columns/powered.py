@@ -214,7 +214,7 @@ class _Cases(NamedTuple):
         return [check for check in waveform_limits(spec, low, low, parts) if check.name in HANGING]
 
     def ranks(self, ranks: Ranks, row: NDArray[np.int64] | None = None, found: _Found | None = None) -> Ranks:
-        """How all controllers stand by lower bounds over the waveform, and by what was computed with one of them."""
+        """Ranks of all controllers by lower bounds over the waveform, and by what was computed with one of them."""
         usable, table = self.offered.controllers, self.problem.catalog.controllers
         parts = self.parts._replace(controller=Rows(table, usable.order[:, None]))
         passed: dict[str, NDArray[np.bool_]] = {}
@@ -236,13 +236,13 @@ class _Cases(NamedTuple):
     def _at_least(
         self, spec: RobotSpec, low: Moments, computed: Moments, parts: Parts, row: NDArray[np.int64]
     ) -> Moments:
-        """Lower bounds by what was computed with one controller: with a smaller loss no less is returned."""
+        """Lower bounds by what was computed with one controller: what loses more draws no less, and returns no more."""
         if not spec.resists:
             low = low._replace(voltage=np.fmax(low.voltage, computed.voltage))
-        tried = spec.feed(Rows(self.problem.catalog.controllers, row)).stage.least_loss
-        loses_less = spec.feed(parts.controller).stage.least_loss <= tried
-        stored = np.where(loses_less, np.fmax(low.stored, computed.stored), low.stored)
-        return low._replace(stored=stored)
+        tried, stage = spec.feed(Rows(self.problem.catalog.controllers, row)).stage, spec.feed(parts.controller).stage
+        stored = np.where(stage.least_loss <= tried.least_loss, np.fmax(low.stored, computed.stored), low.stored)
+        loses_more = (stage.loss >= tried.loss) & (stage.standby >= tried.standby)
+        return low._replace(stored=stored, power=np.where(loses_more, np.fmax(low.power, computed.power), low.power))
 
     def beyond_supply(self, found: _Found) -> NDArray[np.bool_]:
         """Candidates whose motor takes more voltage than the supply has, with any controller."""
@@ -370,7 +370,7 @@ def _before(one: Array, other: Array) -> NDArray[np.bool_]:
 
 
 def _reached(case: _Cases, ranks: Ranks, row: NDArray[np.int64], found: _Found, others: Array | float) -> Array:
-    """What ``Ranks.best`` gives of candidates with a controller each, as computed; infinite where a check fails."""
+    """Columns as ``Ranks.best`` gives them, as computed with a controller each; infinite where a check fails."""
     usable, every = case.offered.controllers, np.arange(len(row))
     some = [c for c in found.checks if c.name in _OF_CONTROLLER and not c.advice]
     unknown = np.sum([~(c.passed | c.failed) for c in some], axis=0) + (usable.unclear[row] | (row < 0))
