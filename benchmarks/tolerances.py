@@ -58,9 +58,9 @@ def sampled(path: Path) -> None:
     """Sample in a process of its own, and print processor time and wall clock."""
     from drivesizer.machine.problem import problem
     from drivesizer.search.search import search
+    from drivesizer.search.shortlist import load_parts
     from drivesizer.search.uncertainty.options import Sampling
     from drivesizer.search.uncertainty.probabilities import sample_drives, subject
-    from drivesizer.sizing import load_parts
     from drivesizer.spec.robot import load_spec
 
     spec = load_spec(path)
@@ -86,7 +86,7 @@ def one_by_one(path: Path, samples: int) -> float:
     from drivesizer.machine.problem import problem
     from drivesizer.search.columns.evaluation import evaluate
     from drivesizer.search.search import search
-    from drivesizer.sizing import load_parts
+    from drivesizer.search.shortlist import load_parts
     from drivesizer.spec.robot import load_spec
 
     spec = load_spec(path)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import signal
 
-__all__ = ["main"]
-
 _STOPPED = 130  # exit status after Ctrl-C, as shells have it
 
 

@@ -22,8 +22,6 @@ from drivesizer.commands.ends import ended, parsed, with_values
 from drivesizer.errors import InputError, printable
 from drivesizer.version import __version__
 
-__all__ = ["app", "main"]
-
 if TYPE_CHECKING:
     app: typer.Typer  # of ``__getattr__``
 

@@ -15,19 +15,6 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
-__all__ = [
-    "CatalogError",
-    "DrivesizerError",
-    "FieldError",
-    "InputError",
-    "NoLoopError",
-    "UnknownCatalogError",
-    "nearest",
-    "printable",
-    "quoted",
-    "reason_of",
-]
-
 _LONG = 200  # characters, from which on a text is no misspelt name
 
 

@@ -35,14 +35,12 @@ from drivesizer.loads.course import Profile
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.part_curves import torque_of_drive
-from drivesizer.results.check import GRAVEST
+from drivesizer.results.check import GRAVEST, Check, verdict, worst
 from drivesizer.results.drive_set import DriveSet, loss_assumptions
 from drivesizer.results.problem import SHIFT, for_drive
-from drivesizer.results.sizing import Check, SizingResult, verdict, worst
+from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
-
-__all__ = ["hardest_case", "validate", "validate_all", "with_remedies"]
 
 _STILL_COLD = (
     "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "

@@ -9,10 +9,10 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.load_cases.requirements import requirements, screw_requirements
 from drivesizer.machine.budgets import check_battery, machine_requirements
-from drivesizer.results.check import Reliability
+from drivesizer.results.check import Reliability, verdict
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Explanation, SizingResult, verdict
+from drivesizer.results.sizing import Explanation, SizingResult
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.paper import vehicle
@@ -27,8 +27,6 @@ from drivesizer.search.shortlist import load_parts, pair_of, problem_with_drive_
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice, Ranking
 from drivesizer.spec.robot import RobotSpec
-
-__all__ = ["explain", "explained", "load_parts", "size"]
 
 _MISSES = 3  # closest rejected, where a drive passes
 _ALTERNATIVES = 3  # drives of other motor families beside the best

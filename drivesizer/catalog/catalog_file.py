@@ -52,8 +52,6 @@ from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import label, noun, possible, scale, show, to_si
 from drivesizer.units.kinds import AT_MOST, MAY_BE_ZERO, outside
 
-__all__ = ["RATIO", "parse"]
-
 _NOT_A_COLUMN = {
     "family": "family stands at the head of its table",
     "manufacturer": "manufacturer stands at the head of its file",

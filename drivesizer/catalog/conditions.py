@@ -17,8 +17,6 @@ from drivesizer.catalog.parts import PARTS, Column, columns_of
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.units import to_si
 
-__all__ = ["OPTIONS", "Condition", "column_name", "conditions", "has", "name_of", "option", "where"]
-
 _SIGNS: dict[str, Callable[[Any, Any], Any]] = {
     "<=": operator.le, ">=": operator.ge, "!=": operator.ne, "==": operator.eq, "<": operator.lt, ">": operator.gt,
     "=": operator.eq,

@@ -20,9 +20,6 @@ from drivesizer.catalog.parts import Column, printed
 from drivesizer.catalog.query import Hit, origins, tolerances
 from drivesizer.units import KINDS, from_si, scale
 
-__all__ = ["as_csv", "as_document", "as_finding", "digits", "plain", "safe"]
-
-
 ORIGIN = ("catalog", "document", "confidence", "excluded")  # columns of a CSV that are no figures of a part
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet takes a cell that begins so for a formula
 

@@ -20,9 +20,6 @@ from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.units import number, scale
 
-__all__ = ["Imported", "guessed", "heads_of", "import_table", "map_text", "plan"]
-
-
 # -- Map of a table to import: its columns, and figures that all parts have in common.
 #
 # manufacturer: Anymaker

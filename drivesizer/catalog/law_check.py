@@ -20,8 +20,6 @@ from drivesizer.catalog.parts import DISCHARGES, HELD, PARTS, PULL_OUTS, RELATIO
 from drivesizer.catalog.tables import Catalog, Note, Table, as_printed
 from drivesizer.units import from_si, show
 
-__all__ = ["Finding", "check", "check_file"]
-
 Numbers = NDArray[np.float64]
 _SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
 _DIGITS = 3  # to which data sheets round

@@ -19,8 +19,6 @@ from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Note, Table
 from drivesizer.files.yaml_source import LOADER
 
-__all__ = ["DERIVED", "IDENTITIES", "LAWS", "Derived", "Law", "derived", "text"]
-
 Numbers = NDArray[np.float64]
 
 

@@ -21,13 +21,6 @@ from numpy.typing import NDArray
 from drivesizer.physics.belt import pitch_diameter
 from drivesizer.physics.figures import Figures
 
-__all__ = [
-    "DATA", "DIRECT", "DISCHARGES", "EDGES", "HELD", "NO_DISCHARGES", "NO_GEARHEAD", "NO_PULL_OUTS", "PARTS",
-    "PULL_OUTS", "RELATIONS", "Actuator", "Battery", "Belt", "BeltDrive", "Brake", "BrakeResistor", "Column",
-    "Controller", "Discharges", "Encoder", "Gearhead", "Motor", "OneRow", "PartRecord", "PowerSupply", "PullOuts",
-    "Pulley", "Screw", "Stepper", "columns", "columns_of", "entries", "lines", "one_row", "printed", "singular",
-]  # fmt: skip
-
 DATA = "data_temperature"  # stands at the head of a file, for all motors and actuators that have none of their own
 
 

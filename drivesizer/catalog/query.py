@@ -19,12 +19,6 @@ from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
 from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted
 
-__all__ = [
-    "Coverage", "Hit", "Row", "Selection", "coverage", "every", "families", "find", "look", "open_catalogs", "origins",
-    "pairs_of", "partners", "select", "side_by_side", "tolerances",
-]  # fmt: skip
-
-
 # -- Queries of catalogues: parts that meet conditions.
 #
 # Catalogues are searched one by one and not joined, so that every part keeps the name of its catalogue. An unknown

@@ -10,11 +10,6 @@ from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.catalog.tolerances import CLASSES, TOLERANCES
 from drivesizer.units import KINDS, noun
 
-__all__ = [
-    "CURVE_COLUMNS", "DISCHARGE", "FIGURES", "LISTS", "NOTE", "PULL_OUT", "SCHEMA", "SOURCE", "TOLERANCE", "TOP",
-    "catalog_schema", "group", "table",
-]  # fmt: skip
-
 SCHEMA = 1  # its number
 # kinds of parts that go together, by the name of the list
 LISTS = {relation: ("motors", right) for relation, right in RELATIONS.items()} | {

@@ -20,12 +20,6 @@ from drivesizer.catalog.tolerances import MakerTolerance, join_maker_tolerances
 from drivesizer.errors import CatalogError, nearest, quoted, reason_of
 from drivesizer.files.cache import CacheWarning, arrays_kept, keep
 
-__all__ = [
-    "CONFIDENCE", "ESTIMATED", "NO_GEARHEAD_SOURCE", "OTHER_NAMES", "Across", "Catalog", "Estimates", "Note", "Pairs",
-    "PartEstimate", "Source", "Table", "as_printed", "empty", "filled", "joined", "recall", "spelling", "store",
-    "unique_pairs", "with_no_gearhead", "with_pairs", "with_rows",
-]  # fmt: skip
-
 _KEPT = 256  # results of a catalogue for specs of late
 _BETWEEN = str.maketrans("", "", " \t-_")
 OTHER_NAMES = ("order_number", "also_called")  # columns of some sections, beside the part number

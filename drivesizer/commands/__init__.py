@@ -4,5 +4,3 @@ May import: everything but cli.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
     from drivesizer.catalog.query import Hit, Selection
 
-__all__ = ["Names", "open_named"]
-
 
 # -- Export of parts to CSV or JSON, and import of another program's table as a catalogue file.
 

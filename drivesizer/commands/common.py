@@ -24,12 +24,6 @@ if TYPE_CHECKING:
     from drivesizer.spec.machine_record import MachineSpec
     from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "DEFAULT", "TOP", "Chosen", "Json", "More", "NothingFitsError", "OfAxis", "Profile", "Spec", "Top", "file_argument",
-    "file_option", "in_closed_loop", "load", "load_axis", "number_option", "print_notes", "progress", "proven",
-    "simulating", "sized", "whole_option", "with_drives", "working",
-]  # fmt: skip
-
 
 # -- Options and arguments of which typer would refuse a value in words of its own: numbers, and files.
 #

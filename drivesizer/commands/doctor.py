@@ -17,8 +17,6 @@ from drivesizer.errors import DrivesizerError, reason_of
 from drivesizer.output.words import number_of
 from drivesizer.version import __version__
 
-__all__ = ["Finding", "examined", "print_findings"]
-
 
 class Finding(NamedTuple):
     """Result of one check of the installation."""

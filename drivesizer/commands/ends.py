@@ -15,9 +15,6 @@ import typer
 from drivesizer.commands.common import NothingFitsError
 from drivesizer.errors import DrivesizerError, InputError, nearest, printable, quoted, reason_of
 
-__all__ = ["STOPPED", "TRACEBACK", "ended", "parsed", "with_values"]
-
-
 # -- A command line that cannot be parsed, in the words of all refusals: what was found, what is expected, an example.
 #
 # Typer brings a click of its own or uses the one that is installed, so that its errors are known here by their

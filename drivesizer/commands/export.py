@@ -11,8 +11,6 @@ from drivesizer.commands import common
 from drivesizer.commands.common import DEFAULT, Chosen, More, OfAxis, Spec, file_option
 from drivesizer.errors import InputError
 
-__all__ = ["export"]
-
 
 def export(
     output: Annotated[Path, file_option("--output", "-o", help="The file to write.")],

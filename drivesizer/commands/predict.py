@@ -15,7 +15,6 @@ from drivesizer.errors import InputError, quoted
 if TYPE_CHECKING:
     from drivesizer.results.prediction import Prediction
 
-__all__ = ["predict"]
 
 _FORMS = (".svg", ".png")
 

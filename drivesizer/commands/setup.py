@@ -14,9 +14,6 @@ from drivesizer.commands.common import DEFAULT, Json, OfAxis, file_argument, fil
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.text import shipped_folder
 
-__all__ = ["KINDS", "MACHINES", "examples", "interactive", "start_by_questions", "starter"]
-
-
 # -- Specs to start from: starters by kind of load, examples that ship, and a few questions at a terminal.
 
 

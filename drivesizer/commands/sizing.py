@@ -12,8 +12,6 @@ from drivesizer.commands.common import DEFAULT, TOP, Json, More, OfAxis, Profile
 from drivesizer.commands.setup import interactive, start_by_questions
 from drivesizer.errors import InputError
 
-__all__ = ["explain", "report", "size"]
-
 Objective = Annotated[
     str | None, typer.Option(help="mass, price, energy ... or several with weights, e.g. mass=2,price=1.")
 ]
@@ -163,8 +161,9 @@ def explain(
 ) -> None:
     """Show why one combination of motor and gearhead passes or fails, check by check."""
     from drivesizer.output.terminal import sizing as terminal
+    from drivesizer.search.shortlist import load_parts
     from drivesizer.search.uncertainty.options import sampling_of
-    from drivesizer.sizing import explained, load_parts
+    from drivesizer.sizing import explained
 
     robot, found = common.load(spec, catalogs, axis), {}
     several = robot.is_several

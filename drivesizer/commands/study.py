@@ -14,8 +14,6 @@ from drivesizer.commands.common import file_argument, file_option, print_notes, 
 from drivesizer.commands.ends import STOPPED
 from drivesizer.output.words import number_of
 
-__all__ = ["study"]
-
 _ORDER = ("pass", "open", "unknown", "fail", "error")
 
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from drivesizer.spec.machine_record import MachineSpec
     from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["drive", "validate"]
-
 
 def validate(
     spec: Spec = DEFAULT,

@@ -8,5 +8,3 @@ May import: physics, platform, catalog, loads, spec, results, load_cases; not ma
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -20,12 +20,6 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.ratings import unstated_temperature
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "DriveTrain", "Mechanics", "Mode", "Regime", "columns", "discretised", "drive_train", "generators", "mechanics",
-    "modes", "require", "within_reach",
-]  # fmt: skip
-
-
 # -- The plant of the closed loop: motor, gearhead, belt and one motor's share of the load.
 #
 # Rigid, it is linear between the reversals of speed and of power, with five linear modes: at rest, and driving or

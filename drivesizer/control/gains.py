@@ -16,13 +16,6 @@ from drivesizer.spec.drive import Control, VelocityLoop
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = [
-    "COMPUTING", "LATE", "SPREAD", "design", "design_cascade", "effective_delay", "feedforward",
-    "loop_warnings", "magnitude_optimum", "margin_of", "most_bandwidth", "natural_frequency", "pole_placement",
-    "resolution_warning", "resonance_warning", "shortest_ramp", "spread_of", "symmetrical_optimum",
-]  # fmt: skip
-
-
 # -- Gains of the velocity loop that acts on the voltage: those of the spec, or PI gains by the SIMC rule [1].
 #
 # The rule works on the speed response of the motor with its reflected load, friction that grows with speed left out.

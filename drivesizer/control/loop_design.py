@@ -32,9 +32,6 @@ from drivesizer.results.drive_set import DriveParts
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["analyse", "designed", "edges_of", "frequency_response", "loop_of", "stated_margin", "train_behind"]
-
-
 # -- Linear analysis of a sampled loop: poles, margins, bandwidth, step response, Bode data.
 #
 # The loops are those of ``loop_models``, systems of python-control, which closes them and gives poles, gain at rest

@@ -33,20 +33,6 @@ from drivesizer.control.gains import COMPUTING
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.physics.belt import resonance as two_masses
 
-__all__ = [
-    "OUTPUTS",
-    "System",
-    "closed",
-    "current_open_loop",
-    "dc_motor",
-    "from_error",
-    "pid",
-    "position_open_loop",
-    "resonance",
-    "velocity_open_loop",
-    "voltage_open_loop",
-]  # fmt: skip
-
 System = Any  # a control.StateSpace, which carries no types
 OUTPUTS = "current", "speed", "load_speed", "voltage", "angle"  # of the plant; angle: where it is wanted
 _SPEED, _ANGLE = 1, 4

@@ -16,9 +16,6 @@ from drivesizer.spec.motions import Move, SCurve, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show, to_si
 
-__all__ = ["CALM", "finer_steps", "other_gains", "rounded_ramps", "slower_ramps"]
-
-
 CALM = 16  # microsteps with which a stepper's swings are small
 _JERK_TIME = 0.25  # of a straight ramp
 _FOLLOWING = {"tracking_error", "bandwidth"}  # checks that a faster loop may pass; the others a slower one

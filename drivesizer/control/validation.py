@@ -18,12 +18,6 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = [
-    "LEAST_PHASE_MARGIN", "Bode", "Cascade", "ControllerGain", "Gains", "LinearFigure", "LinearRun", "Loop", "Loops",
-    "Rates", "Remedy", "Stepping", "Validation", "controller_gains", "rates",
-]  # fmt: skip
-
-
 # -- The cascade of a servo controller: current PI inside, velocity PI(D) around it, position P around that.
 #
 # The structure of the EPOS4 class: each loop is sampled at its own rate, the faster one inside; feedforward of

@@ -4,5 +4,3 @@ May import: errors, units.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-__all__ = ["CacheWarning", "arrays_kept", "cached_bytes", "digest_of", "folder", "keep"]
 
 _HALF = ".compiling-"  # begins the name of a file that is being written
 _LONG_AGO = 600.0  # s, after which such a file is left over from a killed process

@@ -18,12 +18,6 @@ from drivesizer.files.text import decoded, missing, read_bytes
 from drivesizer.units import KINDS, noun, possible, scale
 from drivesizer.units.kinds import RANGES
 
-__all__ = [
-    "columns", "factors_of", "miscount", "number_of", "path_from_spec", "plain_columns", "refuse_impossible", "rows_of",
-    "values_of",
-]  # fmt: skip
-
-
 Array = NDArray[np.float64]
 _PLAIN = b"0123456789+-.eE, \r\n"  # of numbers that need no closer look
 

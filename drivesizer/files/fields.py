@@ -23,18 +23,6 @@ from pydantic_core import core_schema
 
 from drivesizer.units import KINDS, Kind, label, noun, to_si
 
-__all__ = [
-    "DENSITIES", "Acceleration", "Allowance", "Altitude", "Angle", "Area", "Axis", "BackEfficiency", "Bearing",
-    "Capacitance", "Coefficient", "Consumed", "Counterweight", "Current", "Density", "Distance", "Drop", "Duration",
-    "Energy", "Exponent", "Factor", "Force", "Frequency", "Gain", "Gravity", "Incline", "Inertia", "InertiaAbove",
-    "Jerk", "Length", "Mass", "Names", "OfSolids", "Part", "Pause", "Place", "Power", "Price", "Pull", "Quantity",
-    "Ratio", "Resistance", "Section", "Share", "SignedSpeed", "SignedTorque", "SignedVelocity", "Slope", "Solid",
-    "Speed", "Stiffness", "Temperature", "ThermalResistance", "Thickness", "Torque", "TorqueAbove", "Turning",
-    "Velocity", "Voltage", "all_defaults", "default", "exactly_one", "moment", "no_entries",
-    "optional", "required", "unchanged",
-]  # fmt: skip
-
-
 # -- Types of a spec's fields: text with a unit in, SI float out, inside its range.
 #
 # Every quantity is read by the strict reader of ``units``. A motion is given in the terms of its load: along a line

@@ -23,17 +23,6 @@ from typing import Any, NamedTuple
 
 from drivesizer.files.cache import digest_of
 
-__all__ = [
-    "Kernel",
-    "SlowWarning",
-    "all_kernels",
-    "defined_in",
-    "files_of",
-    "machine_code",
-    "translate",
-    "translate_all",
-]
-
 _ELEMENTS = {"d": "float64", "b": "int8", "q": "int64"}  # of arrays, by their letter
 
 

@@ -12,12 +12,6 @@ from pathlib import Path
 
 from drivesizer.errors import InputError, reason_of
 
-__all__ = [
-    "decoded", "hand_over", "is_handed", "listed", "missing", "read_bytes", "read_text", "restrict_reading",
-    "shipped_folder", "state_of", "states", "was_read",
-]  # fmt: skip
-
-
 # -- Folders of data that come with drivesizer.
 
 

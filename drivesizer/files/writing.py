@@ -20,9 +20,6 @@ from typing import NamedTuple
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.text import was_read
 
-__all__ = ["check_targets", "new", "ready", "remove_files", "write_files"]
-
-
 _NO_LINKS = {errno.EPERM, errno.ENOSYS, errno.EOPNOTSUPP, errno.EMLINK}  # a FAT stick, some network drives
 
 

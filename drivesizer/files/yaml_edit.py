@@ -12,9 +12,6 @@ import yaml
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import LOADER, Path_, YamlSource
 
-__all__ = ["Edit", "edited"]
-
-
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _STEP = 2  # blanks by which a new group of fields is indented
 

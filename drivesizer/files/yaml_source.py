@@ -13,9 +13,6 @@ import yaml
 from drivesizer.errors import InputError, printable, quoted
 from drivesizer.files.text import read_text
 
-__all__ = ["LOADER", "Path_", "YamlSource", "overlay", "read", "written"]
-
-
 # -- YAML text to plain data, strictly, and back from a field's path to its line.
 #
 # YAML 1.2 core scalars only (``on`` is text, ``27:1`` is text), unique keys, no anchors, aliases, tags or second

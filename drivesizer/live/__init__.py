@@ -12,5 +12,3 @@ May import: everything but the command line that calls it.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -22,13 +22,11 @@ from drivesizer.output.words import meeting
 from drivesizer.results.check import gravest, worst
 from drivesizer.results.machine import of_one_axis
 from drivesizer.results.sizing import objective_figure
-from drivesizer.sizing import explained, load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explained, size
 from drivesizer.spec.any_spec import is_machine, read_any
 from drivesizer.spec.robot import read_spec
 from drivesizer.units import show
-
-__all__ = ["named", "whole"]
-
 
 # -- The text of the page as a spec, and its sizing.
 

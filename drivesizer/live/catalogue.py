@@ -19,8 +19,6 @@ from drivesizer.output.words import FIRST_NOTES, figure, first_columns
 from drivesizer.spec.drive import Select
 from drivesizer.units import label
 
-__all__ = ["ALL", "PAGE", "catalogues", "counts", "hit_of", "listed_names", "named_by", "parts", "shelf"]
-
 PAGE = 200  # rows that are sent at once
 _LINES = 500  # findings that are sent
 ALL = "all"  # of the shipped catalogues, as a spec names them

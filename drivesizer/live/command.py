@@ -14,7 +14,6 @@ from drivesizer.errors import InputError, reason_of
 if TYPE_CHECKING:
     import socket
 
-__all__ = ["serve"]
 
 _LOCAL = "127.0.0.1"
 

@@ -25,8 +25,6 @@ from typing import Any
 from drivesizer.errors import DrivesizerError, InputError, printable
 from drivesizer.files.text import hand_over, state_of, states
 
-__all__ = ["INSIDE", "JOBS", "OWN", "EngineMemory", "Piece", "StoppedError", "done", "run", "take_over"]
-
 Piece = dict[str, Any]
 _LOOK = 0.01  # s between looks at newer requests
 _KEPT = 4  # sizings: that of the page, and those of which someone wants a file or a comparison

@@ -19,9 +19,6 @@ from drivesizer.errors import InputError, printable
 from drivesizer.live.engine import Piece
 from drivesizer.output.report.html.templates import digest
 
-__all__ = ["CATALOGUE", "LARGEST", "LONGEST", "REQUESTS", "CatalogueRequest", "Guard", "SaveRequest", "request_of"]
-
-
 # -- Requests that the page may make: the fields of each job with their kinds and limits. Anything else is refused.
 
 

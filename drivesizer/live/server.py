@@ -39,9 +39,6 @@ from drivesizer.live.worker import Worker
 from drivesizer.output.report.html.templates import own_file
 from drivesizer.version import __version__
 
-__all__ = ["application", "content", "engines", "fields", "saved", "serve", "taken"]
-
-
 # -- Connections of the server: patience with them, headers of every response, and their end.
 
 

@@ -22,8 +22,6 @@ from typing import Any
 
 from drivesizer.live.engine import OWN, Piece, run
 
-__all__ = ["Worker"]
-
 _LOOK = 0.2  # s from one look to the next whether a job is still wanted
 _GRACE = 5.0  # s after which a job of which nobody wants the answer ends with its process
 _READING = 180.0  # s that the process may take for catalogues of the user: one of 16 MB takes 30

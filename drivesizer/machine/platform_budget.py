@@ -26,12 +26,11 @@ from drivesizer.platform import envelope, grip, stability
 from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, wheel_torques
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.results.check import worst_of_cases
+from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit
-from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import RobotSpec

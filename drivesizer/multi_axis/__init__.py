@@ -7,5 +7,3 @@ May import: everything up to sizing; not output.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -32,11 +32,6 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.units import show
 
-__all__ = [
-    "AxisSizings", "Options", "PartsOf", "SamplingOf", "TorquesOf", "as_chosen", "carried_mass", "choices_of",
-    "joint_notes", "rises", "with_joints",
-]  # fmt: skip
-
 TorquesOf = Callable[[RobotSection, str, float], JointTorques]
 SamplingOf = Callable[[RobotSpec], Sampling | None]
 PartsOf = Callable[[RobotSpec], Catalog]

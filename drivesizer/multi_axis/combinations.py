@@ -36,11 +36,6 @@ from drivesizer.search.shortlist import Shortlist, problem_with_drive_mass, shor
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "ORDER", "Choice", "Combination", "Cost", "Kind", "Loaded", "Masses", "OfferedKinds", "Permitted", "axis_by_axis",
-    "best_combination", "cheapest_first", "fewer_kinds", "kind_of", "within", "within_limits",
-]  # fmt: skip
-
 ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
 Cost = tuple[int, float]  # figures that are unknown, and the sum of those that are known: less is better in this order
 Masses = tuple[float, ...]  # kg, of the carried axes in their order

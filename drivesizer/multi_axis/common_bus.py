@@ -37,9 +37,6 @@ from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.units import show
 
-__all__ = ["AxisPower", "CommonBus", "common_bus", "moving_alone", "unknown_at_rest", "waiting_times"]
-
-
 # -- The cycle of a machine whose axes start together, and the axes that wait at rest until it is over.
 
 

@@ -24,9 +24,6 @@ from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.spec.tolerances import Toleranced, split_tolerances
 from drivesizer.units import show
 
-__all__ = ["OF_THE_SUPPLY", "AxisPower", "common_supply", "place_of", "shared_sections", "toleranced", "without_effect"]
-
-
 # -- Sections of a machine that its own checks take: supply, battery and the like, margins, surroundings and mission.
 #
 # Of margins, surroundings and mission a field at the top of the file counts; one that only axes have is that of the

@@ -12,8 +12,8 @@ from drivesizer.machine.battery import pack_of
 from drivesizer.machine.braking import with_parts_of_supply
 from drivesizer.machine.budgets import rows_of_drive
 from drivesizer.machine.mass_budget import machine_mass, of_drives, of_supply, price_check
-from drivesizer.multi_axis.common_bus import moving_alone
-from drivesizer.multi_axis.common_supply import AxisPower, common_supply, shared_sections
+from drivesizer.multi_axis.common_bus import AxisPower, moving_alone
+from drivesizer.multi_axis.common_supply import common_supply, shared_sections
 from drivesizer.results.check import Check, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.machine import AxisSizing, MachinePower
@@ -21,8 +21,6 @@ from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.machine import with_common_bus
 from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
-
-__all__ = ["budget_checks", "machine_power", "over_tolerances", "with_choppers"]
 
 
 def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePower | None:

@@ -17,12 +17,6 @@ from drivesizer.physics.braking import largest_mean, largest_pulse
 from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "MOST_PIECES", "AtAnyPhase", "bus_power", "common_period", "exchanged", "fitted", "from_start",
-    "longest_run_of_two", "returned_over_phases", "share_above", "summed_up", "worst_start",
-]  # fmt: skip
-
-
 # -- Power of several axes on one bus at the same time: what one regenerates another draws at the same moment.
 #
 # .. math::

@@ -15,7 +15,8 @@ from drivesizer.errors import FieldError
 from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.machine.problem import quickest_winding, with_spec
-from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, AxisPower, common_supply, place_of, toleranced
+from drivesizer.multi_axis.common_bus import AxisPower
+from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, common_supply, place_of, toleranced
 from drivesizer.results.check import Check, FigureSpread
 from drivesizer.results.check_columns import at_least
 from drivesizer.results.check_kinds import CHECKS
@@ -36,9 +37,6 @@ from drivesizer.search.uncertainty.uncertain_figures import (
 )
 from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
-
-__all__ = ["uncertain_machine", "with_samples"]
-
 
 # -- Uncertain figures of a machine: those of its file and of the parts of its drives, and the machine of one sample.
 #

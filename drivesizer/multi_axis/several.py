@@ -16,14 +16,12 @@ from drivesizer.multi_axis.machine_power import budget_checks, machine_power, ov
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.ranking import title_of
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import sampling_of
-from drivesizer.sizing import load_parts
 from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
-
-__all__ = ["laden", "sized"]
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
 

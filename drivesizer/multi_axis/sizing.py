@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from drivesizer.catalog import Catalog
 from drivesizer.results.machine import MachineSizing, of_one_axis
 from drivesizer.search.ranking import Progress
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import size
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import RobotSpec
@@ -17,8 +18,6 @@ from drivesizer.spec.robot import RobotSpec
 if TYPE_CHECKING:
     from drivesizer.joints.mass_columns import JointTorques
     from drivesizer.spec.robot_section import RobotSection
-
-__all__ = ["alone", "size_machine"]
 
 
 def size_machine(

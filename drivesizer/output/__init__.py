@@ -4,5 +4,3 @@ May import: every room up to machine and control; not search, sizing or study.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

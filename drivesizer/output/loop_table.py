@@ -6,21 +6,8 @@ from math import isnan, nan
 from typing import NamedTuple
 
 from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping
-from drivesizer.results.sizing import Figure
+from drivesizer.results.check import Figure
 from drivesizer.units import show
-
-__all__ = [
-    "BESIDE",
-    "NONE",
-    "NO_LINEAR",
-    "GainRow",
-    "cell",
-    "gain_rows",
-    "left_out",
-    "loop_figures",
-    "loop_name",
-    "settled",
-]
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
 

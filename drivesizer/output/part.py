@@ -21,13 +21,6 @@ from drivesizer.physics.thermal import DATA_TEMPERATURE, Value, data_temperature
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.units import show
 
-__all__ = [
-    "DIFFERS", "EXCLUDED", "PartTable", "closing", "datasheet", "datasheets", "discharges", "documents", "estimates",
-    "family_count", "head", "heat", "limits_of_family", "note_line", "partner_lines", "pull_out_conditions",
-    "pull_outs", "reach_of", "source_line", "sources_of", "speed_torque", "tolerance_lines", "torque_and_speed",
-]  # fmt: skip
-
-
 # -- Parts as data sheets: every known figure, its confidence and its source.
 
 

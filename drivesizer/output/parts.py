@@ -22,11 +22,6 @@ from drivesizer.units import show
 if TYPE_CHECKING:
     from drivesizer.results.machine import AxisSizing, MachineSizing
 
-__all__ = [
-    "HEADS", "LEAST", "NO_NUMBER", "OWN_SUPPLY", "PartLine", "SharedLine", "Total", "machine_parts",
-    "machine_parts_of_axes", "part_figures", "parts_by_axis", "parts_list", "totals", "totals_of_axes", "unknown_of",
-]  # fmt: skip
-
 
 # -- Sums over the parts of a drive, for several kinds of report.
 

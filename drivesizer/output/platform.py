@@ -30,13 +30,6 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import label, show
 
-__all__ = [
-    "FOLLOWING", "SPEEDS", "EquationNumbers", "PlatformNumbers", "Printed", "cell", "equation_of", "failed_motors_text",
-    "formula", "hardest_instant", "platform_numbers", "printed", "speed_heads", "speed_remarks", "speed_rows",
-    "speed_text",
-]  # fmt: skip
-
-
 # -- The instant of a platform's motion at which a wheel has its largest torque.
 
 

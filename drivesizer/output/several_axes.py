@@ -11,8 +11,6 @@ from drivesizer.results.machine import MachinePower, MachineSizing
 from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.units import show
 
-__all__ = ["Branch", "choice_text", "mass_tree", "sampled_text", "supply_texts"]
-
 
 class Branch(NamedTuple):
     """An axis in the tree of a machine: below the one that its drives ride on."""

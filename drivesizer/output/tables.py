@@ -10,8 +10,6 @@ from drivesizer.results.check_kinds import CHECKS, part_of
 from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["changes_by_outcome", "most_fail_on", "not_enough"]
-
 
 def most_fail_on(result: SizingResult) -> str:
     """The check that rejects most drives: of the machine where some meet their own limits; empty without any."""

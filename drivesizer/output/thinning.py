@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["curve_points", "extremes"]
-
 
 def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
     """Indices of the least and the largest value in equal bins, and of both ends; all where they are few.

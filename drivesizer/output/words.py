@@ -13,18 +13,11 @@ from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.parts import DATA, Column
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.load_cases.platform import WheelLoad
-from drivesizer.results.check import Reliability, Spread
+from drivesizer.results.check import Reliability, Spread, Status
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Counts, SizingResult, Status
+from drivesizer.results.sizing import Counts, SizingResult
 from drivesizer.units import digits_of, from_si, show
-
-__all__ = [
-    "FIRST_NOTES", "LESS", "LONGEST", "about", "confidence", "confidences", "csv_cell", "figure", "first_columns",
-    "first_wheel", "likely", "loop_text", "meeting", "moved", "not_quoted", "number_of", "outcome", "reported",
-    "visible",
-]  # fmt: skip
-
 
 # -- A number of things in words: one of them is no several.
 

@@ -4,5 +4,3 @@ May import: physics, catalog, spec.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

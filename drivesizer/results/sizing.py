@@ -11,18 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.results.check import Check, Figure, Status, Uncertainty, verdict, worst
+from drivesizer.results.check import Figure, Uncertainty, worst
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation, Requirement, html_table, share
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
-
-__all__ = [
-    "CRITERIA", "Check", "Choice", "Choices", "Counts", "Explanation", "Figure", "SizingResult", "Status", "multiples",
-    "objective_figure", "ranked_by", "unknown_parts", "used_share", "verdict", "weighted_order", "worst",
-]  # fmt: skip
-
 
 # -- Drives by weights: each figure as a multiple of the best one, and the weighted mean of these multiples.
 #

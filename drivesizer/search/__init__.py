@@ -12,5 +12,3 @@ May import: equations, physics, catalog, loads, spec, results, load_cases, machi
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -34,8 +34,6 @@ from drivesizer.search.machine_filter import Weigh, least_power
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.drive import OBJECTIVES, Ranking, weights_of
 
-__all__ = ["Picked", "choices", "criteria", "picked"]
-
 Array = NDArray[np.float64]
 _CELLS = 200_000  # drives times pieces of the load cycles, of which waveforms are computed: a few tenths of a second
 _JUDGED = 16  # drives that are checked in their machine as well, beside those that the search gives

@@ -19,13 +19,6 @@ from drivesizer.search.columns.evaluation import Evaluation, by_physics, smalles
 from drivesizer.search.columns.limits_over_time import WAVEFORM_LIMITS
 from drivesizer.search.ranking import Rank, Sifted, waveforms
 
-__all__ = [
-    "BudgetFilter", "Evaluated", "FullDrives", "Judge", "Passing", "SearchResult", "best_of_other_families", "but_for",
-    "drives_by_margin", "failing_before", "family_firsts", "family_of", "margin_candidates", "ordered_in_machine",
-    "without_rejected",
-]  # fmt: skip
-
-
 # -- Results of a search, and how budgets of the machine take part in it.
 
 

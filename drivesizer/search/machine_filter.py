@@ -21,12 +21,11 @@ from drivesizer.physics.figures import no_less
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.winding import Parts, heat
-from drivesizer.results.check import sentence_case
+from drivesizer.results.check import Check, sentence_case, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.check_kinds import BATTERY_LASTING
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Check, verdict
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.columns.offers import Offers, bought, chosen, offers
@@ -39,12 +38,6 @@ from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, f
 from drivesizer.spec.drive import BOUGHT
 from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
-
-__all__ = [
-    "Weigh", "any_in_machine", "best_in_machine", "divided", "least_power", "machine_filter", "passes_budgets",
-    "shortfall", "weighing",
-]  # fmt: skip
-
 
 # -- Drives that a battery certainly cannot feed for long enough, by a lower bound of their power without a waveform.
 #

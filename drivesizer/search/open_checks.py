@@ -28,9 +28,6 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, at_figures
 from drivesizer.units import show
 
-__all__ = ["estimated", "passing", "resolved_checks", "turns"]
-
-
 # -- Drives whose checks hang on estimated figures: how probable it is that each passes, and at which value it turns.
 #
 # Every estimated figure is a random factor of its own, log-normal with the band as its 5th and 95th percentile;

@@ -31,13 +31,6 @@ from drivesizer.search.open_checks import passing
 from drivesizer.spec.drive import OBJECTIVES, Ranking, Weighted
 from drivesizer.units.kinds import RANGES
 
-__all__ = [
-    "COUNTED", "OPEN", "UNKNOWN", "Progress", "Rank", "Ranking", "Sifted", "any_passes", "better_but_unknown",
-    "controlling_unknown", "equals_of_the_last", "front", "objective_of", "order", "ranked",
-    "rounded", "sifted", "single", "title_of", "values", "waveforms",
-]  # fmt: skip
-
-
 # -- Ranking: objectives as columns, the order of drives by them, and the Pareto front.
 
 

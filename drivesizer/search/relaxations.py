@@ -21,9 +21,6 @@ from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show, to_si
 
-__all__ = ["FIGURES", "changes_for", "relaxations", "tried"]
-
-
 # -- Figures of a spec that may move alone so that a drive passes, and which way helps.
 #
 # Left out are figures of which more helps some drives and less others: diameters, leads, lengths, distances.

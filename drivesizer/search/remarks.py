@@ -26,8 +26,6 @@ from drivesizer.spec.mounting import altitude_words, mounting_words
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["assumptions", "nearest_figures", "not_returning", "warnings"]
-
 _FEW = 4  # missing figures at most that are worth a request to the maker
 
 

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
+from drivesizer.results.check import Check
 from drivesizer.results.drive_set import Comparison, DriveParts
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Check, Counts
+from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import candidates, pairs
 from drivesizer.search.columns.evaluation import by_physics, evaluate, smallest_margin
@@ -42,9 +43,6 @@ from drivesizer.search.ranking import (
     waveforms,
 )
 from drivesizer.spec.drive import Choice, MotorChoice
-
-__all__ = ["any_drive", "compared", "other_checks", "search"]
-
 
 Rows = NDArray[np.int64]
 _QUICK = "mass"  # objective that needs no waveform

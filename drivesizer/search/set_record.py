@@ -36,9 +36,6 @@ from drivesizer.search.open_checks import estimated, resolved_checks
 from drivesizer.search.search import compared
 from drivesizer.spec.drive import OBJECTIVES
 
-__all__ = ["STEPPER_ASSUMPTIONS", "drive_in_brief", "drive_parts", "drive_set"]
-
-
 # -- Figures of a stepper with its load that have no limit of their own.
 
 

@@ -55,8 +55,6 @@ from drivesizer.spec.robot import RobotSpec
 if TYPE_CHECKING:
     from drivesizer.search.uncertainty.probabilities import SampledDrives
 
-__all__ = ["Shortlist", "load_parts", "pair_of", "problem_with_drive_mass", "problem_with_screw", "shortlist"]
-
 
 # -- The parts out of which a spec's drive is chosen: its catalogues as the search takes them, or two parts by number.
 

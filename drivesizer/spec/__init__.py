@@ -4,5 +4,3 @@ May import: files, physics, platform, catalog, loads.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -8,8 +8,6 @@ from drivesizer.files.yaml_source import YamlSource, read
 from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import RobotSpec, read_spec
 
-__all__ = ["is_machine", "load_any", "read_any"]
-
 
 def is_machine(source: YamlSource) -> bool:
     """Whether a document has axes or joints, and is no spec of a single one."""

@@ -9,9 +9,6 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from drivesizer.files import fields
 
-__all__ = ["Battery", "BrakeResistor", "Consumer"]
-
-
 # -- Sections of a spec on its battery and on further consumers.
 
 

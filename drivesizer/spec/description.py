@@ -28,9 +28,6 @@ from drivesizer.spec.description_record import (
     vector,
 )
 
-__all__ = ["read_description", "read_urdf", "rotation", "urdf_of"]
-
-
 # -- Reader of URDF files: links with mass and size, and joints.
 #
 # Convention of URDF: lengths in m, angles in rad, roll, pitch and yaw about the fixed axes; inertia about the centre

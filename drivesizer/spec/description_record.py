@@ -15,12 +15,6 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import read_bytes
 
-__all__ = [
-    "Body", "Joint", "Link", "Node", "Robot", "about", "figure", "figures", "name_of", "placed", "read_tree",
-    "robot_of", "shape_of", "together", "vector",
-]  # fmt: skip
-
-
 # -- Elements of an XML file with their lines.
 #
 # expat parses; document types, and so entities, are refused, size and depth are bounded.

@@ -10,13 +10,6 @@ from pydantic import Field, field_validator, model_validator
 from drivesizer.files import fields
 from drivesizer.loads.stage_losses import FixedGear
 
-__all__ = [
-    "ASSUMABLE", "BOUGHT", "DIRECT", "OBJECTIVES", "BeltStage", "Choice", "Control", "ControllerChoice", "DirectStage",
-    "EncoderChoice", "GearStage", "GearheadStage", "MotorChoice", "Plant", "Pulleys", "Ranking", "Select", "Stage",
-    "Weighted", "weights_of",
-]  # fmt: skip
-
-
 # -- The stages between motor and load that a spec may name.
 
 

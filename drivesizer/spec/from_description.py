@@ -25,8 +25,6 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.spec.description import read_description, read_urdf, urdf_of
 from drivesizer.spec.description_record import Joint, Robot, read_tree
 
-__all__ = ["carried", "has_wheels", "joints_to_drive", "machine_of", "spec_of"]
-
 Array = NDArray[np.float64]
 _ALIKE = 0.01  # share by which wheels that are driven alike may differ
 _PARALLEL = 0.99  # of the axes of a wheel and of its cylinder

@@ -30,12 +30,6 @@ from drivesizer.spec.robot_section import RobotSection
 from drivesizer.spec.sections import Environment, Margins, Mission, Supply, TitleBlock
 from drivesizer.spec.tolerances import split_tolerances
 
-__all__ = [
-    "WHOLE", "AxisFields", "MachineFields", "carrying", "joint_axis", "load_machine", "machine_schema", "read_machine",
-    "sizing_order", "with_common_bus",
-]  # fmt: skip
-
-
 # -- Loads with the drives of other axes on them.
 #
 # Along a line a carried mass adds to that of the load. About an axis it is a point at a distance, the housing's own

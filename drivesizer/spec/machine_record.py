@@ -19,8 +19,6 @@ from drivesizer.spec.sections import Environment, Margins, Mission, Supply, Titl
 if TYPE_CHECKING:
     from drivesizer.spec.robot_section import RobotSection
 
-__all__ = ["AxisSpec", "Carried", "MachineSpec", "machine_of"]
-
 
 class Carried(NamedTuple):
     """An axis whose drives ride on another one."""

@@ -20,9 +20,6 @@ from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.sections import Lives
 from drivesizer.units import KINDS, noun
 
-__all__ = ["PAPER_TREATS", "explained", "has_names", "known_keys", "models_at", "models_of", "refuse_contradictions"]
-
-
 # -- Keys of a spec: those that are known at a place, and which one an unknown key stands for.
 
 

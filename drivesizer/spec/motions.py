@@ -7,12 +7,6 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from drivesizer.files import fields
 
-__all__ = [
-    "Cam", "Csv", "Harmonic", "Hold", "Motion", "Move", "SCurve", "Segment", "Segments", "Track", "Trapezoid",
-    "Triangle", "Waypoint", "Waypoints",
-]  # fmt: skip
-
-
 _ROUNDING = 1e-9  # of a time: ramps that fill it may be rounded
 
 

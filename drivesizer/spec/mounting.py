@@ -13,12 +13,6 @@ from drivesizer.physics.figures import Figures
 from drivesizer.physics.motor_demand import flange_loss
 from drivesizer.spec.sections import Environment
 
-__all__ = [
-    "Mounting", "OwnBrake", "Shaft", "altitude_words", "controller_needed", "loss_at_flange", "motor_needed",
-    "mounting_words", "rise_left", "rise_needed",
-]  # fmt: skip
-
-
 # -- Thin air: margins by which thermal ratings must exceed the demand above 1000 m.
 #
 # Ratings hold up to 1000 m. Above, IEC 60034-1 takes 1 % of the permitted rise per 100 m, to 4000 m:

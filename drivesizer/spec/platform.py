@@ -13,9 +13,6 @@ from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.wheels import Misjudged, Payload, Wheel, table_wheel
 from drivesizer.platform.wheels import Platform as Record
 
-__all__ = ["Budget", "Following", "Limits", "PassageSection", "Platform"]
-
-
 # -- Section of a spec on the wheels of a platform: one by one, or by a layout.
 #
 # A wheel is placed by x and y, or by the columns of the paper's Table 1. All places are in the robot's frame: x

@@ -31,9 +31,6 @@ from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
 
-__all__ = ["AS_SPECIFIED", "RobotSpec", "load_spec", "read_spec"]
-
-
 # -- A model that knows the file of which it was read: its text, its data as they were written, and lines of fields.
 
 

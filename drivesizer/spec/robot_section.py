@@ -15,11 +15,6 @@ from drivesizer.errors import InputError
 from drivesizer.files import fields
 from drivesizer.units import KINDS, label, noun, to_si
 
-__all__ = [
-    "DrivePlace", "Either", "Hold", "JointFigure", "JointLimits", "JointWaypoint", "Mounting", "PayloadCase",
-    "PointMass", "RobotSection",
-]  # fmt: skip
-
 
 class JointFigure(NamedTuple):
     """A figure of a joint in SI, and its kind of quantity."""

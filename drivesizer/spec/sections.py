@@ -8,12 +8,6 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from drivesizer.files import fields
 
-__all__ = [
-    "Case", "Environment", "Lives", "Margins", "Mission", "Needs", "PaperFactors", "PowerStage", "Requirements",
-    "Supply", "TitleBlock", "required_life",
-]  # fmt: skip
-
-
 # -- Required life: of all parts that have one, or of some of them by name.
 
 

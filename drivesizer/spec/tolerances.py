@@ -16,12 +16,6 @@ from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.units import KINDS, from_si, kind_of_unit, noun, number, scale, show
 
-__all__ = [
-    "FEWEST", "MOST", "ControllerTolerances", "GearheadTolerances", "MotorTolerances", "Toleranced", "Tolerances",
-    "has_tolerance", "split_tolerances", "tolerance",
-]  # fmt: skip
-
-
 # -- Reader of figures with a tolerance.
 #
 # ===================================  ==================================================================

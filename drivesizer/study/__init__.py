@@ -11,5 +11,3 @@ sections, and what hangs on them and a catalogue alone (``Catalog.once``) is mad
 
 May import: catalog, spec, results, search, sizing, output.
 """
-
-__all__: list[str] = []

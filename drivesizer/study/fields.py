@@ -19,8 +19,6 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import Either
 from drivesizer.units import to_si
 
-__all__ = ["changed", "kind_of", "path_of", "unknown_field"]
-
 _STEP = re.compile(r"(\w+)((?:\[[1-9][0-9]{0,3}\])*)", re.ASCII)
 
 

@@ -23,11 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "MAPS", "MOST_POINTS", "OTHERS", "Dimension", "MapAxes", "Panel", "Scene", "draw", "drawings", "look_of",
-    "map_axes", "numbered", "points",
-]  # fmt: skip
-
 
 # -- Look of drives on a map, number, colour and pattern or marker, and their list below it.
 #

@@ -26,9 +26,6 @@ from drivesizer.spec.tolerances import has_tolerance, tolerance
 from drivesizer.study.fields import kind_of, path_of, unknown_field
 from drivesizer.units import number, scale, to_si
 
-__all__ = ["MOST", "Job", "Places", "Plan", "StudyFile", "Variant", "read_study"]
-
-
 # -- The schema of study.yaml.
 #
 # ``axes`` reads the varied fields, because the spec defines a field's kind of quantity.

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from drivesizer.results.machine import AxisSizing, MachineSizing
     from drivesizer.spec.robot_section import RobotSection
 
-__all__ = ["Best", "Column", "Part", "Row", "best", "columns_of", "document_of", "parts_for", "rows_of", "spec_of"]
 
 Form = Literal["whole", "number", "text"]
 Row = list[Any]  # a figure that is not known is None

@@ -31,8 +31,6 @@ from drivesizer.study.store import (
 )  # fmt: skip
 from drivesizer.study.workers import Workers, computed, cores, workers
 
-__all__ = ["carry_out", "refined"]
-
 Progress = Callable[[int, int], None]  # variants that are done, variants in all
 _OWN = {"lock", "lock.txt", "chunks", "maps", "results.csv", "results.parquet", "study.json"}
 

@@ -42,11 +42,6 @@ from drivesizer.study.plan import Plan
 from drivesizer.study.rows import Column, Part, Row, columns_of, rows_of
 from drivesizer.version import __version__
 
-__all__ = [
-    "Store", "has_parquet", "locked", "made_of", "opened", "refuse_if_all_invalid", "write_csv", "write_parquet",
-]  # fmt: skip
-
-
 _LOCK = "lock"
 _HOLDER = "lock.txt"  # names the process that holds the lock: a locked file itself cannot be read on every system
 

@@ -22,8 +22,6 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.study.plan import Plan
 from drivesizer.study.rows import Part, rows_of
 
-__all__ = ["Workers", "computed", "cores", "one_thread_each", "workers"]
-
 _SINGLE = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
 _RESUME = "results so far are kept: the same command resumes"

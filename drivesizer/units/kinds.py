@@ -6,9 +6,6 @@ import math
 import re
 from typing import Any, NamedTuple
 
-__all__ = ["AT_MOST", "KINDS", "MAY_BE_ZERO", "RANGES", "Kind", "outside", "resolved"]
-
-
 # -- Kinds of quantities: the name of each, an example, and the units in which it may be written.
 
 

@@ -15,11 +15,6 @@ from drivesizer.units.kinds import KINDS, RANGES, outside
 if TYPE_CHECKING:
     import pint
 
-__all__ = [
-    "digits_of", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry", "scale", "show",
-    "show_band", "tabulate", "to_si",
-]  # fmt: skip
-
 
 # -- Cures for numbers that are written in another way: with commas, or as a ratio.
 

@@ -27,7 +27,7 @@ from drivesizer.search.columns.brakes import at_motor, brake_limits
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.shaft_limits import shock_limits
-from drivesizer.sizing import load_parts
+from drivesizer.search.shortlist import load_parts
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 NAN, RPM = math.nan, math.pi / 30.0

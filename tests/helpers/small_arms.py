@@ -17,7 +17,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
-from drivesizer.sizing import load_parts
+from drivesizer.search.shortlist import load_parts
 from drivesizer.spec.machine import carrying, load_machine
 from drivesizer.spec.machine_record import MachineSpec
 

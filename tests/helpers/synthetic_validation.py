@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from drivesizer.control.validation import Gains, Validation
-from drivesizer.results.sizing import Check, Figure, SizingResult
+from drivesizer.results.check import Check, Figure
+from drivesizer.results.sizing import SizingResult
 
 UNITS = {
     "time": ("time", "s"),

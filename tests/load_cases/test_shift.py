@@ -12,8 +12,9 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import counts, cycle_of_shift
 from drivesizer.machine.problem import problem
 from drivesizer.physics.load_cycle import rms
+from drivesizer.search.shortlist import load_parts
 from drivesizer.simulate import hardest_case, validate
-from drivesizer.sizing import explain, load_parts
+from drivesizer.sizing import explain
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 RAMP: dict[str, Any] = {"name": "up the ramp", "load": {"slope": "5 %"}}

@@ -16,8 +16,8 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.battery import charge_over_mission, energy_budget, pack_of, run_time
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.physics.battery import peukert_time
+from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet, EnergyBudget
-from drivesizer.results.sizing import Check
 from drivesizer.sizing import explain
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec, read_spec

@@ -12,7 +12,7 @@ from drivesizer.catalog import Catalog, load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.battery import Load, Pack, battery_checks, pack_of, raised_voltage
 from drivesizer.physics.battery import polarised_voltage
-from drivesizer.results.sizing import Check
+from drivesizer.results.check import Check
 from drivesizer.sizing import size
 from drivesizer.spec.battery import Battery
 from drivesizer.spec.robot import RobotSpec, read_spec

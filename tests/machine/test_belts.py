@@ -21,7 +21,8 @@ from drivesizer.physics.belt import (
     teeth_in_mesh,
     wrap_angle,
 )
-from drivesizer.sizing import explain, load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

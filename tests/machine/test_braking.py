@@ -18,7 +18,8 @@ from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.output.json.documents import plain as document
 from drivesizer.output.parts import machine_parts, totals
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.sizing import explain, load_parts
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explain
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

@@ -11,7 +11,8 @@ import pytest
 from forty_motors import MOTORS, catalogue
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.sizing import explain, load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 from drivesizer.study.rows import best
 

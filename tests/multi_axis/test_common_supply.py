@@ -15,9 +15,11 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.profile import static_torque
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.multi_axis.common_supply import AxisPower, common_supply
+from drivesizer.multi_axis.common_bus import AxisPower
+from drivesizer.multi_axis.common_supply import common_supply
 from drivesizer.results.machine import MachinePower
-from drivesizer.sizing import explain, load_parts
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explain
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

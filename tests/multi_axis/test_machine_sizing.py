@@ -20,7 +20,8 @@ from drivesizer.results.machine import MachineSizing, of_one_axis
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
-from drivesizer.sizing import explain, load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explain, size
 from drivesizer.spec.machine import load_machine
 from drivesizer.spec.machine_record import MachineSpec, machine_of
 from drivesizer.spec.robot import load_spec

@@ -9,9 +9,9 @@ from specs import estimates_off, without
 from starters import starter
 
 from drivesizer.catalog import Catalog
+from drivesizer.results.check import Check
 from drivesizer.results.check_kinds import marked_figures, rests_on, unknown_figures
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import Check
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, load_spec
 

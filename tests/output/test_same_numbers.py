@@ -25,7 +25,8 @@ import drivesizer
 from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import KNOWN, write
-from drivesizer.results.sizing import Check, SizingResult
+from drivesizer.results.check import Check
+from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.simulate import validate
 from drivesizer.sizing import size

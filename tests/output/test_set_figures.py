@@ -15,7 +15,8 @@ from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.results.sizing import Check, SizingResult
+from drivesizer.results.check import Check
+from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

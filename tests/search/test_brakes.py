@@ -10,7 +10,8 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.search.relaxations import relaxations
-from drivesizer.sizing import load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

@@ -17,8 +17,8 @@ from drivesizer.search.choices import choices
 from drivesizer.search.columns import offers
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.search import search
-from drivesizer.search.shortlist import problem_with_drive_mass
-from drivesizer.sizing import load_parts, size
+from drivesizer.search.shortlist import load_parts, problem_with_drive_mass
+from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
 NAMES = ("mass", "price", "energy", "margin")

@@ -8,7 +8,8 @@ import pytest
 
 from drivesizer.catalog import load
 from drivesizer.results.ratings import controller_current
-from drivesizer.sizing import load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

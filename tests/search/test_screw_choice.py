@@ -11,9 +11,9 @@ from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.results.problem import with_screw
 from drivesizer.search import shortlist
 from drivesizer.search.columns.limits import load_limits
-from drivesizer.search.shortlist import problem_with_screw
+from drivesizer.search.shortlist import load_parts, problem_with_screw
 from drivesizer.search.uncertainty.uncertain_figures import applied
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

@@ -19,9 +19,11 @@ from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import energy_flow
 from drivesizer.physics.stepper import PULL_OUT_SHARE
+from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import Check, SizingResult
-from drivesizer.sizing import explained, load_parts
+from drivesizer.results.sizing import SizingResult
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import explained
 
 RPM = math.pi / 30.0
 DRAW = random.Random(2100)

@@ -20,13 +20,14 @@ from drivesizer.physics.load_cycle import integral
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
 from drivesizer.search.uncertainty.probabilities import examined, failing, subject
 from drivesizer.search.uncertainty.sampled_drive import checks_of
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_order, mean_and_error, rank_correlations, sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions, case_paths
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

@@ -14,10 +14,10 @@ from drivesizer.errors import InputError
 from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.problem import problem
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.probabilities import Subject, at_ends, without_effect
 from drivesizer.search.uncertainty.sampled_drive import SetRows
 from drivesizer.search.uncertainty.uncertain_figures import COLUMNS, NOT_SAMPLED, Assumption, reason
-from drivesizer.sizing import load_parts
 from drivesizer.spec.messages import models_at
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.tolerances import tolerance

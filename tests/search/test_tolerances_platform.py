@@ -16,12 +16,13 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
 from drivesizer.search.uncertainty.probabilities import subject
 from drivesizer.search.uncertainty.sampled_drive import SetRows, checks_of
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import size
 from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec, read_spec
 

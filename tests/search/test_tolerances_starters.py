@@ -16,13 +16,14 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.machine.problem import problem
 from drivesizer.search.search import search
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
 from drivesizer.search.uncertainty.probabilities import subject
 from drivesizer.search.uncertainty.sampled_drive import checks_of
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import assumptions
-from drivesizer.sizing import load_parts, size
+from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")

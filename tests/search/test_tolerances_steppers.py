@@ -21,12 +21,13 @@ from drivesizer.output.json.documents import as_text
 from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.prepare import blocks, prepared
 from drivesizer.search.uncertainty.sampled_drive import SetRows, checks_of
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, holding, used
-from drivesizer.sizing import explained, load_parts, size
+from drivesizer.sizing import explained, size
 from drivesizer.spec.drive import ControllerChoice
 from drivesizer.spec.robot import RobotSpec, read_spec
 

@@ -8,7 +8,8 @@ from typer.testing import CliRunner
 from drivesizer.cli import app
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.sizing import load_parts, size
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import size
 from drivesizer.spec import messages
 from drivesizer.spec.robot import RobotSpec, read_spec
 

@@ -13,8 +13,9 @@ from studies import CHEAP, EXAMPLE, FEW, ROOT, laid
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.results.sizing import worst
-from drivesizer.sizing import load_parts, size
+from drivesizer.results.check import worst
+from drivesizer.search.shortlist import load_parts
+from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study

@@ -4,5 +4,3 @@ May import: catalog and its estimates; nothing else of catalog imports it.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -25,12 +25,6 @@ from drivesizer.physics.stepper import rotor_teeth
 from drivesizer.physics.thermal import rated_ambient
 from drivesizer.physics.winding import housing_loss
 
-__all__ = [
-    "OWN", "STEPPER", "Housing", "has_steppers", "rating_gain", "view_for", "with_mounting",
-    "with_own_brake",
-]  # fmt: skip
-
-
 # -- The catalogue with its motors as a spec mounts them: another thermal resistance from housing to ambient.
 #
 # Data sheets give the thermal resistance from housing to ambient, R_th2, of one mounting: on a plastic plate

@@ -16,12 +16,6 @@ from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Table, filled, 
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.physics.drive_train import ELECTRONICS
 
-__all__ = [
-    "CLAMPING_HUB", "ENDS", "MIDDLE", "completed", "printed_field", "search_view", "split_actuators",
-    "with_clamping_hubs", "with_direct_drive",
-]  # fmt: skip
-
-
 # -- Tables of parts with estimates where a figure is missing: at their middles, and at both ends of their bands.
 #
 # At the unfavourable end every estimated figure is where it makes most drives harder to pass: inertia, friction and

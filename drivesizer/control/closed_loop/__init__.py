@@ -4,5 +4,3 @@ May import: control and control/engine.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

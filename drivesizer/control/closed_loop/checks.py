@@ -27,16 +27,12 @@ from drivesizer.physics.counted_speed import speed_quantum
 from drivesizer.physics.figures import Range
 from drivesizer.physics.load_cycle import lasting_speeds, rms
 from drivesizer.physics.power_stage import of_the_source
-from drivesizer.results.check import Band
+from drivesizer.results.check import Band, Check, Figure
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import voltage_assumption
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit, unless_printed
-from drivesizer.results.sizing import Check, Figure
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 from drivesizer.units import show
-
-__all__ = ["checks", "columns", "figures", "loop_figures"]
-
 
 # -- Figures and time series of a closed-loop simulation, seen from the load.
 

@@ -31,8 +31,6 @@ from drivesizer.control.validation import Cascade, Gains, LinearFigure, LinearRu
 from drivesizer.load_cases.profile import SPEED
 from drivesizer.results.check import Figure
 
-__all__ = ["linear_run"]
-
 Array = NDArray[np.float64]
 
 _PEAKS = {  # title, column of the series, figure of the engine

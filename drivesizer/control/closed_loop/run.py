@@ -32,12 +32,6 @@ from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = [
-    "FOLLOWS", "ClosedLoop", "Prepared", "as_warm", "limited", "motor_heat", "prepared", "run", "slower", "unlimited",
-    "without_limits",
-]  # fmt: skip
-
-
 # -- Input of a simulation: drive train, designed controller, limits, heat and task of a drive.
 
 

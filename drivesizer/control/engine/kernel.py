@@ -16,9 +16,6 @@ from drivesizer.files.machine_code import Kernel, defined_in
 from drivesizer.kernel import heat as law_of_heat
 from drivesizer.kernel.heat import Bodies, Law, added, law_of, slopes, spread
 
-__all__ = ["KERNEL", "available_voltage", "feedforward_current", "holding_torque", "load_torque", "mode_of"]
-
-
 # -- The mode of a drive train and its torques: directions of motor and load, contact, direction of power.
 
 

@@ -19,9 +19,6 @@ from drivesizer.control.engine.kernel import available_voltage
 from drivesizer.control.engine.layout import ROW, STATE, TALLY, Array
 from drivesizer.control.engine.start import STILL, STILL_WARM, Run, tally
 
-__all__ = ["PEAKS", "all_cycles"]
-
-
 # -- Laps: a simulated stretch with its tallies and its map of the temperatures.
 
 

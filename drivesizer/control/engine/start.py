@@ -17,10 +17,6 @@ from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
 
-__all__ = [
-    "STILL", "STILL_WARM", "CurrentLimit", "Drive", "MotorHeat", "Run", "Supply", "Task", "line", "ready", "tally",
-]  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Supply:

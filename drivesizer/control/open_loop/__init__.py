@@ -4,5 +4,3 @@ May import: results, load_cases, loads, physics, spec, files, and control's own 
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

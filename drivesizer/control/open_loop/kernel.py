@@ -33,8 +33,6 @@ from numpy.typing import NDArray
 
 from drivesizer.files.machine_code import Kernel, defined_in
 
-__all__ = ["KERNEL", "PARAMETERS", "ROW", "TALLY", "Array"]
-
 Array = NDArray[np.float64]
 
 

@@ -28,9 +28,6 @@ from drivesizer.results.ratings import unless_printed
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = ["Stepper", "least_share", "prepared", "record", "run", "simulate"]
-
-
 # -- Open-loop simulation of a stepper along a task, and the share of its pull-out torque that it needs.
 
 

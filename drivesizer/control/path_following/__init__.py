@@ -4,5 +4,3 @@ May import: what control may.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

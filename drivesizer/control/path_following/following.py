@@ -20,12 +20,6 @@ from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.platform.wheels import EXACT, Misjudged, Platform, actual, per_wheel
 
-__all__ = [
-    "Contact", "Followed", "Model", "Planned", "SpeedLoop", "arrays", "deviation", "extremes", "first_state", "follow",
-    "pose_loop", "sample_count", "sampled", "simulated", "speed_loop",
-]  # fmt: skip
-
-
 # -- Controllers of a platform: a speed loop for each driven wheel, and a pose loop.
 #
 # Speed loops are PI on the wheel, with the torque (current) limit. Their gain is that of the symmetrical optimum

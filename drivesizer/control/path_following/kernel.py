@@ -32,8 +32,6 @@ import sys
 from drivesizer.files.machine_code import Kernel, defined_in
 from drivesizer.platform.matrix_equation import Array
 
-__all__ = ["KERNEL", "grip", "grip_slope"]
-
 GAMMA = 1.0 - 0.5**0.5  # of the Rosenbrock step: order 2 and L-stable
 FASTEST = 1e6  # m/s and rad/s: faster diverges
 

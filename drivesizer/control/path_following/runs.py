@@ -25,8 +25,6 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.platform import Following, Platform
 from drivesizer.units import show
 
-__all__ = ["AtWheel", "FollowingRun", "assumed", "drawn", "follow_case", "follow_runs", "wheel_drive"]
-
 
 class FollowingRun(NamedTuple):
     """Robot model and controllers of one simulation."""

@@ -25,9 +25,6 @@ from drivesizer.output.part import datasheets
 from drivesizer.results.drive_set import section_of
 from drivesizer.version import __version__
 
-__all__ = ["DATA_SHEETS", "FIGURES_OF_PARTS", "REPEAT", "SPECIFICATION", "repeat_blocks", "sheet_blocks"]
-
-
 # -- The specification as it was entered, by section, with the figures of the motion.
 
 

@@ -39,12 +39,6 @@ from drivesizer.results.check import Figure, sentence_case
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.units import show
 
-__all__ = [
-    "CYCLE", "CYCLE_PICTURES", "DERIVATION", "ENERGY", "FIELD", "HEAT", "LINEAR_LOOPS", "LOOP", "LOOP_DETAILS",
-    "PIECES",
-]  # fmt: skip
-
-
 # -- The requirements of the load: the paper's equations with the numbers put in, or the figures of the load cycle.
 
 

@@ -59,11 +59,6 @@ if TYPE_CHECKING:
     from drivesizer.output.report.figures.field import Panel
     from drivesizer.output.report.figures.style import Drawing
 
-__all__ = [
-    "AxisContent", "MachineContent", "document_of", "drawings_of", "machine_document", "machine_printed",
-    "machine_wide", "wide_of",
-]  # fmt: skip
-
 
 _FIELDS = 6  # of axes in one figure, which leaves room for a heading on its page
 _PIECES = 2000  # of the power over time: finer than a screen

@@ -11,8 +11,6 @@ from drivesizer.output.words import likely
 from drivesizer.results.prediction import Predicted, Prediction
 from drivesizer.units import show
 
-__all__ = ["prediction_blocks"]
-
 _DIGITS = 3
 _TITLES = {
     "free": "Free running",

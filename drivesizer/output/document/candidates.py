@@ -30,19 +30,11 @@ from drivesizer.output.document.records import (
 from drivesizer.output.document.rows import error_text, margin_quantity
 from drivesizer.output.parts import unknown_of
 from drivesizer.output.words import confidence, likely, loop_text, meeting, moved, number_of, reported
-from drivesizer.results.check import Driver, Reliability, Spread, Uncertainty
+from drivesizer.results.check import Driver, Reliability, Spread, Uncertainty, worst
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.sizing import SizingResult, objective_figure, ranked_by, unknown_parts, worst
+from drivesizer.results.sizing import SizingResult, objective_figure, ranked_by, unknown_parts
 from drivesizer.units import KINDS, show
-
-__all__ = [
-    "ALTERNATIVES", "CANDIDATES", "FRONT", "PROBABILITIES", "RANKING", "REJECTED", "RELIABILITY", "SCREWS", "UNCERTAIN",
-    "candidate_numbers",
-    "every_list", "gearhead_words", "objective_quantity", "percentiles_table", "probability_table",
-    "sampled_words", "set_columns",
-    "short_drive", "spreads_table", "uncertain_table",
-]  # fmt: skip
 
 
 def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, DriveSet]]:

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from drivesizer.output.report.figures.set_behaviour import Behaviour
     from drivesizer.output.report.figures.style import Drawing
 
-__all__ = ["Content", "OfDrives", "OfLoop", "driven_over", "error_and_weakest", "machine_words", "none_reaches"]
-
 
 @dataclass(frozen=True)
 class OfDrives:

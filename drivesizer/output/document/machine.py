@@ -40,11 +40,6 @@ from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.platform.robot_figures import Numbers
 from drivesizer.results.drive_set import DriveSet
 
-__all__ = ["BATTERY", "BATTERY_PICTURE", "BRAKING", "FOLLOWED", "MACHINE", "PERMITTED", "PLATFORM_NUMBERS",
-           "driving_blocks", "followed_blocks", "mass_blocks",
-           "numbers_table", "permitted_blocks"]  # fmt: skip
-
-
 # -- budgets and masses
 
 

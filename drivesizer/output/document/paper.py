@@ -24,8 +24,6 @@ from drivesizer.output.document.records import (
 )  # fmt: skip
 from drivesizer.version import __version__
 
-__all__ = ["as_data", "paper_data", "pictures_of", "sections_data"]
-
 _MOST_LISTED = 40  # sections of a table of contents on half a page
 
 

@@ -14,14 +14,6 @@ from drivesizer.output.derivation import margin
 from drivesizer.output.words import likely
 from drivesizer.units import KINDS, from_si, label, show
 
-__all__ = [
-    "BOOK", "PAPER", "TERMINAL", "WIDE", "Bar", "Block", "Bullets", "Cell", "Code", "Column", "Document", "Early",
-    "Equation", "Fragment", "Heading", "Mark", "Math", "Media", "Note", "Pair", "Picture", "Printed", "Quantity", "Row",
-    "Section", "Series", "Small", "Status", "Strong", "Table", "TableLink", "Text", "Tiles", "Verdict", "Words", "flat",
-    "text_of",
-]  # fmt: skip
-
-
 # A text is a string, or a tuple of strings and of marks; a renderer shows a mark by the name of its class.
 
 

@@ -15,24 +15,6 @@ from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, part_
 from drivesizer.results.drive_set import DriveSet, EnergyBudget, MassRow, Relaxation, Requirement
 from drivesizer.spec.robot import AS_SPECIFIED
 
-__all__ = [
-    "CHECK_COLUMNS",
-    "changes_table",
-    "check_row",
-    "check_table",
-    "consumers_table",
-    "error_text",
-    "figure_row",
-    "figures_table",
-    "margin_quantity",
-    "masses_table",
-    "required_table",
-    "requirements_table",
-    "tight_of",
-    "tightest_table",
-]  # fmt: skip
-
-
 # -- checks
 
 

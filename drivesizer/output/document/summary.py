@@ -49,13 +49,6 @@ from drivesizer.results.drive_set import BrakingBudget, DriveSet
 from drivesizer.results.sizing import ranked_by
 from drivesizer.units import show_band
 
-__all__ = [
-    "ASSUMPTIONS", "CHANGES", "CHECKS", "CONFIDENCE", "DRIVE", "ESTIMATES", "GLANCE", "OUTCOMES", "PHYSICS", "REQUIRED",
-    "SUMMARY", "lacking_words", "outcome_texts", "parts_table", "shared_parts_table", "summed_tile", "total_of",
-    "unknown_blocks",
-]  # fmt: skip
-
-
 # -- The parts list of the machine: families large, order numbers small, masses and prices with their totals.
 
 

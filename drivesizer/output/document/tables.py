@@ -13,8 +13,6 @@ from drivesizer.output.document.records import WIDE, Bar, Quantity, Table, flat,
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import SizingResult
 
-__all__ = ["tables"]
-
 
 def tables(
     result: SizingResult | MachineSizing, proof: Validation | Mapping[str, Validation] | None = None

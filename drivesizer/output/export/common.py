@@ -36,12 +36,6 @@ from drivesizer.spec.mounting import rise_left
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
-__all__ = [
-    "LEAST_INERTIA", "PROGRAM", "Export", "Limit", "Link", "TorqueLaw", "Vector", "assumed", "behind_gear", "brief",
-    "check_wheel", "document", "export_of", "far_above", "identifier", "lacking", "link_of", "number",
-    "refuse_doubles", "remark", "remarks", "sentences", "speed_at", "text", "torque_law", "vector", "whose",
-]  # fmt: skip
-
 PROGRAM = f"drivesizer {__version__}"
 LEAST_INERTIA = 1e-12  # kg*m^2: no simulator takes a moving link without any
 Vector = tuple[float, float, float]

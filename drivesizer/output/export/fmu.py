@@ -28,8 +28,6 @@ from drivesizer.output.export import fmu_motor
 from drivesizer.output.export.common import Export, document, text
 from drivesizer.output.export.machine import MachineExport
 
-__all__ = ["parameters", "render"]
-
 _1980 = 315_619_200.0  # s since 1970, the second day of that year in every time zone
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip file can hold
 _DIGITS = 16  # of the digest in a name: 64 bits

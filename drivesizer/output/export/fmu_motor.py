@@ -13,8 +13,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["FIGURES", "INPUTS", "OUTPUTS", "Drive"]
-
 FIGURES = {  # parameters: unit and meaning
     "resistance": ("ohm", "winding at 25 degC"),
     "inductance": ("H", "winding; 0: the current follows the voltage at once"),

@@ -25,8 +25,6 @@ import numpy as np
 from drivesizer.joints.inverse_dynamics import Attached
 from drivesizer.output.export.common import Export, number, sentences
 
-__all__ = ["JointDrive"]
-
 _NOWHERE = Attached("", np.zeros(3))  # of an axis, whose load has the masses
 
 

@@ -9,8 +9,6 @@ from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.json.schema import Definitions, array_of, document_schema, properties
 
-__all__ = ["document", "export_schema", "render"]
-
 
 class AtShaft(NamedTuple):
     """A drive seen at its driven shaft with gears that drive, and its controller as one law."""

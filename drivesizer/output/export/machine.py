@@ -30,11 +30,6 @@ from drivesizer.spec.description_record import Robot, about
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 
-__all__ = [
-    "MachineExport", "RobotExport", "drive_export", "free_name", "head", "in_urdf", "machine_export", "one_axis",
-    "platform_alone",
-]  # fmt: skip
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotExport:

@@ -51,8 +51,6 @@ from drivesizer.output.export.machine import MachineExport, RobotExport, free_na
 from drivesizer.output.export.platform import BASE, PlatformExport, wheel_name
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 
-__all__ = ["lossless", "render"]
-
 PER_PERIOD = 4  # steps in a period of the velocity loop: MuJoCo's is of first order in its step
 MOST_POINTS = 2000  # of the cycle in the file
 _ROW_OF_3 = 500  # figures that MuJoCo 3 reads in a row

@@ -30,8 +30,6 @@ from drivesizer.spec.description_record import Body
 from drivesizer.spec.platform import Limits
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["BASE", "PlatformExport", "Reach", "platform_export", "split", "wheel_name"]
-
 BASE = "base_link"
 _NOTHING = 1e-9  # of what is largest: rounding
 _LIGHT, _HEAVY = 1e-3, 0.5  # of the mass that a wheel carries: bounds of its own

@@ -40,8 +40,6 @@ from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.export.platform import PlatformExport, Reach, wheel_name
 from drivesizer.output.export.urdf import FOOTPRINT, robot_of
 
-__all__ = ["controllers", "render"]
-
 CONTROLLER = "velocity_controller"
 NAME = "base_controller"
 _ALONG = "joint_trajectory_controller"

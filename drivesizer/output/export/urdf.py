@@ -30,8 +30,6 @@ from drivesizer.output.export.platform import BASE as PLATFORM_BASE
 from drivesizer.output.export.platform import PlatformExport, wheel_name
 from drivesizer.spec.description_record import Body, together
 
-__all__ = ["FOOTPRINT", "render", "robot_of"]
-
 FOOTPRINT = "base_footprint"
 BASE = "base"
 _TINY = 1e-14  # of a rotation: no angle

@@ -35,10 +35,6 @@ if TYPE_CHECKING:
     from drivesizer.machine.platform_budget import PermittedSpeeds
     from drivesizer.output.platform import PlatformNumbers
 
-__all__ = [
-    "MOST_SAMPLES", "SCHEMA", "Columns", "OnPath", "Report", "ReportedAxis", "as_text", "driving", "keys", "made",
-    "on_path", "plain", "report", "series",
-]  # fmt: skip
 
 SCHEMA: Final = 2
 MOST_SAMPLES = 2000  # of the time series: finer than a screen

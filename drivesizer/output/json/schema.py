@@ -22,8 +22,6 @@ from drivesizer.results.machine import MachineSizing
 from drivesizer.results.prediction import Prediction
 from drivesizer.units import KINDS
 
-__all__ = ["Definitions", "array_of", "document_schema", "prediction_schema", "properties", "report_schema"]
-
 _PLAIN: dict[Any, dict[str, Any]] = {
     float: {"type": ["number", "null"]}, int: {"type": "integer"}, bool: {"type": "boolean"}, str: {"type": "string"},
     NoneType: {"type": "null"}, Any: {}, complex: {"type": "array", "items": {"type": "number"}, "maxItems": 2},

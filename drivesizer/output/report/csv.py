@@ -21,8 +21,6 @@ from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import SizingResult
 from drivesizer.units import from_si
 
-__all__ = ["columns_csv", "encoded", "files_csv", "report_csv", "sets_csv"]
-
 # UTF-8, lines end with a newline. Numbers are written with every digit that they have, an unknown figure is an empty
 # cell, an unbounded one is ``inf``. Units are spelled as a spec accepts them.
 

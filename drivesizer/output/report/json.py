@@ -7,8 +7,6 @@ from drivesizer.output.document.content import Content
 from drivesizer.output.json.documents import OnPath, as_text, on_path, report
 from drivesizer.results.machine import of_one_axis
 
-__all__ = ["report_json"]
-
 
 def report_json(content: Content | MachineContent) -> bytes:
     """A sizing with the closed loop of every axis, as the bytes of a file."""

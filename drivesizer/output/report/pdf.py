@@ -12,9 +12,6 @@ from drivesizer.output.document.axes import MachineContent, document_of, drawing
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
 
-__all__ = ["ReportError", "fonts", "report_pdf"]
-
-
 _LAST_OWN_LETTER = "\u2fff"  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
 
 

@@ -42,8 +42,6 @@ from drivesizer.output.words import likely, visible
 from drivesizer.results.check import GRAVEST
 from drivesizer.units import from_si, label
 
-__all__ = ["report_xlsx", "shown", "written"]
-
 MOST_ROWS = 1_048_575  # that a sheet has below its head
 MOST_SAMPLES = 50_000  # of series: what a spreadsheet opens at once; the CSV report has all
 _UNDATED = datetime(2000, 1, 1)  # a file with the time of its making is never the same again

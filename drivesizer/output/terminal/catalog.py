@@ -43,9 +43,6 @@ from drivesizer.output.terminal.tables import Axis, Series, bare, chart, console
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns, number_of
 from drivesizer.units import from_si, label
 
-__all__ = ["comparison", "counts_text", "listing", "overview", "page", "searched"]
-
-
 # -- Catalogues at the terminal: overview, lists of parts, comparison, search.
 
 

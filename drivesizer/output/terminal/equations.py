@@ -24,8 +24,6 @@ from drivesizer.platform.robot_figures import Numbers
 from drivesizer.results.drive_set import Requirement
 from drivesizer.units import label
 
-__all__ = ["equation", "equations", "platform_equation"]
-
 
 def equations() -> None:
     """Print all equations, a line each."""

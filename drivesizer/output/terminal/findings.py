@@ -23,8 +23,6 @@ from drivesizer.output.terminal.tables import console, heading
 from drivesizer.output.words import number_of
 from drivesizer.units import show
 
-__all__ = ["findings", "imported", "statistics"]
-
 _LEVELS = [(level, "right") for level in CONFIDENCE]  # heads of columns
 _BESIDE = 5  # catalogues side by side on 80 columns
 

@@ -34,8 +34,6 @@ from drivesizer.output.document.records import (
 )  # fmt: skip
 from drivesizer.output.terminal.tables import MARK, STYLE, width_of
 
-__all__ = ["blocks", "sections"]
-
 _MANY = 6  # columns, beyond which heads take several lines
 
 

@@ -31,16 +31,6 @@ if TYPE_CHECKING:
     from drivesizer.machine.platform_budget import PermittedSpeeds
     from drivesizer.results.prediction import Prediction
 
-__all__ = [
-    "DETAILS",
-    "explained",
-    "machine_explained",
-    "machine_proofs",
-    "machine_sizing",
-    "sizing",
-    "validation",
-    "validations",
-]
 
 DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
 """Details that :func:`sizing` shows on request beside the answer."""

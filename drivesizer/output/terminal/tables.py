@@ -15,9 +15,6 @@ from rich.rule import Rule
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["MARK", "STYLE", "Axis", "Series", "bare", "chart", "console", "dots", "heading", "ticks", "width_of"]
-
-
 # -- Tables for the terminal: they fit 80 columns and use what there is.
 
 

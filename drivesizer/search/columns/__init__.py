@@ -4,5 +4,3 @@ May import: what search may; nothing else of it.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

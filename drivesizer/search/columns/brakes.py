@@ -24,12 +24,6 @@ from drivesizer.search.columns.controllers import LAST, figure_order, parts_shar
 from drivesizer.spec.drive import EncoderChoice
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = [
-    "EncoderOffers", "OfferedBrakes", "at_motor", "brake_limits", "brakes_for", "counting_limits", "counts_check",
-    "encoders_for", "is_listed", "line_frequency", "offered_brakes", "offered_encoders", "own_figure", "stops",
-]  # fmt: skip
-
-
 # -- An encoder for every candidate at once: of those that meet the requirements one whose own limits are known to hold.
 #
 # Encoders come in the order of their counts, then of their part numbers. Before that order goes what is known of

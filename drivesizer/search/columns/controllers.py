@@ -25,25 +25,6 @@ from drivesizer.spec.drive import ASSUMABLE, Choice, ControllerChoice
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-__all__ = [
-    "HANGING",
-    "LAST",
-    "LOST",
-    "ChosenPart",
-    "Ranks",
-    "Required",
-    "Usable",
-    "controllers",
-    "figure_order",
-    "matching",
-    "none_suits",
-    "offered_buses",
-    "offers",
-    "parts_share",
-    "selected",
-    "usable_controllers",
-]  # fmt: skip
-
 LAST = 1e9  # in place of a figure that is unknown: behind all that are known
 LOST = np.int8(99)  # in place of the number of unknown checks: one fails, or it may not drive the motor
 # checks of a drive that hang on its controller and on its cycle

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
+from drivesizer.results.check import Check, Status
 from drivesizer.results.check_columns import CheckColumn, fits, over_band, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
 from drivesizer.results.problem import Problem
-from drivesizer.results.sizing import Check, Status
 from drivesizer.search.columns import paper as paper_rule
 from drivesizer.search.columns.brakes import counts_check, encoders_for, offered_brakes, offered_encoders
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows

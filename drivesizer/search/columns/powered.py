@@ -45,8 +45,6 @@ from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, wor
 from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["UNDECIDED", "Moving", "Powered", "powered"]
-
 Array = NDArray[np.float64]
 UNDECIDED = "undecided"  # figure of a candidate: above 0 where bounds leave open whether the waveform meets its limits
 

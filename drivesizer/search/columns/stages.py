@@ -34,9 +34,6 @@ from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_
 from drivesizer.search.columns.steppers import Frictionless, stepped
 from drivesizer.spec.mounting import loss_at_flange
 
-__all__ = ["Examined", "belts_together", "brakes_of", "encoders_of", "examine", "felt"]
-
-
 # -- The first stage: limits of the load, of a gearhead or of a motor alone, once per part and not per combination.
 #
 # A pair fails where one of its parts does, so that most pairs are judged behind all belts without being made: of

@@ -1,5 +1,3 @@
 """Reliability of a drive: figures with tolerances, and the probability that every check passes."""
 
 from __future__ import annotations
-
-__all__: list[str] = []

@@ -30,9 +30,8 @@ from drivesizer.control.closed_loop.run import (
 from drivesizer.control.engine import Simulation, Task, simulate_many
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad, motion_of
-from drivesizer.results.check import LoopShare
+from drivesizer.results.check import Check, LoopShare
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.sizing import Check
 from drivesizer.search.uncertainty.sampled_drive import deviating_drive
 from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths

@@ -4,5 +4,3 @@ May import: ``lines`` and what output may.
 """
 
 from __future__ import annotations
-
-__all__: list[str] = []

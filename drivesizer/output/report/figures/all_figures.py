@@ -18,9 +18,6 @@ from drivesizer.results.check_kinds import sorted_by_part
 from drivesizer.results.sizing import SizingResult, objective_figure
 from drivesizer.units import from_si, label
 
-__all__ = ["IN_TABLES", "STILL", "figures_into", "loop_drawings", "report_drawings"]
-
-
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 STILL = (  # what the page shows as the PDF does
     "sketch", "way", "tornado", "fields", "efficiency", "demand", "heat", "energy", "permitted", "followed", "diagram",

@@ -10,13 +10,10 @@ import numpy as np
 
 from drivesizer.output.derivation import clean, margin, minus, short, use
 from drivesizer.output.report.figures.style import COLOURS, bars, beside, figure, placed, width
-from drivesizer.results.check import Driver
-from drivesizer.results.sizing import Check
+from drivesizer.results.check import Check, Driver
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = ["margins", "swings", "tornado", "trade_off"]
 
 
 # -- The margins of all checks as bars: how much of each limit is used, and how much may be.

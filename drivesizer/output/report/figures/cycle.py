@@ -30,11 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "LINEAR", "MOST_WHEELS", "Row", "Trace", "bench", "closed_loop", "closed_loop_rows", "current_and_voltage",
-    "each_over_time", "energy_bars", "load_over_time", "platform_motion", "shares", "speed_profile",
-    "speed_required", "stretches", "temperatures", "time_unit", "wheels_over_time",
-]  # fmt: skip
 
 Array = NDArray[np.float64]
 

@@ -24,11 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "TOGETHER", "Panel", "alone", "conditions", "efficiency_field", "efficiency_map", "leading", "panels",
-    "paper_points", "reach_of", "signed", "torque_speed", "torque_speed_panels",
-]  # fmt: skip
-
 
 # -- Panels of the motor's field: one for load cases that share its lines, and the paper's points.
 

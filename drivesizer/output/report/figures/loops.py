@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["block_diagram", "bode", "curve_of", "look_of", "span", "step"]
-
 
 # -- The loop of a drive as a block diagram, after figure 3 of the paper: controllers, DC motor, gears, encoder.
 

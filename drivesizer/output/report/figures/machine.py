@@ -38,11 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "LOOKS", "Layer", "axes_power", "battery", "is_known", "layers", "path_and_errors", "plan_view", "power_unit",
-    "shown_until", "speed_by_direction", "ways_of",
-]  # fmt: skip
-
 
 # -- The way of a platform in plan view: its path, where it heads and the room that it takes, passages, start and end.
 

@@ -33,8 +33,6 @@ from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.mounting import rise_left
 from drivesizer.units import show
 
-__all__ = ["Behaviour"]
-
 _BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_winding", "thermal_resistance_housing",
            "resistance")  # fmt: skip
 

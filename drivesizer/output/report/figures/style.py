@@ -27,11 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = [
-    "CASES", "COLOURS", "FILES", "STYLE", "Drawing", "Form", "Ready", "Strip", "Window", "across", "bars", "beside",
-    "figure", "heading", "limit", "named", "outside", "placed", "plotted", "reads", "strip", "thinned", "torque_unit",
-    "width", "windows", "within",
-]  # fmt: skip
 
 Array = NDArray[np.float64]
 Form = Literal["svg", "png", "typeset"]  # typeset: SVG whose letters are letters, for whoever has the font

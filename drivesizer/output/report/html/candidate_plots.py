@@ -21,9 +21,6 @@ from drivesizer.results.sizing import Choice, Choices, SizingResult, objective_f
 from drivesizer.spec.drive import BOUGHT, OBJECTIVES
 from drivesizer.units import from_si, label, show
 
-__all__ = ["apart", "choices_plot", "front_plot", "sets_plot", "unbeaten", "weights_section"]
-
-
 # -- The drives by mass, margin and price, and a front by its objectives.
 
 

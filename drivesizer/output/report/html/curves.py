@@ -21,9 +21,6 @@ from drivesizer.physics.stepper import PULL_OUT_SHARE, pull_out_torque, rotor_te
 from drivesizer.spec.battery import Battery
 from drivesizer.units import from_si, label, show
 
-__all__ = ["Plot", "above", "dashes", "figure", "line", "numbers", "part_plots", "plain", "rows", "sampled", "whole"]
-
-
 # -- Pieces of interactive figures as plain data: numbers, traces, legends, rows of axes.
 #
 # A figure is what plotly.js draws (``data`` and ``layout``) with a legend and stretches to look at, which the page

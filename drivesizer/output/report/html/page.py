@@ -30,9 +30,6 @@ from drivesizer.output.report.html.plots import (
 )
 from drivesizer.output.report.html.templates import digest, environment, mathematics, mathml, own_file, unbroken
 
-__all__ = ["both_schemes", "filled_page", "image", "page_parts", "report_html"]
-
-
 # -- Still figures of the page: drawings whose colours follow the light or dark scheme of the reader.
 #
 # Each colour of a drawing becomes a variable with two values; the drawing has them itself, for as an image it sees

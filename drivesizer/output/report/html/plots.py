@@ -28,12 +28,6 @@ from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label, show
 
-__all__ = [
-    "bode_plot", "charge_plot", "closed_loop_plot", "consumers_plot", "cycle_plot", "field_plot", "motion_plot",
-    "power_plot", "step_plots",
-]  # fmt: skip
-
-
 # -- The motion, and the load over its cycle.
 
 

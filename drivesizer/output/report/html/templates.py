@@ -22,10 +22,6 @@ from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = [
-    "Compiled", "digest", "environment", "mathematics", "mathml", "own_file", "packed", "section_html", "unbroken",
-]  # fmt: skip
-
 
 # -- Parts that all pages share, kept in the cache folder once made: the compiled template, the library as packed.
 
