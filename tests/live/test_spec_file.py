@@ -100,6 +100,6 @@ def test_what_cannot_be_written_stays_whole(path: Path, monkeypatch: pytest.Monk
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("drivesizer.files.writing._as_before", full)
+    monkeypatch.setattr(Path, "chmod", full)
     assert save(path, "a: 1\n", mark)["lines"] == [f"{path}: cannot be written (no space left on device)"]
     assert path.read_bytes() == TEXT.encode() and len(list(path.parent.iterdir())) == 1
