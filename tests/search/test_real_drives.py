@@ -36,6 +36,15 @@ motion: {profile: trapezoid, speed: 45 deg/s, acceleration_time: 0.5 s, cruise_t
 transmission: [{kind: gearhead}]
 supply: {nominal: 7.4 V, current: 10 A, accepts: all}""",
     ),
+    # 2.6 N*m at 18 rpm, where the line between no load and stall as printed gives 2.5
+    "second joint of a desk arm": (
+        "robotis", "XM430-W350 12 V", "",
+        """load: {kind: arm, mass: 0.95 kg, length: 270 mm, start_angle: -30 deg}
+motion: {profile: trapezoid, speed: 18 rpm, acceleration_time: 0.25 s, cruise_time: 0.3 s, rest_time: 2 s,
+         there_and_back: true}
+transmission: [{kind: gearhead}]
+supply: {nominal: 12 V, current: 5 A, accepts: all}""",
+    ),
     "hip of a walking robot": (
         "unitree", "GO-M8010-6", "",
         """load: {kind: arm, mass: 3.2 kg, length: 180 mm, start_angle: -25 deg}
