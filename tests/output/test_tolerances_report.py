@@ -44,8 +44,6 @@ def test_the_json_document_says_how_sure_and_is_what_its_schema_says(result: Siz
     document = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     jsonschema.validate(document, report_schema())
     document = document["axes"][0]["result"]
-    document = document["axes"][0]["result"]
-    document = document["axes"][0]["result"]
     told = document["uncertainty"]
     assert (told["samples"], told["seed"], told["confidence"]) == (512, 1, 0.5)
     assert "load.mass" in [one["name"] for one in told["assumptions"]]
