@@ -85,8 +85,9 @@ def holding(catalog: Catalog, given: Given, part: str, row: int) -> tuple[Class,
             if (part, default.figure) in given:
                 found.append(default)
             else:
-                own = _of_a_maker(catalog, mine) if mine else _of_stall(catalog, part, row, default.figure)
-                found.append(_of_peers(catalog, default, part, row) or own or default)
+                own = _of_a_maker(catalog, mine) if mine else None
+                stalled = None if mine else _of_stall(catalog, part, row, default.figure)
+                found.append(stalled or _of_peers(catalog, default, part, row) or own or default)
     return tuple(found)
 
 
@@ -144,7 +145,7 @@ def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | Non
     return losses_from_stall(str(one["part"]), *(float(one[name]) for name in ("efficiency", "ratio", "stages")))
 
 
-_WORKED_OUT = {"derived", "recalled"}  # confidences of figures that are not printed
+_WORKED_OUT = {"derived", "recalled", ESTIMATED}  # confidences of figures that are not printed
 _ROUNDED = 0.05  # of a resistance that is voltage over stall current
 
 
