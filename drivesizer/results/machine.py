@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.results.check import Check, Figure, Reliability, Status, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.drive import OBJECTIVES
-from drivesizer.spec.machine_record import MachineSpec, machine_of
+from drivesizer.spec.machine_record import MachineSpec, axis_of, machine_of
 from drivesizer.spec.robot import RobotSpec
 
 # -- Power of all axes of a machine on one supply over its cycle, as a record.
@@ -168,12 +167,7 @@ class MachineSizing:
 
     def axis(self, name: str) -> AxisSizing:
         """The axis of a name."""
-        found = next((axis for axis in self.axes if axis.name == name), None)
-        if found is None:
-            names = [axis.name for axis in self.axes]
-            listed = f"{', '.join(names)}{nearest(name, names)}"
-            raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
-        return found
+        return axis_of(self.axes, name)
 
     @property
     def total(self) -> float:

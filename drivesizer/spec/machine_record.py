@@ -5,9 +5,9 @@ What reads machine.yaml is ``spec.machine``, which a machine of one axis need no
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
@@ -66,12 +66,7 @@ class MachineSpec:
 
     def axis(self, name: str) -> AxisSpec:
         """The axis of a name."""
-        found = next((axis for axis in self.axes if axis.name == name), None)
-        if found is None:
-            names = [axis.name for axis in self.axes]
-            listed = f"{', '.join(names)}{nearest(name, names)}"
-            raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
-        return found
+        return axis_of(self.axes, name)
 
     def carried(self, name: str) -> dict[str, float | None]:
         """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one."""
@@ -110,6 +105,24 @@ class MachineSpec:
     def where(self, path: Path_) -> str:
         """File, line and name of a field, for a message."""
         return self.source.where(path)
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+Axis = TypeVar("Axis", bound=_Named)
+
+
+def axis_of(axes: Sequence[Axis], name: str) -> Axis:
+    """The axis of a name, of a machine's spec or of its sizing."""
+    found = next((axis for axis in axes if axis.name == name), None)
+    if found is None:
+        names = [axis.name for axis in axes]
+        listed = f"{', '.join(names)}{nearest(name, names)}"
+        raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
+    return found
 
 
 def machine_of(spec: RobotSpec) -> MachineSpec:
