@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def _places(names: list[str]) -> Iterable[int]:
+def places(names: list[str]) -> Iterable[int]:
     """Numbers of places; not Python integers, for which numba would compile a function once for every number."""
     found: Any = np.arange(len(names))
-    places: Iterable[int] = found
-    return places
+    numbers: Iterable[int] = found
+    return numbers
 
 
 # the machine; the controller (kp, integral gain per sample, share of the derivative that is kept, derivative gain per
@@ -44,7 +44,7 @@ PARAMETERS = _PARAMETERS.split()
     PEAK, CONT2, BUDGET, HEAT, R_A, ALPHA, AMBIENT, P_1, P_2, NODE_0, NODE_D, NODES, MOST,
     TOL_I, TOL_W, TOL_U, TOL_F, TOL_X, PROMPT, LOSS, R_B, STANDBY, LEADS, KEPT, RESTS, EVERY,
     FEEDBACK, A_WW, A_WH, A_HW, A_HH, BY_SQUARE, BY_LOSS,
-) = _places(PARAMETERS)  # fmt: skip
+) = places(PARAMETERS)  # fmt: skip
 
 # machine; heat (rises over ambient, copper heat, and what a kelvin at the start makes of them); controller: pending
 # voltage, integrals with derivative, last error and its presence, current demand now and next, excess over the limits;
@@ -57,7 +57,7 @@ STATE = _STATE.split()
 (
     I, W, F, V, X, Y, T_W, T_H, Q, WW, WH, WQ, HW, HH, HQ, CODE, I2T, PEND, OUTER, _, _, _, INNER, _, _, _,
     I_DEMAND, I_NEXT, I_CUT, U_CUT, W_ADD, W_NEXT, LIMIT, STEPS, SQUARE, RES, SEEN, TURN,
-) = _places(STATE)  # fmt: skip
+) = places(STATE)  # fmt: skip
 
 # largest magnitudes with their times, then sums [s, A^2 s, J, (rad/s)^2 s, rad^2 s], then highest and lowest;
 # errors of the motor (W, X) are those at the motor, errors of the load (V, Y) those at the driven shaft
@@ -71,7 +71,7 @@ TALLY = _TALLY.split()
     G_I, _, G_U_DEMAND, _, G_U, _, G_W, _, G_E_W, _, G_E_X, _, G_E_V, _, G_E_Y, _, G_G, _, G_AHEAD, _, G_POWER, _,
     G_BUS, _, G_U_STAGE, _, G_SQUARE, G_SATURATED, G_LIMITED, G_IN, G_RETURNED, G_RESISTED,
     G_E2_W, G_E2_X, G_E2_V, G_E2_Y, G_G_SQUARE, G_RUNNING, G_I2T, G_WINDING, G_HOUSING, G_V_LOW,
-) = _places(TALLY)  # fmt: skip
+) = places(TALLY)  # fmt: skip
 
 _ROW = """
     time reference motor_speed current voltage gear_torque load_speed position_error load_position_error current_demand

@@ -25,22 +25,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.control.engine.layout import places
 from drivesizer.files.machine_code import Kernel, defined_in
 
 Array = NDArray[np.float64]
-
-
-def _places(names: list[str]) -> Iterable[int]:
-    """Numbers of places; not Python integers, for which numba would compile a function once for every number."""
-    found: Any = np.arange(len(names))
-    places: Iterable[int] = found
-    return places
 
 
 # inertia of motor and load; ratio and efficiency of the gears; friction at the motor; load forward, backward, at rest;
@@ -55,7 +47,7 @@ PARAMETERS = _PARAMETERS.split()
 (
     J_M, J_L, RATIO, EFF, FRICTION, T_F, T_B, T_0, TEETH, DAMP, FADES, MICRO, RAMP, H, V_STEP, SHARE, IDLE, NOW,
     RUBS, ENDS, EVERY,
-) = _places(PARAMETERS)  # fmt: skip
+) = places(PARAMETERS)  # fmt: skip
 
 # largest magnitudes with their times: lag of the rotor behind the field (electrical), distance from the profile,
 # torque of the driven shaft, speed of the motor; when the lag first passed half a turn; at the end lag, distance from
@@ -67,7 +59,7 @@ TALLY = _TALLY.split()
 (
     G_LAG, G_LAG_TIME, G_ERROR, G_ERROR_TIME, G_GEAR, G_GEAR_TIME, G_SPEED, G_SPEED_TIME, G_SLIPPED, G_END_LAG,
     G_END_ERROR, G_TIME, G_STEPS, G_ROWS,
-) = _places(TALLY)  # fmt: skip
+) = places(TALLY)  # fmt: skip
 
 _ROW = "time reference motor_speed position_error load_angle motor_torque gear_torque"
 ROW = _ROW.split()
