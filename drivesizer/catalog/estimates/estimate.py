@@ -171,19 +171,19 @@ def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
         if wide.any():
             law = np.full(int(wide.sum()), RULE)
             found[name] = Estimates(rows[wide], value[wide], value[wide], high[wide], law)
-    for name, (least, most) in _OF_PRINTED_STALL.items():
+    for name, (least, most, best) in _OF_PRINTED_STALL.items():
         rows = catalog.by_rule("actuators", name)
         value, law = table[name][rows], np.full(len(rows), _OF_STALL)
         if len(rows):
-            high = np.maximum(value, np.minimum(most * value, _BEST)) if name == "efficiency" else most * value
+            high = np.maximum(value, np.minimum(most * value, best))
             found[name] = Estimates(rows, value, least * value, high, law)
     return found
 
 
 # A servo's printed stall is that of a warm motor or its controller's limit: 2.86 ohm of ST-3215 where 2.0 to 2.4 were
-# identified, 49 % where 62 to 77 % were measured while it lifts. In multiples of the figure out of the printed stall.
-_OF_PRINTED_STALL = {"resistance": (0.65, 1.0), "efficiency": (1.0, 1.5)}
-_BEST = 0.85  # efficiency of a servo's gears, at most
+# identified, 49 % where 62 to 77 % were measured while it lifts. Multiples of the figure out of the printed stall, and
+# the most that it may be.
+_OF_PRINTED_STALL = {"resistance": (0.65, 1.0, inf), "efficiency": (1.0, 1.5, 0.85)}
 
 
 def _largest_resistance(table: Table[Any], rating: NDArray[np.float64]) -> NDArray[np.float64]:
