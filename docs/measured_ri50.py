@@ -8,8 +8,8 @@ import numpy as np
 from measured_compared import OWN_PARTS, Axis, Comparison, against, banded, part, predicted, sampled
 from measured_data import Array, Held, course, held, record
 
+from drivesizer.kernel.warming import State
 from drivesizer.physics.thermal import resistance_at
-from drivesizer.physics.two_bodies import State
 from drivesizer.prediction.set_at_voltage import Heating, SetAtVoltage, hottest_phase, over_time
 from drivesizer.results.prediction import Band
 

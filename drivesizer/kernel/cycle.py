@@ -13,10 +13,12 @@ from drivesizer.kernel.heat import (
     Change,
     Law,
     added,
+    bodies_of,
     both,
     change_of,
     law_of,
     left_over,
+    mean_square,
     periodic,
     slopes,
     spread,
@@ -35,7 +37,6 @@ from drivesizer.kernel.supply import (
     larger,
     largest_power,
     longest_above,
-    mean_square,
     most_stored,
     returned_of,
     source_heat,
@@ -137,14 +138,6 @@ def part(s: Segment, n: int, count: int) -> Segment:
     )
 
 
-def bodies_of(d: Drive) -> Bodies:
-    """Winding and housing."""
-    return Bodies(
-        d.R_rise / d.C_w, -1.0 / (d.R_th1 * d.C_w), 1.0 / (d.R_th1 * d.C_w), 1.0 / (d.R_th1 * d.C_h),
-        -(1.0 / d.R_th1 + 1.0 / d.R_th2) / d.C_h, d.R / d.C_w, 1.0 / d.C_h,
-    )  # fmt: skip
-
-
 def heating(d: Drive, b: Bodies, s: Segment) -> Law:
     """The equations of heat over a piece."""
     loss = d.friction * 0.5 * (abs(s.w_0) + abs(s.w_1)) + d.iron * mean_square(s.w_0, s.w_1)
@@ -153,7 +146,7 @@ def heating(d: Drive, b: Bodies, s: Segment) -> Law:
 
 def periodic_start(d: Drive, c: Course, count: int, cycle: int) -> tuple[float, float]:
     """Rises with which a cycle begins in periodic steady state; infinite where there is none."""
-    b, whole, k = bodies_of(d), Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), count
+    b, whole, k = bodies_of(d.R, d.R_rise, d.R_th1, d.R_th2, d.C_w, d.C_h), Change(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), count
     while k > 0 and not left_over(whole) < FORGOTTEN:  # from the end, as far back as it has an effect
         k -= 1
         s, steady = segment_of(d, c, k, cycle)
@@ -246,7 +239,7 @@ def over_cycle(
     rows: Array,
 ) -> Figures:
     """A drive over a cycle, its winding in a course that begins with rises of winding and housing, or held."""
-    b, course, time = bodies_of(d), not math.isnan(start[0]), 0.0
+    b, course, time = bodies_of(d.R, d.R_rise, d.R_th1, d.R_th2, d.C_w, d.C_h), not math.isnan(start[0]), 0.0
     w, h = start
     none = Top(-math.inf, -math.inf, 0.0)
     current, winding, voltage, power, least = none, none, none, none, w

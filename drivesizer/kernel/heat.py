@@ -64,6 +64,19 @@ class Change(NamedTuple):
     h: float
 
 
+def mean_square(a: float, b: float) -> float:
+    """Mean of the square of a line."""
+    return (a * a + a * b + b * b) * (1.0 / 3.0)
+
+
+def bodies_of(R: float, R_rise: float, R_th1: float, R_th2: float, C_w: float, C_h: float) -> Bodies:
+    """Winding and housing; resistance at ambient temperature [ohm] and its rise [ohm/K]."""
+    return Bodies(
+        R_rise / C_w, -1.0 / (R_th1 * C_w), 1.0 / (R_th1 * C_w), 1.0 / (R_th1 * C_h),
+        -(1.0 / R_th1 + 1.0 / R_th2) / C_h, R / C_w, 1.0 / C_h,
+    )  # fmt: skip
+
+
 def law_of(b: Bodies, square: float, loss: float) -> Law:
     """The equations at a mean square current [A^2] and a loss at the housing [W]."""
     return Law(b.feedback * square + b.ww, b.wh, b.hw, b.hh, b.by_square * square, b.by_loss * loss)

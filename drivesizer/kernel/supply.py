@@ -77,11 +77,6 @@ def larger(top: Top, value: float, time: float) -> Top:
     return Top(value, value, time)
 
 
-def mean_square(a: float, b: float) -> float:
-    """Mean of the square of a line."""
-    return (a * a + a * b + b * b) * (1.0 / 3.0)
-
-
 def along(a: float, b: float, share: float) -> float:
     """A line after a share of its way."""
     return a + share * (b - a)

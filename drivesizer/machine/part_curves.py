@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
+from drivesizer.kernel.warming import State, overload_time, steady_state
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.stepper import pull_out_torque, rescaled_torque
@@ -22,7 +23,6 @@ from drivesizer.physics.thermal import (
     resistance_25,
     two_bodies,
 )
-from drivesizer.physics.two_bodies import State, overload_time, steady_state
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveParts
 

@@ -20,8 +20,9 @@ from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.kernel.cycle import HEAT, POWER
 from drivesizer.kernel.drives import drives_of
 from drivesizer.kernel.evaluate import evaluate, pieces
+from drivesizer.kernel.heat import mean_square
 from drivesizer.kernel.records import Drive, Figures, Piece
-from drivesizer.kernel.supply import mean_square
+from drivesizer.kernel.warming import State, after
 from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, CycleAtBelt
 from drivesizer.physics.extremes import first_largest
@@ -29,7 +30,6 @@ from drivesizer.physics.load_cycle import middle, places, rms
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.physics.two_bodies import State, after
 from drivesizer.physics.winding import Heat, heat
 from drivesizer.results.drive_set import DriveParts, MotorPiece
 from drivesizer.spec.mounting import loss_at_flange

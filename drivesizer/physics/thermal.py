@@ -2,7 +2,7 @@
 
 Convention: temperatures are absolute. Copper loss heats the winding; where a function takes a housing loss, that loss
 (friction of a brushed motor, iron losses) enters at the housing and warms the winding through R_th2 alone.
-Not here: how the temperature moves in time (see ``two_bodies``); magnets that weaken with heat.
+Not here: how the temperature moves in time (see ``kernel.warming``); magnets that weaken with heat.
 Symbols: T temperature [K], R resistance [ohm], R_th thermal resistance [K/W], I current [A], P loss [W], k_t torque
 constant [N*m/A], I_0 no-load current [A], w speed of the motor [rad/s].
 """

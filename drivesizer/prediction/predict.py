@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.query import Hit
+from drivesizer.kernel.warming import State, steady_state
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.thermal import TwoBodies, resistance_at
-from drivesizer.physics.two_bodies import State, steady_state
 from drivesizer.prediction.set_at_voltage import (
     Heating,
     SampledParts,

@@ -18,11 +18,11 @@ from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances import Class, lognormal
 from drivesizer.catalog.view.search_view import split_actuators
+from drivesizer.kernel.warming import State, after
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, motor_and_gears
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
-from drivesizer.physics.two_bodies import State, after
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import EstimatedFigure
 from drivesizer.results.prediction import Conditions
@@ -165,8 +165,8 @@ def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[
 #
 # Temperatures of winding and housing while the current follows from the winding's temperature: columns over samples.
 #
-# Each step is exact for a constant current (see ``two_bodies``); a current that changes with the winding's resistance
-# is taken at the mean of the step's ends. Convention: temperatures are absolute.
+# Each step is exact for a constant current (``kernel.warming``); one that changes with the winding's resistance is
+# taken at the mean of the step's ends. Convention: temperatures are absolute.
 
 
 _RUNAWAY = 3000.0  # K, beyond which a winding is taken to run away

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
 from drivesizer.catalog.parts import one_row
+from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.budgets import MachineBudget
 from drivesizer.machine.part_curves import curves_of, torque_of_part
@@ -22,7 +23,6 @@ from drivesizer.physics.braking import Stop
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.physics.two_bodies import State, overload_time
 from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveParts, DriveSet, MotorPiece, Relaxation
 from drivesizer.results.problem import Problem

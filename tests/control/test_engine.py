@@ -18,7 +18,7 @@ from drivesizer.control.engine import (
     Task,
     simulate,
 )
-from drivesizer.physics.two_bodies import State, steady_state
+from drivesizer.kernel.warming import State, steady_state
 
 # --- the modes and the machine
 

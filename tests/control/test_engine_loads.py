@@ -9,8 +9,8 @@ import pytest
 from engine_tasks import MOTOR, PERIOD, figure, gains, machine, saturated_by_solver
 
 from drivesizer.control.engine import Drive, MotorHeat, Supply, Task, simulate
+from drivesizer.kernel.warming import State, steady_state
 from drivesizer.physics.thermal import TwoBodies
-from drivesizer.physics.two_bodies import State, steady_state
 
 # --- regenerated energy
 

@@ -17,7 +17,7 @@ from drivesizer.control.engine import (
     laps,
     simulate,
 )
-from drivesizer.physics.two_bodies import State, steady_state
+from drivesizer.kernel.warming import State, steady_state
 
 SET = machine(friction=1e-3, forward_torque=0.3, backward_torque=-0.3)
 HEAT = MotorHeat(bodies=MOTOR, ambient=298.15, loss_torque=1e-3, loss_viscous=1e-6)

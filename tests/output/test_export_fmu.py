@@ -9,6 +9,7 @@ import builtins
 import io
 import json
 import math
+import re
 import subprocess
 import sys
 import zipfile
@@ -237,12 +238,10 @@ def test_what_is_in_the_archive(fmu, export):
     with zipfile.ZipFile(fmu) as archive:
         assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
         assert archive.namelist() == sorted(archive.namelist())
-        (motor,) = (name for name in archive.namelist() if name.endswith("_motor.py"))
-        code = archive.read(motor).decode()
-    assert (
-        "import"
-        not in code.replace("from __future__ import annotations", "").replace("import math", "").split('"""')[2]
-    )
+        code = [archive.read(name).decode() for name in archive.namelist() if name.startswith("resources/drive_")]
+    needed = {name.split("_")[0] for one in code for name in re.findall(r"^from (\w+) import|^import (\w+)", one, re.M)
+              for name in name if name}  # fmt: skip
+    assert len(code) == 3 and needed == {"", "math", "typing", "pythonfmu", "drive"}
     described = fmpy.read_model_description(str(fmu))
     names = {variable.name: variable for variable in described.modelVariables}
     assert set(names) == set(FIGURES) | set(INPUTS) | {n for n in OUTPUTS if not n.endswith("temperature")}

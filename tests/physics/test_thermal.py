@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drivesizer.kernel.warming import State, steady_state
 from drivesizer.physics.thermal import (
     COPPER,
     DATA_TEMPERATURE,
@@ -19,7 +20,6 @@ from drivesizer.physics.thermal import (
     nominal_current,
     steady_winding_temperature,
 )
-from drivesizer.physics.two_bodies import State, steady_state
 
 CELSIUS = 273.15
 

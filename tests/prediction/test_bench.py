@@ -11,8 +11,8 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
+from drivesizer.kernel.warming import State, overload_time
 from drivesizer.physics.thermal import TwoBodies
-from drivesizer.physics.two_bodies import State, overload_time
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.set_at_voltage import Heating, in_the_long_run, over_time, time_to_limit
 from drivesizer.results.prediction import Conditions

@@ -1,8 +1,8 @@
 """An FMU for co-simulation (FMI 2.0): the set with its load, driven by a voltage.
 
-Made by PythonFMU, whose loader runs ``fmu_motor`` in the Python of the simulator's computer: a Python 3 must be there,
-nothing else; the loader is built for Linux and Windows on x86-64. All figures are parameters of the FMU. Dates are
-fixed and the GUID is that of the content, so that the same set gives the same bytes.
+Made by PythonFMU, whose loader runs ``fmu_motor`` and the kernel's equations of heat in the Python of the simulator's
+computer: a Python 3 must be there, nothing else; the loader is built for Linux and Windows on x86-64. All figures are
+parameters of the FMU. Dates are fixed and the GUID is that of the content, so that the same set gives the same bytes.
 
 All FMUs of a process share one Python, which keeps modules by their names: a second FMU would run with the code and
 figures of the first that has the same. So model and modules are named by a digest of what they hold.
@@ -24,6 +24,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from drivesizer.errors import InputError
+from drivesizer.kernel import heat
 from drivesizer.output.export import fmu_motor
 from drivesizer.output.export.common import Export, document, text
 from drivesizer.output.export.machine import MachineExport
@@ -55,8 +56,8 @@ _UNITS: dict[str, dict[str, str]] = {
 
 def parameters(of: Export) -> dict[str, float]:
     """The figures of ``fmu_motor`` for a set, SI; 0 switches off what is unknown."""
-    train, heat = of.train, of.heat
-    thermal = (heat.R_th1, heat.R_th2, heat.capacity_w, heat.capacity_h) if heat else (0.0,) * 4
+    train, two = of.train, of.heat
+    thermal = (two.R_th1, two.R_th2, two.capacity_w, two.capacity_h) if two else (0.0,) * 4
     names = ("winding_to_housing", "housing_to_ambient", "winding_capacity", "housing_capacity")
     return {
         "resistance": train.resistance, "inductance": train.inductance if of.inductance_known else 0.0,
@@ -91,15 +92,17 @@ def render(machine: MachineExport) -> bytes:
         raise InputError("--format: fmu needs PythonFMU; pip install 'drivesizer[fmu]'") from None
     if time.time() < _1980:
         raise InputError("--format: an FMU is a ZIP archive, which has no dates before 1980; set this machine's clock")
-    code = Path(fmu_motor.__file__).read_bytes()
+    code = {name: Path(module.__file__).read_text("utf-8") for name, module in (("motor", fmu_motor), ("heat", heat))}
     figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
-    digest = hashlib.sha256("\0".join((_SLAVE, figures, said)).encode() + code).hexdigest()[:_DIGITS]
+    digest = hashlib.sha256("\0".join((_SLAVE, figures, said, *code.values())).encode()).hexdigest()[:_DIGITS]
     with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
-        script, motor = Path(folder) / f"drive_{digest}.py", Path(folder) / f"drive_{digest}_motor.py"
+        script, packed = Path(folder) / f"drive_{digest}.py", []
         script.write_bytes(_SLAVE.format(figures=figures, said=said, digest=digest).encode())
-        motor.write_bytes(code)
+        for name, source in code.items():
+            packed.append(Path(folder) / f"drive_{digest}_{name}.py")
+            packed[-1].write_bytes(source.replace(heat.__name__, f"drive_{digest}_heat").encode())
         with _tidy():
-            made = FmuBuilder.build_FMU(script, dest=folder, project_files=[motor])
+            made = FmuBuilder.build_FMU(script, dest=folder, project_files=packed)
         return _settled(made.read_bytes(), of)
 
 

@@ -12,6 +12,9 @@ Symbols: u voltage [V], i current [A], w motor speed [rad/s], K reduction, e eff
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
+
+from drivesizer.kernel.heat import added, bodies_of, law_of, mean_square, spread
 
 FIGURES = {  # parameters: unit and meaning
     "resistance": ("ohm", "winding at 25 degC"),
@@ -61,37 +64,17 @@ _ROUNDS = 40  # of the search for the moment of standstill
 class Drive:
     """The machine with its state; figures by the names of ``FIGURES``, SI."""
 
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> float:
+            """One of ``FIGURES``."""
+
     def __init__(self, figures: dict[str, float]) -> None:
         for name in FIGURES:
             setattr(self, name, float(figures[name]))
         self.voltage = self.load_torque = 0.0
         self.current = self.motor_speed = self.shaft_angle = 0.0
         self.winding_temperature = self.housing_temperature = self.ambient
-
-    resistance: float
-    inductance: float
-    torque_constant: float
-    back_emf_constant: float
-    motor_inertia: float
-    motor_friction: float
-    motor_viscous: float
-    ratio: float
-    efficiency: float
-    load_inertia: float
-    forward_torque: float
-    backward_torque: float
-    rest_torque: float
-    lever_torque: float
-    lever_angle: float
-    radius: float
-    ambient: float
-    winding_to_housing: float
-    housing_to_ambient: float
-    winding_capacity: float
-    housing_capacity: float
-    housing_loss: float
-    housing_loss_viscous: float
-    most_current: float
 
     @property
     def shaft_speed(self) -> float:
@@ -201,11 +184,12 @@ class Drive:
         self.motor_speed, self.shaft_angle = w, angle
         self.current = self._cut(self._flowing(i, w))
         if self.winding_to_housing > 0.0:
-            self._warm(0.5 * (before * before + self.current * self.current), w, h)
-
-    def _warm(self, square: float, w: float, h: float) -> None:
-        across = (self.winding_temperature - self.housing_temperature) / self.winding_to_housing
-        out = (self.housing_temperature - self.ambient) / self.housing_to_ambient
-        loss = self.housing_loss * abs(w) + self.housing_loss_viscous * w * w
-        self.winding_temperature += h * (self._hot() * square - across) / self.winding_capacity
-        self.housing_temperature += h * (across + loss - out) / self.housing_capacity
+            cold = self.resistance * (1.0 + _COPPER * (self.ambient - _DATA))
+            thermal = self.winding_to_housing, self.housing_to_ambient, self.winding_capacity, self.housing_capacity
+            bodies = bodies_of(cold, _COPPER * self.resistance, *thermal)
+            loss = self.housing_loss * abs(w) + self.housing_loss_viscous * w * w
+            law = law_of(bodies, mean_square(before, self.current), loss)
+            rises = self.winding_temperature - self.ambient, self.housing_temperature - self.ambient
+            winding, housing, _ = added(law, spread(law, h), h, *rises)
+            self.winding_temperature += winding
+            self.housing_temperature += housing

@@ -16,8 +16,8 @@ from kernel_cycles import warmed
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from drivesizer.kernel.warming import State, after, overload_time, steady_state
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
-from drivesizer.physics.two_bodies import State, after, overload_time, steady_state
 
 MOTOR = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)  # an RE 25, near enough
 ONE = TwoBodies(R_25=1.9, R_th1=4.0, R_th2=1e-9, tau_w=8.0, tau_h=0.5)  # its housing keeps the ambient's temperature
