@@ -90,6 +90,8 @@ def test_vendor_spellings(text, kind, si):
     [
         ("3,5 mm", "length", "comma"),
         ("1,000 rpm", "rotary_speed", "comma"),
+        ("10 000 rpm", "rotary_speed", "write it without: 10000 rpm"),
+        ("1’000_000 g", "mass", "write it without: 1000000 g"),
         ("1e400 V", "voltage", "range"),
         ("1e-400 m", "length", "range"),
         ("1e308 km", "length", "range"),
@@ -110,7 +112,7 @@ def test_vendor_spellings(text, kind, si):
         ("25 degC", "temperature_difference", "unit of temperature"),
         ("5 V", "current", "unit of voltage"),
         ("5 m s", "time", "not a unit"),
-        ("1_0 mm", "length", "not a unit"),
+        ("1_0 mm", "length", "write it without: 10 mm"),
         ("0x10 mm", "length", "not a unit"),
         ("١٢ mm", "length", "number"),
         ("5 nm", "torque", "not a unit"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import threading
 import time
@@ -19,6 +20,7 @@ from drivesizer.errors import DrivesizerError, InputError, NoLoopError, UnknownC
 
 if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
+    from drivesizer.files.yaml_source import YamlSource
     from drivesizer.results.drive_set import DriveSet
     from drivesizer.results.machine import MachineSizing
     from drivesizer.spec.machine_record import MachineSpec
@@ -113,10 +115,17 @@ def _whole(option: str, example: int, low: float, high: float) -> Callable[[obje
 Spec = Annotated[Path, file_argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Top = Annotated[int, whole_option("--top", 3, 1, 1000, meaning="How many drives to show, at most 1000.")]
+Fields = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="FIELD=VALUE", help="Another value of a field, e.g. load.mass=400kg; repeatable."),
+]
 Chosen = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="MOTOR/GEARHEAD", help="A drive, e.g. 118752/406764, or lift=...; else the best."),
-]
+    typer.Option(
+        "--set", metavar="MOTOR/GEARHEAD",
+        help="A drive, e.g. 118752/406764, or lift=...; else the best. Or a field, load.mass=400kg.",
+    ),
+]  # fmt: skip
 More = Annotated[
     list[str] | None,
     typer.Option("--catalog", metavar="NAME_OR_FILE", help="A catalogue beside the spec's, e.g. my_parts.yaml or all."),
@@ -135,7 +144,71 @@ class NothingFitsError(DrivesizerError):
     """The input is valid and no drive meets all limits: exit status 1."""
 
 
-def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> MachineSpec:
+def fields_and_drives(words: list[str] | None) -> tuple[list[str], list[str]]:
+    """What ``--set`` says of fields of the spec, and of drives, which may be of an axis.
+
+    Parameters
+    ----------
+    words
+        Its values.
+
+    Returns
+    -------
+    tuple
+        FIELD=VALUE, and MOTOR/GEARHEAD or AXIS=MOTOR/GEARHEAD.
+    """
+    from drivesizer.spec.machine import MachineFields
+    from drivesizer.spec.robot import RobotSpec
+
+    fields, drives = list[str](), list[str]()
+    for word in words or ():
+        name, sign, value = word.partition("=")
+        known = re.split(r"[.[]", name)[0].strip() in RobotSpec.model_fields.keys() | MachineFields.model_fields.keys()
+        of_drive = "/" in value and "." not in name
+        (fields if sign and known and not of_drive else drives).append(word)
+    return fields, drives
+
+
+def with_fields(source: YamlSource, words: list[str]) -> YamlSource:
+    """A spec's text with other values in some of its fields.
+
+    Parameters
+    ----------
+    source
+        The file.
+    words
+        Of ``--set``: ``load.mass=400kg``, ``transmission[2].ratio=3``; a field is left out with nothing behind the =.
+
+    Returns
+    -------
+    YamlSource
+        The text as it would be with these values in it.
+
+    Raises
+    ------
+    InputError
+        When a field is none of the spec's, or a value no YAML.
+    """
+    from drivesizer.files.yaml_edit import Edit, edited
+    from drivesizer.files.yaml_source import YamlSource
+    from drivesizer.study.fields import path_of, unknown_field
+
+    edits, axes = [], source.data.get("axes") if isinstance(source.data, dict) else None
+    for word in words:
+        name, sign, value = word.partition("=")
+        path = path_of(name.strip(), axes if isinstance(axes, dict) else ())
+        if not sign or path is None:
+            raise InputError(f"--set: {quoted(word)} is no field with its value; expected e.g. load.mass=400kg")
+        indexed = isinstance(source.data, dict) and any(isinstance(step, int) for step in path)
+        if indexed and (wrong := unknown_field(source, path)):  # of any other the reader knows more to say
+            raise InputError(f"--set: {name.strip()}: {wrong}")
+        edits.append(Edit(path, YamlSource(value.strip(), f"--set {name.strip()}").data, text=True))
+    return YamlSource(edited(source.text, edits, source.name), source.name)
+
+
+def load(
+    path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
+) -> MachineSpec:
     """Read a machine, of which a plain spec is one axis, and add catalogues; paths are relative to the current folder.
 
     Parameters
@@ -146,6 +219,8 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
         Further catalogues, by name or file.
     axis
         Of several axes the one that is wanted, with the drives that ride on it, which are sized for that.
+    words
+        Fields with other values, as ``--set`` has them; see :func:`with_fields`.
 
     Returns
     -------
@@ -158,7 +233,8 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")
-    found = load_any(path)  # once: a pipe has nothing more to read
+    # once: a pipe has nothing more to read
+    found = load_any(path, (lambda source: with_fields(source, words)) if words else None)
     try:  # a file by its whole path, which is not beside the spec
         names = [one if one in ("all", *shipped()) else str(path_of(one).absolute()) for one in more or ()]
     except UnknownCatalogError as error:
@@ -174,12 +250,14 @@ def load(path: Path, more: list[str] | None = None, axis: str | None = None) -> 
     return found if axis is None else alone(found, axis)
 
 
-def load_axis(path: Path, more: list[str] | None = None, axis: str | None = None) -> RobotSpec:
+def load_axis(
+    path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
+) -> RobotSpec:
     """Read the spec of a single axis, as :func:`load`; a machine of several is refused without one that is wanted.
 
     Parameters
     ----------
-    path, more, axis
+    path, more, axis, words
         As of :func:`load`.
 
     Returns
@@ -187,7 +265,7 @@ def load_axis(path: Path, more: list[str] | None = None, axis: str | None = None
     RobotSpec
         The spec.
     """
-    found = load(path, more, axis)
+    found = load(path, more, axis, words)
     if not found.is_several:
         return found.axes[0].spec
     names = [one.name for one in found.axes] + (["a joint of its robot"] if found.robot else [])

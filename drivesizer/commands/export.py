@@ -34,14 +34,15 @@ def export(
     """
     from drivesizer.output import export as exports
 
-    robot = common.load(spec, catalogs, axis)
+    fields, drives = common.fields_and_drives(chosen)
+    robot = common.load(spec, catalogs, axis, fields)
     exports.accept(form, output)
     bodies, several = exports.FORMATS[form].bodies, robot.is_several
     if wheel is not None and several:
         raise InputError("--wheel: it is of a single axis; expected --axis beside it")
     if wheel is not None:
         exports.check_wheel(robot.axes[0].spec, wheel)  # before time is spent
-    ((_, one, found), *_), result = common.with_drives(robot, chosen)
+    ((_, one, found), *_), result = common.with_drives(robot, drives)
     with common.working("designing the controller"):
         if several and result:
             of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.commands import common
-from drivesizer.commands.common import DEFAULT, TOP, Json, More, OfAxis, Profile, Spec, Top, file_option
+from drivesizer.commands.common import DEFAULT, TOP, Fields, Json, More, OfAxis, Profile, Spec, Top, file_option
 from drivesizer.commands.setup import interactive, start_by_questions
 from drivesizer.errors import InputError
 
@@ -60,6 +60,7 @@ def size(
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only the drive, no alternatives, no notes.")] = False,
     axis: OfAxis = None,
     catalogs: More = None,
+    fields: Fields = None,
 ) -> None:
     """Find the drive: parts list, verdict, tightest checks, alternatives."""
     from drivesizer.output import report as reports
@@ -67,7 +68,7 @@ def size(
 
     if spec == DEFAULT and not spec.exists() and not json and interactive():
         start_by_questions(spec)
-    robot = common.load(spec, catalogs, axis)
+    robot = common.load(spec, catalogs, axis, fields)
     reports.accept([pdf] if pdf else [], tables=[csv] if csv else [])
     result = common.sized(robot, top, objective, (confidence, samples, seed, processes, loop_samples), pareto)
     one, named = result.alone, "" if spec == DEFAULT else str(spec)
@@ -128,11 +129,12 @@ def report(
     date: Annotated[str | None, typer.Option(metavar="TEXT", help="Date that the PDF and the page carry.")] = None,
     axis: OfAxis = None,
     catalogs: More = None,
+    fields: Fields = None,
 ) -> None:
     """Write the report: .pdf, .html, .xlsx, .csv or .json, several at once."""
     from drivesizer.output import report as reports
 
-    robot = common.load(spec, catalogs, axis)
+    robot = common.load(spec, catalogs, axis, fields)
     reports.accept(output)
     choices = _CHOICES if any(path.suffix.lower() == ".html" for path in output) else 0
     how = confidence, samples, seed, processes, loop_samples
@@ -158,6 +160,7 @@ def explain(
     json: Json = False,
     axis: OfAxis = None,
     catalogs: More = None,
+    fields: Fields = None,
 ) -> None:
     """Show why one combination of motor and gearhead passes or fails, check by check."""
     from drivesizer.output.terminal import sizing as terminal
@@ -165,7 +168,7 @@ def explain(
     from drivesizer.search.uncertainty.options import sampling_of
     from drivesizer.sizing import explained
 
-    robot, found = common.load(spec, catalogs, axis), {}
+    robot, found = common.load(spec, catalogs, axis, fields), {}
     several = robot.is_several
     axes = {"": robot.axes[0].spec}
     if several:

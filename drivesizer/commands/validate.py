@@ -41,14 +41,15 @@ def validate(
     from drivesizer.output.json import documents
     from drivesizer.output.terminal import sizing
 
-    robot = common.load(spec, catalogs, axis)
+    fields, drives = common.fields_and_drives(chosen)
+    robot = common.load(spec, catalogs, axis, fields)
     reports.accept([], tables=[csv] if csv else [])
     _known_case(robot, case)
     if everything:
-        if chosen or csv or drawings:
+        if drives or csv or drawings:
             raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
         raise typer.Exit(_all_of(robot, case, profile, top, json))
-    axes, several = common.with_drives(robot, chosen)[0], robot.is_several
+    axes, several = common.with_drives(robot, drives)[0], robot.is_several
     proofs = _proofs(axes, case, profile)
     for name, proof in proofs.items():
         if drawings:
@@ -153,11 +154,12 @@ def drive(
 
     if drawings and not follow:
         raise InputError("--figures: it draws what --follow simulates; expected both, or none")
-    robot = common.load_axis(spec, catalogs)
+    fields, drives = common.fields_and_drives(chosen)
+    robot = common.load_axis(spec, catalogs, None, fields)
     accept([], tables=[csv] if csv else [])
     on_path = with_trajectory(robot, trajectory, failed or ())
     found = driving(on_path)
-    one = _drive_on_path(robot, on_path, chosen)
+    one = _drive_on_path(robot, on_path, drives)
     if csv:
         from drivesizer.output.report import write_driving
 

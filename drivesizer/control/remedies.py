@@ -74,8 +74,8 @@ def _limits(motion: SCurve | Trapezoid | Triangle | Move) -> dict[str, float] | 
     if isinstance(motion, SCurve):
         return {name: getattr(motion, name) for name in _UNITS["linear"]} | {"jerk": motion.jerk / 2}
     if isinstance(motion, Trapezoid):
-        ramps = (motion.acceleration_time, motion.deceleration_time or motion.acceleration_time)
-        speed, distance = motion.speed, motion.speed * (sum(ramps) / 2 + motion.cruise_time)
+        up, cruise, down, speed = motion.phases
+        ramps, distance = (up, down), speed * ((up + down) / 2 + cruise)
     elif isinstance(motion, Triangle):
         ramps, distance = (motion.time / 2, motion.time / 2), motion.distance
         speed = 2 * distance / motion.time
@@ -140,7 +140,13 @@ def slower_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
     if not isinstance(before, Trapezoid):
         return
     for factor in (2.0, 4.0):
-        text = show(factor * before.acceleration_time, "s", "time", 6)
+        if before.acceleration is not None:
+            kind, unit = _UNITS[proof.spec.load.axis]["acceleration"]
+            text = show(before.acceleration / factor, unit, kind, 6)
+            made = before.model_copy(update={"acceleration": to_si(text, kind)})
+            yield Change("slower ramps", f"motion.acceleration: {text}", _with_motion(spec, before, made))
+            continue
+        text = show(factor * before.phases[0], "s", "time", 6)
         made = before.model_copy(update={"acceleration_time": to_si(text, "time")})
         entry = f"motion.acceleration_time: {text}"
         if before.deceleration_time is not None:

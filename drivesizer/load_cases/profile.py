@@ -281,17 +281,12 @@ def trapezoid(motion: Trapezoid) -> Profile:
     >>> trapezoid(Trapezoid(speed="1.5 m/s", acceleration_time="2 s", cruise_time="3 s", rest_time="1 s")).time
     (0.0, 2.0, 5.0, 7.0, 8.0)
     """
-    down = motion.deceleration_time
-    legs = (
-        ("acceleration_time", motion.acceleration_time, motion.speed),
-        ("cruise_time", motion.cruise_time, motion.speed),
-        (
-            "acceleration_time" if down is None else "deceleration_time",
-            motion.acceleration_time if down is None else down,
-            0.0,
-        ),
-        ("rest_time", motion.rest_time, 0.0),
-    )
+    up, cruise, down, top = motion.phases
+    slowing = "acceleration_time" if motion.deceleration_time is None else "deceleration_time"
+    names = ("acceleration_time", "cruise_time", slowing)
+    if motion.distance is not None:
+        names = ("acceleration", "distance", "acceleration")
+    legs = (*zip(names, (up, cruise, down), (top, top, 0.0), strict=True), ("rest_time", motion.rest_time, 0.0))
     return straight("trapezoid", legs, motion.there_and_back)
 
 
@@ -339,12 +334,9 @@ def _rounded(motion: Trapezoid) -> Profile:
     Each ramp is all jerk, up and back: in the time T of a straight one the acceleration reaches 2 v / T at its middle,
     twice that of the straight one, with the jerk 4 v / T^2.
     """
-    up = down = motion.acceleration_time
-    if motion.deceleration_time is not None:
-        down = motion.deceleration_time
-    rising, falling = (_ramp(motion.speed, time / 2, 0.0) for time in (up, down))
-    field = "acceleration_time" if motion.deceleration_time is None else "deceleration_time"
-    return _curve(rising, motion.cruise_time, falling, motion, field)
+    up, cruise, down, top = motion.phases
+    rising, falling = (_ramp(top, time / 2, 0.0) for time in (up, down))
+    return _curve(rising, cruise, falling, motion, "speed")
 
 
 def harmonic(motion: Harmonic) -> Profile:

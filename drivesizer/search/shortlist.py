@@ -527,7 +527,7 @@ def _refuse_unknown_choices(spec: RobotSpec, catalog: Catalog) -> None:
             known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())
             for name in wanted:
                 if not known.intersection(matching(name, table, key)):
-                    where = spec.where(("select", section, key))
+                    where = spec.where(("select", section, "maker" if key == "manufacturer" else key))
                     hint = "; expected transmission: [{kind: direct}]" if name == DIRECT else nearest(name, known)
                     raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")
     bus, buses = spec.select.controller.bus, offered_buses(catalog.controllers)

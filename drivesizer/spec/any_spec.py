@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from drivesizer.files.yaml_source import YamlSource, read
@@ -14,9 +15,10 @@ def is_machine(source: YamlSource) -> bool:
     return isinstance(source.data, dict) and ("axes" in source.data or "robot" in source.data)
 
 
-def load_any(path: str | Path) -> MachineSpec:
-    """The machine of a file; a plain spec is one of a single axis."""
-    found = read_any(read(Path(path)))
+def load_any(path: str | Path, change: Callable[[YamlSource], YamlSource] | None = None) -> MachineSpec:
+    """The machine of a file, whose text may be changed first; a plain spec is one of a single axis."""
+    source = read(Path(path))
+    found = read_any(change(source) if change else source)
     return machine_of(found) if isinstance(found, RobotSpec) else found
 
 

@@ -171,15 +171,17 @@ ASSUMABLE: dict[str, tuple[str, ...]] = {  # checks that pass where a figure is 
 
 
 class Choice(fields.Section):
-    """Restricts a kind of part to some families or part numbers; * stands for any text."""
+    """Restricts a kind of part to some makers, families or part numbers; * stands for any text."""
 
+    maker: fields.Names | None = fields.optional("such as maxon, as its catalogue has it")
     family: fields.Names | None = fields.optional('such as "EC 45 flat" or "EC*"')
     part: fields.Names | None = None
 
     @property
     def named(self) -> dict[str, list[str]]:
         """Names or patterns by the catalogue's column, as far as given."""
-        return {key: names for key, names in (("family", self.family), ("part", self.part)) if names}
+        wanted = {"manufacturer": self.maker, "family": self.family, "part": self.part}
+        return {column: names for column, names in wanted.items() if names}
 
 
 class MotorChoice(Choice):
@@ -257,7 +259,7 @@ class Select(fields.Section):
 
     @property
     def is_restricted(self) -> bool:
-        """Whether families or parts are named."""
+        """Whether makers, families or parts are named."""
         return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller, self.brake))
 
 

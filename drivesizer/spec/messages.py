@@ -28,6 +28,7 @@ _OTHER_WORDS = {
     "accel": ("acceleration", "acceleration_time"),
     "ambient_temperature": ("ambient",),
     "angle": ("incline", "slope", "distance"),
+    "brake": ("hold_unpowered",),
     "bus_voltage": ("nominal",),
     "displacement": ("distance",),
     "dwell": ("rest_time",),
@@ -50,6 +51,7 @@ _OTHER_WORDS = {
     "velocity": ("speed",),
     "voltage": ("nominal", "nominal_voltage"),
     "weight": ("mass",),
+    "wheels": ("driven_wheels",),
 }
 _FEW = 3  # places of a key that are named
 

@@ -29,13 +29,41 @@ class _Repeated(fields.Section):
 
 
 class Trapezoid(_Repeated):
-    """Accelerate, cruise, decelerate, rest; repeated."""
+    """Accelerate, cruise, decelerate, rest; repeated: by the times of its parts, or by distance and acceleration."""
 
     profile: Literal["trapezoid"] = "trapezoid"
-    speed: fields.Velocity = fields.required("cruising speed")
-    acceleration_time: fields.Duration = fields.required("also the time of deceleration, where that is not given")
+    speed: fields.Velocity = fields.required("cruising speed; with distance at most, as far as that lets it be reached")
+    acceleration_time: fields.Duration | None = fields.optional(
+        "also the time of deceleration, where that is not given"
+    )
     deceleration_time: fields.Duration | None = None
-    cruise_time: fields.Pause
+    cruise_time: fields.Pause | None = None
+    distance: fields.Distance | None = fields.optional("of the whole move, with acceleration in place of the times")
+    acceleration: fields.Acceleration | None = fields.optional("and deceleration, with distance")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        times = (self.acceleration_time, self.cruise_time)
+        if self.distance is None and self.acceleration is None:
+            if None in times:
+                lacking = "acceleration_time" if times[0] is None else "cruise_time"
+                raise ValueError(f"give {lacking}, or distance and acceleration in place of the times")
+        elif any(time is not None for time in (*times, self.deceleration_time)):
+            raise ValueError("give distance and acceleration, or acceleration_time and cruise_time, not both")
+        elif self.distance is None or self.acceleration is None:
+            raise ValueError(f"give {'distance' if self.distance is None else 'acceleration'} as well, or the times")
+        return self
+
+    @property
+    def phases(self) -> tuple[float, float, float, float]:
+        """Times of acceleration, cruise and deceleration [s], and the speed that is reached [m/s or rad/s]."""
+        if self.distance is not None and self.acceleration is not None:
+            top = np.minimum(self.speed, np.sqrt(self.distance * self.acceleration))
+            ramp = top / self.acceleration
+            return ramp, np.where(top < self.speed, 0.0, self.distance / top - ramp)[()], ramp, top
+        up, cruise = self.acceleration_time, self.cruise_time
+        assert up is not None and cruise is not None  # refused above
+        return up, cruise, up if self.deceleration_time is None else self.deceleration_time, self.speed
 
 
 class Triangle(_Repeated):
@@ -185,10 +213,12 @@ class Waypoints(fields.Section):
 
 
 def _named(motion: Any) -> Any:
-    """Add the profile of a motion that names none: by its field trajectory or waypoints, else a trapezoid."""
+    """Add the profile of a motion that names none: by its fields, else a trapezoid."""
     if not isinstance(motion, dict):
         return motion
     own = next((key for key in ("trajectory", "waypoints") if key in motion), "trapezoid")
+    if {"distance", "time"} <= motion.keys():
+        own = "move"
     return {"profile": own, **motion}
 
 

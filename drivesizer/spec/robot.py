@@ -171,7 +171,7 @@ class RobotSpec(OfFile):
         return (
             isinstance(load, WheeledVehicle)
             and isinstance(motion, Trapezoid)
-            and motion.deceleration_time in (None, motion.acceleration_time)
+            and motion.phases[0] == motion.phases[2]
             and not motion.there_and_back
             and load.drag_area == 0.0
             and not self.cases

@@ -137,6 +137,9 @@ def number(text: str) -> tuple[float, str]:
     digits, rest = match.groups()
     if re.match(r",[0-9]", rest):
         raise InputError(f"{quoted(text)} has a comma in its number; write a decimal point: {with_points(text)}")
+    if re.match(r"['’_][0-9]|[0-9]{3}(?![0-9])", rest):
+        plain = re.sub(r"(?<=[0-9])['’_\s]+(?=[0-9])", "", text)
+        raise InputError(f"{quoted(text)} has a separator in its number; write it without: {plain}")
     value = float(digits)
     if not math.isfinite(value) or (value == 0.0 and re.search(r"[1-9]", re.split("[eE]", digits)[0])):
         raise InputError(f"{quoted(text)} is outside the range of numbers that can be computed with")

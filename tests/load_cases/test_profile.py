@@ -53,6 +53,17 @@ def test_deceleration_has_a_time_of_its_own():
     assert found.distance == pytest.approx(1.5 * (1.0 + 3.0 + 0.5), rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("distance", "times", "top"),
+    [("3 m", (0.0, 0.75, 2.0, 2.75), 1.5), ("0.5 m", (0.0, 0.5, 1.0), 1.0)],  # t = v/a and s/v; short of it t² = s/a
+)
+def test_a_trapezoid_by_distance_is_as_fast_as_its_limits_allow(distance, times, top):
+    found = trapezoid(Trapezoid(distance=distance, speed="1.5 m/s", acceleration="2 m/s^2"))
+    assert found.time == pytest.approx(times, rel=1e-12)
+    assert max(found.speed) == pytest.approx(top, rel=1e-12)
+    assert found.distance == pytest.approx(float(distance.split()[0]), rel=1e-12)
+
+
 def test_each_way_has_its_rest():
     found = trapezoid(motion(deceleration_time="1 s", rest_time="4 s", there_and_back=True))
     assert found.time == (0.0, 2.0, 5.0, 6.0, 10.0, 12.0, 15.0, 16.0, 20.0)

@@ -250,7 +250,9 @@ def _missed(content: Content) -> Iterator[Any]:
     best, counts = content.drive, content.result.counts
     yield Strong("No drive meets all limits.")
     if not counts.considered:
-        yield " The families and parts that the spec names leave no combination of motor and gearhead."
+        named = content.result.problem.spec.select.is_restricted
+        left = "makers, families and parts that the spec names leave" if named else "catalogues list"
+        yield f" The {left} no combination of motor and gearhead."
     elif best:
         failed = ", ".join(c.title for c in best.deciding if c.status == "fail")
         yield f" {number_of(counts.considered, 'drive')} considered. {most_fail_on(content.result)}"

@@ -118,6 +118,8 @@ def matching(name: str, table: Table[Any], key: str) -> list[str]:
         found: list[str] = table["part"][rows].tolist()
         return found
     known = set(table[key].tolist())
+    if key == "manufacturer":
+        return sorted(one for one in known if fnmatch.fnmatchcase(one.casefold(), name.casefold()))
     return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
 
 

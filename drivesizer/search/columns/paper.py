@@ -68,8 +68,8 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     d, load, motion, factors = Derivation(), spec.load, spec.motion, spec.paper_factors
     assert isinstance(load, WheeledVehicle) and isinstance(motion, Trapezoid)  # nothing else: RobotSpec.paper_applies
     g, N, wheel, m_R = spec.environment.gravity, load.driven_wheels, load.wheel_diameter, load.mass
-    t_acc, t_nom, t_rest = motion.acceleration_time, motion.cruise_time, motion.rest_time
-    PF, V_nom = factors.oversize, motion.speed
+    t_acc, t_nom, _, V_nom = motion.phases
+    PF, t_rest = factors.oversize, motion.rest_time
 
     n_nom = d.step(eq.nominal_speed, V_nom=V_nom, d=wheel, eta_speed=factors.speed_reserve)
     C_rr = _rolling_resistance(d, load)

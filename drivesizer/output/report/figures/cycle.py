@@ -109,9 +109,9 @@ def speed_profile(figure: Figure, spec: RobotSpec) -> None:
 def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
     """A trapezoid with its phases marked; short ones are drawn wider than to scale, so that each has its name."""
     kind, unit = SPEED[axis]
-    top = float(from_si(motion.speed, unit, kind))
-    down = motion.acceleration_time if motion.deceleration_time is None else motion.deceleration_time
-    phases = [("acceleration", motion.acceleration_time, top), ("cruise", motion.cruise_time, top),
+    up, cruise, down, reached = motion.phases
+    top = float(from_si(reached, unit, kind))
+    phases = [("acceleration", up, top), ("cruise", cruise, top),
               ("deceleration", down, 0.0), ("rest", motion.rest_time, 0.0)]  # fmt: skip
     phases = [phase for phase in phases if phase[1] > 0]
     if motion.there_and_back:
