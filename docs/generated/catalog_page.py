@@ -14,7 +14,6 @@ from drivesizer.catalog.parts import DIRECT, PARTS, PartRecord, columns_of, prin
 __all__ = ["actuators", "columns", "combinations", "makers", "shipped"]
 
 _FIELD = re.compile(r"^    (\w+): \w+ = (?:figure|text)\([^#\n]*\)(?:  # (.*))?$", re.MULTILINE)
-_UNITS = {"text": "text", "1": "number"}
 _PAIRS = "listed combinations of motor and gearhead"
 _NAMED = 8  # makers by name in a line of what ships
 
@@ -60,16 +59,22 @@ def _line(kind: str, counts: Counter[str]) -> str:
 
 
 def columns() -> str:
-    """A table for each section: column, unit, meaning where the name does not say it."""
-    return "\n\n".join(_section(section, record) for section, record in PARTS.items())
+    """A table for each section: column with its unit, and what its name does not say; a line for all others."""
+    every = {name for name in printed("motors") if all(name in printed(section) for section in PARTS)}
+    common = ", ".join(f"`{name}`{_unit('motors', name)}" for name in printed("motors") if name in every)
+    head = f"All parts have {common}; `price` is that of 1 to 4 pieces, `foreign_price` in `currency` where it is not EUR."
+    return "\n\n".join([head, *(_section(section, record, every) for section, record in PARTS.items())])
 
 
-def _section(section: str, record: Any) -> str:
-    remarks = dict(_FIELD.findall(inspect.getsource(PartRecord) + inspect.getsource(record)))
-    rows = [f"| `{name}` | {_unit(section, name)} | {remarks.get(name, '')} |" for name in printed(section)]
-    return "\n".join([f"### {section}", "", "| column | unit | |", "|---|---|---|", *rows])
+def _section(section: str, record: Any, every: set[str]) -> str:
+    remarks = dict(_FIELD.findall(inspect.getsource(record)))
+    own = [name for name in printed(section) if name not in every]
+    rows = [f"| `{name}`{_unit(section, name)} | {remarks[name]} |" for name in own if remarks.get(name)]
+    bare = ", ".join(f"`{name}`{_unit(section, name)}" for name in own if not remarks.get(name))
+    further = [f"Named as what they are: {bare}.", ""] if bare else []
+    return "\n".join([f"### {section}", "", *further, "| column | what it is |", "|---|---|", *rows])
 
 
 def _unit(section: str, name: str) -> str:
     column = columns_of(section)[name]
-    return _UNITS.get(column.kind, _UNITS.get(column.unit, column.unit))
+    return "" if column.kind == "text" or column.unit in ("", "1") else f" ({column.unit})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any
 
 import typer.main
@@ -13,8 +14,12 @@ __all__ = ["commands"]
 
 def commands() -> str:
     """Every command with its arguments, options and example."""
-    root = typer.main.get_command(app)
-    return "\n\n".join(_command(path, command, depth=2) for path, command in _walk((), root) if path)
+    every = [(path, command) for path, command in _walk((), typer.main.get_command(app)) if path]
+    rows = Counter(_row(p, command) for _, command in every for p in command.params if not p.hidden)
+    shared = {row for row, count in rows.items() if count > 1 and row.startswith("| `-")}
+    table = "\n".join(["| | what it is |", "|---|---|", *(row for row in rows if row in shared)])
+    parts = [f"## Options of several commands\n\n{table}"]
+    return "\n\n".join([*parts, *(_command(path, command, shared) for path, command in every)])
 
 
 def _walk(path: tuple[str, ...], command: Any) -> list[tuple[tuple[str, ...], Any]]:
@@ -25,38 +30,39 @@ def _walk(path: tuple[str, ...], command: Any) -> list[tuple[tuple[str, ...], An
     return found
 
 
-def _command(path: tuple[str, ...], command: Any, depth: int) -> str:
+def _command(path: tuple[str, ...], command: Any, shared: set[str]) -> str:
     name = " ".join(("drivesizer", *path))
     context = command.make_context(name, [], resilient_parsing=True)
     usage = " ".join(command.collect_usage_pieces(context))
-    parts = [f"{'#' * (depth + len(path) - 1)} {name}", _text(command.help or "")]
+    parts = [f"{'#' * (len(path) + 1)} {name}", _text(command.help or "")]
     if getattr(command, "commands", None):
         return "\n\n".join(parts)
     parts.append(f"`{name} {usage}`")
-    rows = [_row(p, context) for p in command.params if not p.hidden]
+    every = [_row(p, command) for p in command.params if not p.hidden]
+    rows, common = [row for row in every if row not in shared], [row.split("`")[1] for row in every if row in shared]
     if rows:
-        parts.append("\n".join(["| | what it is | default |", "|---|---|---|", *rows]))
+        parts.append("\n".join(["| | what it is |", "|---|---|", *rows]))
+    if common:
+        names = ", ".join(f"`{name}`" for name in common)
+        parts.append(f"And {names}: [of several commands](#options-of-several-commands).")
     if command.epilog:
         example = command.epilog.removeprefix("Example: ")
         parts.append(f"Example: `{example}`")
     return "\n\n".join(parts)
 
 
-def _row(parameter: Any, context: Any) -> str:
+def _row(parameter: Any, command: Any) -> str:
     """An argument or option as a row of the table, under the name that its help shows."""
+    context = command.make_context("drivesizer", [], resilient_parsing=True)
     if parameter.param_type_name == "argument":
         name = f"`{parameter.metavar or parameter.name.upper()}`"
     else:
         name = f"`{parameter.get_help_record(context)[0].replace('int range', 'int')}`"
-    missing = "**required**" if parameter.required else _default(parameter)
-    return f"| {name} | {_text(parameter.help or '')} | {missing} |"
-
-
-def _default(parameter: Any) -> str:
     value = parameter.default
-    if value in (None, False, "") or callable(value):
-        return ""
-    return f"`{value}`"
+    if parameter.required:
+        name = f"**{name}**"
+    given = value not in (None, False, "") and not callable(value) and "default" not in (parameter.help or "")
+    return f"| {name} | {_text(parameter.help or '')}{f' Else `{value}`.' if given else ''} |"
 
 
 def _text(words: str) -> str:

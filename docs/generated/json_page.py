@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from drivesizer.catalog import PARTS
@@ -26,8 +27,13 @@ def json_documents() -> str:
 
 
 def _table(properties: dict[str, Any], parts: set[str]) -> str:
-    rows = [f"| `{key}` | {_type(of, parts)} | {of.get('description', '')} |" for key, of in properties.items()]
-    return "\n".join(("| key | type | what it is |", "|---|---|---|", *rows))
+    """A row for each key; behind a type that may be null stands a question mark."""
+    rows = []
+    for key, of in properties.items():
+        kind = re.sub(r"(.+) or null$", r"\1?", _type(of, parts))
+        said = f"{kind}; {of['description']}" if "description" in of else kind
+        rows.append(f"| `{key}` | {said} |")
+    return "\n".join(("| key | type; what it is |", "|---|---|", *rows))
 
 
 def _type(of: dict[str, Any], parts: set[str]) -> str:
@@ -43,7 +49,8 @@ def _type(of: dict[str, Any], parts: set[str]) -> str:
     if "const" in of:
         return f"`{of['const']}`"
     if of.get("type") == "array":
-        return f"array of {_type(of['items'], parts)}" if of.get("items") else "array"
+        return f"[{_type(of['items'], parts)}]" if of.get("items") and "$ref" not in of["items"] else (
+            f"list of {_type(of['items'], parts)}" if of.get("items") else "list")
     if isinstance(of.get("additionalProperties"), dict) and of["additionalProperties"]:
         return f"object of {_type(of['additionalProperties'], parts)}"
     kinds = of.get("type", "any")

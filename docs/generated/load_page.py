@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from importlib import import_module, resources
 from typing import Any
 
@@ -55,8 +56,9 @@ def _docstring(module: Any) -> str:
 
 
 def _starter(kind: str) -> str:
-    """The spec that ``drivesizer init --kind`` writes."""
+    """Load and motion of the spec that ``drivesizer init --kind`` writes."""
     text = (resources.files("drivesizer.spec") / "starters" / f"{kind}.yaml").read_text(encoding="utf-8")
     assert yaml.safe_load(text)["load"]["kind"] == kind
-    head = f'<details markdown="1"><summary><code>drivesizer init --kind {kind}</code> writes</summary>'
-    return f"{head}\n\n```yaml\n{text.rstrip()}\n```\n\n</details>"
+    groups = [re.search(rf"(?ms)^{name}:.*?(?=^\S|\Z)", text) for name in ("load", "motion")]
+    shown = "\n".join(line for group in groups if group for line in group[0].splitlines() if "  # " not in line[:5])
+    return f"`drivesizer init --kind {kind}` writes a whole spec with\n\n```yaml\n{shown}\n```"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Collection
 from typing import Any
 
 from drivesizer.spec.machine import machine_schema
@@ -73,6 +74,7 @@ _OF_MACHINES = {  # models of machine.yaml that no spec has, each with its headi
     "RobotMounting": "`mounting` of the robot's base",
 }  # fmt: skip
 _BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
+_REPEATED = ("rest_time", "there_and_back", "payload", "payload_back")  # fields of several motions
 _LOADS = ("Cylinder", "Cylinders", "ScrewChoice")  # further models of loads, which have a page of their own
 
 
@@ -87,6 +89,10 @@ def sections() -> str:
     for heading, models in _SECTIONS.items():
         parts.append(f"## {heading}")
         parts += [_model(name, title) for name, title in models.items()]
+        if heading == "motion":
+            common = {name: field for name, field in _DEFS["Trapezoid"]["properties"].items() if name in _REPEATED}
+            said = "### Of trapezoid, triangle, move and s_curve\n\nAll four have these fields too."
+            parts += [said, fields_of(_DEFS["Trapezoid"] | {"properties": common})]
     return "\n\n".join(parts)
 
 
@@ -116,7 +122,7 @@ def _model(name: str, title: str) -> str:
     model = _DEFS[name]
     said = re.sub(r"\s+", " ", model.get("description", ""))
     title = title or _chosen_by(model)
-    return "\n\n".join([*([f"### {title}"] if title else []), said, fields_of(model)])
+    return "\n\n".join([*([f"### {title}"] if title else []), said, fields_of(model, _REPEATED)])
 
 
 def _chosen_by(model: dict[str, Any]) -> str:
@@ -127,31 +133,29 @@ def _chosen_by(model: dict[str, Any]) -> str:
     return ""
 
 
-def fields_of(model: dict[str, Any]) -> str:
-    """The fields of a model as a table: name, what it takes, default, what it is."""
+def fields_of(model: dict[str, Any], without: Collection[str] = ()) -> str:
+    """The fields of a model as a table: name, bold where it is required; default, or what it takes; what it is."""
     required = set(model.get("required", ()))
     rows = []
     for name, field in sorted(model["properties"].items(), key=lambda item: item[0] not in required):
-        if name in ("kind", "profile") and ("const" in field or model["title"] in _BY_KIND):
+        if name in without or (name in ("kind", "profile") and ("const" in field or model["title"] in _BY_KIND)):
             continue
-        default = "**required**" if name in required else _default(field)
-        rows.append(f"| `{name}` | {_takes_with_example(field)} | {default} | {_said(field)} |")
-    return "\n".join(["| field | takes | default | what it is |", "|---|---|---|---|", *rows])
+        shown = f"**`{name}`**" if name in required else f"`{name}`"
+        rows.append(f"| {shown} | {_value(field)} | {_said(field)} |")
+    return "\n".join(["| field | value | what it is |", "|---|---|---|", *rows])
 
 
-def _takes_with_example(field: dict[str, Any]) -> str:
-    """What a field takes, with its own example, or its default, in place of that of its kind."""
-    default = str(field.get("default") or "")
-    usual = [default] if re.match(r"[-0-9.]+ \S", default) and not re.match(r"[-0.]+ ", default) else []
-    own = "e.g. " + " or ".join(f"`{one}`" for one in field.get("examples") or usual)
-    return re.sub(r"e\.g\. `[^`]*`(?: or `[^`]*`)?", own, _takes(field), count=1) if own != "e.g. " else _takes(field)
-
-
-def _default(field: dict[str, Any]) -> str:
-    value = field.get("default")
-    if value is None:
-        return "none" if field.get("type") == "array" else "its own defaults" if "$ref" in field else "–"
-    return f"`{value}`" if isinstance(value, str) else f"`{json.dumps(value)}`"
+def _value(field: dict[str, Any]) -> str:
+    """The default of a field, of words before the others; where it has none what it takes, a figure in brackets."""
+    default, takes = field.get("default"), _takes(field)
+    if own := " or ".join(f"`{one}`" for one in field.get("examples") or ()):
+        takes = f"({own})" if takes == "a text" else re.sub(r"\(`.*?`\)", f"({own})", takes, count=1)
+    if default is None:
+        return takes
+    shown = f"`{default}`" if isinstance(default, str) else f"`{json.dumps(default)}`"
+    if shown in takes and "(" not in takes:
+        return " or ".join([shown, *(one for one in takes.split(" or ") if one != shown)])
+    return shown
 
 
 def _said(field: dict[str, Any]) -> str:
@@ -179,7 +183,7 @@ def _takes(field: dict[str, Any]) -> str:
     options = [o for o in (*field.get("anyOf", ()), *field.get("oneOf", ())) if o.get("type") != "null"]
     if options:
         words = dict.fromkeys(_takes(o) for o in options)
-        return " or ".join(words)
+        return " or ".join(words).replace(") or (", " or ")
     return _plain(field)
 
 
@@ -190,9 +194,10 @@ def _plain(field: dict[str, Any]) -> str:
     if kind == ["number", "string"]:
         return "a number or percent"
     if kind == "array":
-        return f"a list, each {_takes(field['items'])}" if field.get("items") else "a list"
+        each = _takes(field["items"]) if field.get("items") else "a list"
+        return "a list of sections" if each == "a section" else f"a list, each {each}" if field.get("items") else each
     if field.get("examples"):
-        return "e.g. " + " or ".join(f"`{example}`" for example in field["examples"])
+        return f"({' or '.join(f'`{example}`' for example in field['examples'])})"
     if kind == "integer" and "minimum" in field:
         return f"a whole number from {field['minimum']}" + (f" to {field['maximum']}" if "maximum" in field else "")
     return {"string": "a text", "boolean": "`true` or `false`", "number": "a number", "object": "a section"}[str(kind)]

@@ -259,37 +259,40 @@ def _readable(text: object) -> object:
 
 
 Factor = Annotated[str, BeforeValidator(_readable)]
-_FACTOR = "+- 7 %, -10 %..30 %, normal(5 %) or none"
+
+
+def _factor(of: str | None = None) -> Any:
+    return fields.optional(of, example="+- 7 %")
 
 
 class MotorTolerances(fields.Section):
-    """Of a motor's figures, as shares of what the catalogue prints; the default class where not given."""
+    """Of a motor's figures, as shares of what is printed: +- 7 %, -10 %..30 %, normal(5 %) or none; else by class."""
 
-    resistance: Factor | None = fields.optional(_FACTOR)
-    torque_constant: Factor | None = fields.optional(_FACTOR)
-    friction: Factor | None = fields.optional(f"of friction and iron loss: {_FACTOR}")
-    dry_friction: Factor | None = fields.optional(f"of the dry share of a brushless motor's no-load torque: {_FACTOR}")
-    rotor_inertia: Factor | None = fields.optional(_FACTOR)
-    thermal_resistance: Factor | None = fields.optional(f"of both: {_FACTOR}")
-    pull_out: Factor | None = fields.optional(f"of a stepper's pull-out torque at any speed: {_FACTOR}")
-    holding_torque: Factor | None = fields.optional(f"of a stepper without a printed curve: {_FACTOR}")
-    inductance: Factor | None = fields.optional(f"of a stepper without a printed curve: {_FACTOR}")
-    start_speed: Factor | None = fields.optional(f"of a stepper without a ramp: {_FACTOR}")
+    resistance: Factor | None = _factor()
+    torque_constant: Factor | None = _factor()
+    friction: Factor | None = _factor("of friction and iron loss")
+    dry_friction: Factor | None = _factor("of the dry share of a brushless motor's no-load torque")
+    rotor_inertia: Factor | None = _factor()
+    thermal_resistance: Factor | None = _factor("of both")
+    pull_out: Factor | None = _factor("of a stepper's pull-out torque at any speed")
+    holding_torque: Factor | None = _factor("of a stepper without a printed curve")
+    inductance: Factor | None = _factor("of a stepper without a printed curve")
+    start_speed: Factor | None = _factor("of a stepper without a ramp")
 
 
 class GearheadTolerances(fields.Section):
     """Of a gearhead's figures; the default class where not given."""
 
-    peak_torque: Factor | None = fields.optional(f"of an actuator's peak torque that is its stall torque: {_FACTOR}")
-    efficiency: Factor | None = fields.optional(f"of its losses: {_FACTOR}")
-    inertia: Factor | None = fields.optional(_FACTOR)
+    peak_torque: Factor | None = _factor("of an actuator's peak torque that is its stall torque")
+    efficiency: Factor | None = _factor("of its losses")
+    inertia: Factor | None = _factor()
 
 
 class ControllerTolerances(fields.Section):
     """Of a controller's figures; the default class where not given."""
 
-    losses: Factor | None = fields.optional(f"per ampere: {_FACTOR}")
-    phase_current: Factor | None = fields.optional(f"of what a stepper's driver sets: {_FACTOR}")
+    losses: Factor | None = _factor("per ampere")
+    phase_current: Factor | None = _factor("of what a stepper's driver sets")
 
 
 class Tolerances(fields.Section):
