@@ -62,7 +62,9 @@ def columns() -> str:
     """A table for each section: column with its unit, and what its name does not say; a line for all others."""
     every = {name for name in printed("motors") if all(name in printed(section) for section in PARTS)}
     common = ", ".join(f"`{name}`{_unit('motors', name)}" for name in printed("motors") if name in every)
-    head = f"All parts have {common}; `price` is that of 1 to 4 pieces, `foreign_price` in `currency` where it is not EUR."
+    head = (
+        f"All parts have {common}; `price` is that of 1 to 4 pieces, `foreign_price` in `currency` where it is not EUR."
+    )
     return "\n\n".join([head, *(_section(section, record, every) for section, record in PARTS.items())])
 
 

@@ -48,14 +48,18 @@ def _forms(e: Equation) -> list[str]:
 
 
 def _terms(e: Equation) -> str:
-    """Result and terms with their meaning and unit; the unit is the one that the program uses."""
+    """Result and terms; the unit is the one that the program uses."""
     shown = label(e.shown)
     si = label(e.result.unit)
     unit = f"{si}, shown in {shown}" if shown and shown != si else si
     rows = [(inline(symbol(e.symbol)), e.result.meaning, unit)]
     rows += [(inline(symbol(derivation.symbol_text(t.name))), t.meaning, label(t.unit)) for t in e.terms]
-    table = "\n".join(f"| {s} | {escaped(meaning)} | {unit or '1'} |" for s, meaning, unit in rows)
-    return f"| | | unit |\n|---|---|---|\n{table}"
+    return where(rows)
+
+
+def where(rows: list[tuple[str, str, str]]) -> str:
+    """Symbols of an equation with their meaning and unit, in a sentence."""
+    return "With " + "; ".join(f"{symbol} {escaped(meaning)} [{unit or '1'}]" for symbol, meaning, unit in rows) + "."
 
 
 def escaped(text: str) -> str:

@@ -49,8 +49,11 @@ def _type(of: dict[str, Any], parts: set[str]) -> str:
     if "const" in of:
         return f"`{of['const']}`"
     if of.get("type") == "array":
-        return f"[{_type(of['items'], parts)}]" if of.get("items") and "$ref" not in of["items"] else (
-            f"list of {_type(of['items'], parts)}" if of.get("items") else "list")
+        return (
+            f"[{_type(of['items'], parts)}]"
+            if of.get("items") and "$ref" not in of["items"]
+            else (f"list of {_type(of['items'], parts)}" if of.get("items") else "list")
+        )
     if isinstance(of.get("additionalProperties"), dict) and of["additionalProperties"]:
         return f"object of {_type(of['additionalProperties'], parts)}"
     kinds = of.get("type", "any")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import matrices
-from equation_page import escaped
+from equation_page import escaped, where
 from latex import displayed, inline
 
 from drivesizer.physics.equation import Term
@@ -42,8 +42,7 @@ def _forms(e: MatrixEquation) -> list[str]:
 def _terms(e: MatrixEquation) -> str:
     rows = [(_given(e), e.result.meaning, unit(e.result))]
     rows += [(inline(matrices.term(t.name)), t.meaning, unit(t)) for t in e.terms]
-    table = "\n".join(f"| {s} | {escaped(meaning)} | {of} |" for s, meaning, of in rows)
-    return f"| | | unit |\n|---|---|---|\n{table}"
+    return where(rows)
 
 
 def _given(e: MatrixEquation) -> str:

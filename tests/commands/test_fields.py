@@ -9,7 +9,10 @@ WRONG = [
     ("load.mass=4OO kg", ' load.mass: "4OO kg": "OO kg" is not a unit of mass; expected mass, e.g. 45 kg'),
     ("load.wheels=2", ' load.wheels: unknown key; did you mean "driven_wheels"?'),
     ("needs.brake=true", ' needs.brake: unknown key; did you mean "hold_unpowered"?'),
-    ("load.mass=1'000 kg", " load.mass: \"1'000 kg\" has a separator in its number; write it without: 1000 kg; expected"),
+    (
+        "load.mass=1'000 kg",
+        ' load.mass: "1\'000 kg" has a separator in its number; write it without: 1000 kg; expected',
+    ),
     ("select.motor.maker=nobody", ' select.motor.maker: "nobody" is in no catalogue that the spec names'),
     ("transmission[3].ratio=2", "--set: transmission[3].ratio: entry 3 does not exist, there are "),
     ("load.mass", '--set: "load.mass" is no field with its value; expected e.g. load.mass=400kg'),
