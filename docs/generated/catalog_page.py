@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 
 from drivesizer import catalog
-from drivesizer.catalog.parts import DIRECT, PARTS, PartRecord, columns_of, printed
+from drivesizer.catalog.parts import DIRECT, PARTS, columns_of, printed
 
 __all__ = ["actuators", "columns", "combinations", "makers", "shipped"]
 

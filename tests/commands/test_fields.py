@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+MISSION = "\nmission: {duration: 3 h}\nsupply"
 WRONG = [
     ("load.mass=4OO kg", ' load.mass: "4OO kg": "OO kg" is not a unit of mass; expected mass, e.g. 45 kg'),
     ("load.wheels=2", ' load.wheels: unknown key; did you mean "driven_wheels"?'),
@@ -24,7 +25,7 @@ def test_the_answer_is_that_of_a_file_with_the_values(run, example, tmp_path):
     text, other = Path(example).read_text(encoding="utf-8"), tmp_path / "robot.yaml"
     assert "mass: 45 kg" in text and "\nsupply" in text
     (tmp_path / "spec.yaml").write_text(text, encoding="utf-8")
-    other.write_text(text.replace("mass: 45 kg", "mass: 40kg").replace("\nsupply", "\nmission: {duration: 3 h}\nsupply"),
+    other.write_text(text.replace("mass: 45 kg", "mass: 40kg").replace("\nsupply", MISSION),
                      encoding="utf-8")  # fmt: skip
     fields = ("--set", "load.mass=40kg", "--set", "mission.duration=3 h")
     found, expected = (json.loads(run("size", *words, "--json")[1])
