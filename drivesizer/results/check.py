@@ -9,13 +9,21 @@ from typing import Literal, NamedTuple
 
 from drivesizer.units import show
 
-# -- A check and a figure as records, and what several checks amount to.
-
-
 Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
 
 
 GRAVEST: tuple[Status, ...] = ("fail", "unknown", "open", "pass")
+
+
+Confidence = Literal["printed", "derived", "recalled", "estimated from peers", "assumed by class", "unbounded"]
+
+
+class Origin(NamedTuple):
+    """A figure that a check rests on and that no document prints, with whence it is."""
+
+    part: str  # motor, gearhead, brake, encoder, controller
+    figure: str  # column of the catalogue
+    confidence: Confidence  # unbounded: nothing is known of it on the side that matters
 
 
 class Band(NamedTuple):
@@ -47,6 +55,8 @@ class Check:
     note: str = ""  # what is compared with what
     band: Band | None = None  # where estimated figures change the demand
     probability: float = nan  # that it passes, where it is open
+    turns_on: str = ""  # the estimated figure by which it passes or fails, where it is open; empty: several together
+    origins: tuple[Origin, ...] = ()  # of the figures that it rests on, those that are not printed
 
     @property
     def is_comparable(self) -> bool:

@@ -6,9 +6,9 @@ one may be unknown (NaN); a limit of which nothing is known at all is NaN. Given
 - *fail*: the low end of the demand is over the high end of the limit;
 - *pass*: the high end of the demand is within the low end of the limit. Where nothing is demanded it passes, unless
   even that is over the limit; without a limit, which is infinite, whatever is demanded;
-- *open*: estimated figures decide. The check was made with them at the middle and at both ends of their bands, and
-  these do not agree (``over_band``);
-- *unknown*: else.
+- *open*: estimated figures decide. Samples of them, the middle and both ends of their bands, do not agree
+  (``over_samples``);
+- *unknown*: else, that is where an end that matters is unbounded.
 
 Shown are the figures that decide: of what passes the high demand and the low limit, of what fails the low demand and
 the high limit, of all else the low ends. An upper limit has margin limit/demand - 1, a required minimum
@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isclose, isnan, nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,20 +35,11 @@ Mask = NDArray[np.bool_]
 _DECLARED = frozenset(name for declared in CHECKS.values() for name in declared)
 _IDLE: dict[str, Any] = {  # what a check has of each candidate, and what of one that it does not concern
     "demand": 0.0, "limit": inf, "passed": True, "failed": False, "time": nan, "case": 0, "on_basis": False,
-    "zero": 0.0,
+    "zero": 0.0, "opened": False, "low": 0.0, "high": 0.0, "least": nan,
 }  # fmt: skip
 _ALIKE = 1e-9  # by which margins differ through rounding alone
 _MOST_DOUBLINGS = 10  # beyond which no drive is farther
 _NO_MARGIN = 1e99  # above any margin; over the demand it orders checks that have none
-
-
-class AtEnds(NamedTuple):
-    """A check over the band of estimated figures: columns."""
-
-    opened: Mask  # it passes at one end and fails at the other
-    low: Array  # demands at the ends
-    high: Array
-    least_margin: Array  # of the two ends
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +57,10 @@ class CheckColumn:
     advice: bool = False  # informational: of what is not required; no drive fails or ranks by it
     time: Array | None = None  # s, of the worst moment
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
-    band: AtEnds | None = None  # where some candidates have estimated figures
+    opened: Mask | bool = False  # samples of estimated figures pass and fail
+    low: Array | None = None  # the demand over these samples; None where no candidate has an estimated figure
+    high: Array | None = None
+    least: Array | None = None  # the smallest margin of them
     on_basis: Mask | None = None  # it fails at the high end of a limit, or passes by an assumption
     basis: str = ""  # the note where it is so
     note: str = ""
@@ -85,9 +79,7 @@ class CheckColumn:
         limit, demand = self.limit, self.demand
         if not isinstance(self.zero, float) or self.zero != 0.0:  # most count from 0
             limit, demand = limit - self.zero, demand - self.zero
-        decided = self.passed | self.failed
-        if self.band is not None:
-            decided = decided | self.band.opened
+        decided = self.passed | self.failed | self.opened
         with np.errstate(all="ignore"):
             found = limit / demand - 1.0
         return np.where(decided & (self.demand != self.zero) & np.isfinite(found), found, nan)
@@ -114,7 +106,7 @@ class CheckColumn:
 
     def tight(self, margin: Array) -> Array:
         """The tightness where the margin is at hand."""
-        margin = margin if self.band is None else self.band.least_margin
+        margin = margin if self.least is None else self.least
         beside = np.isnan(margin) | self.passed if self.by_choice else np.isnan(margin)
         return np.where(self.advice | beside, inf, margin)
 
@@ -133,9 +125,9 @@ class CheckColumn:
         kind, unit = declared.rotary if rotary else (declared.kind, declared.unit)
         status: Status = "pass" if one.passed else "fail" if one.failed else "unknown"
         margin, time, band = float(one.margin), at_time if one.time is None else float(one.time), None
-        if one.band is not None:
-            status = "open" if one.band.opened else status
-            low, high, least = (float(x) for x in one.band[1:])
+        if one.low is not None and one.high is not None and one.least is not None:
+            status = "open" if one.opened else status
+            low, high, least = float(one.low), float(one.high), float(one.least)
             if any(x < y and not isclose(x, y) for x, y in ((low, high), (least, margin))):  # but for rounding
                 band = Band(low, high, least)
         lacking = self.undecided if status == "unknown" and not isnan(one.limit) else ""
@@ -163,11 +155,9 @@ class CheckColumn:
     def on(self, rows: NDArray[Any] | slice | int | tuple[()]) -> CheckColumn:
         """The same check of some of the candidates; of one as single figures."""
         taken: dict[str, Any] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
-        if self.band is not None:
-            taken["band"] = AtEnds._make(x[rows] for x in self.band)
         return replace(self, **taken)
 
-    def with_rows(self, rows: NDArray[Any], some: CheckColumn) -> CheckColumn:
+    def with_rows(self, rows: NDArray[Any] | tuple[()], some: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
         changed: dict[str, Any] = {}
         for name in _IDLE:
@@ -244,28 +234,30 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
     return CheckColumn(name=name, demand=nothing, limit=nothing, passed=passed, failed=failed)
 
 
-def over_band(middle: CheckColumn, ends: Sequence[CheckColumn], estimated: NDArray[np.int64]) -> CheckColumn:
-    """A check at estimated figures: it passes where it passes at both ends of their band, and fails where at both.
+def over_samples(
+    middle: CheckColumn, ends: Sequence[CheckColumn], rows: NDArray[np.int64] | tuple[()] = ()
+) -> CheckColumn:
+    """A check over samples of estimated figures, which some rows have: it passes where all pass, fails where all fail.
 
     Examples
     --------
-    >>> volts = [at_most("supply_voltage", np.array([demand]), 24.0) for demand in (22.0, 20.0, 25.0)]
-    >>> found = over_band(volts[0], volts[1:], np.array([0])).at(0, "physics")
+    >>> volts = [at_most("supply_voltage", demand, 24.0) for demand in (22.0, 20.0, 25.0)]
+    >>> found = over_samples(volts[0], volts[1:]).at((), "physics")
     >>> found.status, found.band
     ('open', Band(low=20.0, high=25.0, least_margin=-0.040000000000000036))
     """
-    every = [middle.on(estimated), *ends]
+    every = [middle.on(rows), *ends]
     passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
     # at an end a winding may run away; without a limit at an end an unknown demand decides nothing
     decided = np.logical_or.reduce([(c.passed | c.failed) & ~(np.isnan(c.demand) & (c.limit == np.inf)) for c in every])
-    demands, margins = np.array([c.demand for c in every]), np.array([c.margin for c in every])
-    of_ends = AtEnds(
-        decided & ~passed & ~failed, demands.min(axis=0), demands.max(axis=0), np.fmin.reduce(margins)
+    demands = np.array([c.demand for c in every])
+    sampled = replace(
+        every[0], passed=passed, failed=failed, opened=decided & ~passed & ~failed, low=demands.min(axis=0),
+        high=demands.max(axis=0), least=np.fmin.reduce([c.margin for c in every]),
     )  # fmt: skip
-    whole = AtEnds(np.zeros(middle.passed.shape, bool), middle.demand.copy(), middle.demand.copy(), middle.margin)
-    for column, values in zip(whole, of_ends, strict=True):
-        column[estimated] = values
-    return replace(middle.with_rows(estimated, replace(every[0], passed=passed, failed=failed)), band=whole)
+    nothing = np.zeros(middle.passed.shape, bool)
+    whole = replace(middle, opened=nothing, low=middle.demand, high=middle.demand, least=middle.margin)
+    return whole.with_rows(rows, sampled)
 
 
 def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:

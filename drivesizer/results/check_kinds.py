@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isnan
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view.search_view import printed_field
 from drivesizer.files.text import listed
-from drivesizer.results.check import Check, sentence_case
-from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.check import Check, Confidence, Origin, sentence_case
+from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.units import show
 
 
@@ -80,7 +80,7 @@ def sorted_by_part(checks: Sequence[Check]) -> list[Check]:
 # away one by one and looks.
 
 
-def rests_on(check: Check, drive_set: DriveSet) -> tuple[str, ...]:
+def rests_on(check: Check, drive_set: DriveParts) -> tuple[str, ...]:
     """The figures that a check of a drive rests on, such as ``motor.resistance``; none for what has none."""
     motor, gearhead, encoder, controller = (
         drive_set.motor, drive_set.gearhead, drive_set.encoder, drive_set.controller,
@@ -136,19 +136,25 @@ def _reported(drive_set: DriveSet) -> tuple[Check, ...]:
     return drive_set.every_check if by_paper else drive_set.own_checks
 
 
-def _lacking(check: Check, drive_set: DriveSet) -> list[str]:
+def _lacking(check: Check, drive_set: DriveParts) -> list[str]:
     """The parts, or figures of parts, that a check lacks."""
     if check.name.startswith(("resistor_", "chopper_")) and isnan(check.limit) and not isnan(check.demand):
         return [sentence_case(check.title)]  # the limit is the resistor's own figure
-    lacking, emf = [], ("back_emf_constant", "speed_constant")  # which k_t stands for where none is printed
+    lacking = []
     for name in rests_on(check, drive_set):
         role, _, field = name.partition(".")
         part = getattr(drive_set, role)
         if part is None:
             lacking.append(f"any {role}")
-        elif field not in emf and isinstance(value := getattr(part, field), float) and isnan(value):
+        elif _is_unknown(drive_set, role, field):
             lacking.append(figure_words(role, field, bool(part.inside)))
     return list(dict.fromkeys(lacking))
+
+
+def _is_unknown(drive: DriveParts, role: str, field: str) -> bool:
+    """Whether a figure of a part is not known; for a voltage constant k_t stands where none is printed."""
+    value = getattr(getattr(drive, role), field, 0.0)
+    return field not in ("back_emf_constant", "speed_constant") and isinstance(value, float) and isnan(value)
 
 
 def figure_words(role: str, field: str, inside: bool = False) -> str:
@@ -164,22 +170,47 @@ def missing_figures(drive_set: DriveSet) -> list[str]:
     return list(dict.fromkeys(name for check in unknown for name in _lacking(check, drive_set)))
 
 
-def marked_figures(drive_set: DriveSet, catalog: Catalog) -> list[list[str]]:
-    """Figures that are only derived or recalled and that a check rests on: their values, confidences and checks."""
-    resting: dict[str, list[str]] = {}
-    for check in _reported(drive_set):
-        for name in rests_on(check, drive_set):
-            resting.setdefault(name, []).append(check.title)
+_OF_MARK: dict[str, Confidence] = {
+    "derived": "derived", "recalled": "recalled", ESTIMATED: "estimated from peers",
+}  # fmt: skip
+_LOSSES = {"controller.voltage_drop", "controller.max_efficiency"}
+
+
+def with_origins(
+    checks: Sequence[Check], drive: DriveParts, catalog: Catalog, *, losses_assumed: bool
+) -> tuple[Check, ...]:
+    """Checks of a drive, each with whence the figures are that it rests on, as far as they are not printed."""
+    marks: dict[str, dict[str, str]] = {}
+    for role in ("motor", "gearhead", "brake", "encoder", "controller"):
+        part, table = getattr(drive, role), catalog.table(f"{role}s")
+        if part is not None and part.part in table.rows:
+            marks[role] = catalog.confidence(f"{role}s", table.rows[part.part])
     found = []
-    for name, titles in resting.items():
-        role, _, field = name.partition(".")
-        part, section = getattr(drive_set, role), f"{role}s"
-        table = catalog.table(section)
-        if part is None or part.part not in table.rows:
-            continue
-        mark = catalog.confidence(section, table.rows[part.part]).get(field, "")
-        if mark in ("derived", "recalled", ESTIMATED):
-            column = columns_of(section)[field]
-            value = show(getattr(part, field), column.unit, column.kind, 3 if mark == ESTIMATED else 6)
-            found.append([figure_words(role, field), value, mark, "; ".join(dict.fromkeys(titles))])
+    for check in checks:
+        origins = []
+        for name in rests_on(check, drive):
+            role, _, field = name.partition(".")
+            mark = _OF_MARK.get(marks.get(role, {}).get(field, ""))
+            if mark is None and losses_assumed and name in _LOSSES:
+                mark = "assumed by class"
+            elif mark is None and check.status == "unknown" and _is_unknown(drive, role, field):
+                mark = "unbounded"
+            if mark:
+                origins.append(Origin(role, field, mark))
+        found.append(replace(check, origins=tuple(origins)) if origins else check)
+    return tuple(found)
+
+
+def marked_figures(drive_set: DriveSet) -> list[list[str]]:
+    """Figures that are only derived, recalled or estimated and that a check rests on: values, confidences, checks."""
+    resting: dict[Origin, list[str]] = {}
+    for check in _reported(drive_set):
+        for origin in check.origins:
+            if origin.confidence in _OF_MARK.values():
+                resting.setdefault(origin, []).append(check.title)
+    found = []
+    for (role, field, confidence), titles in resting.items():
+        column, digits = columns_of(f"{role}s")[field], 3 if confidence == "estimated from peers" else 6
+        value = show(getattr(getattr(drive_set, role), field), column.unit, column.kind, digits)
+        found.append([figure_words(role, field), value, confidence.split()[0], "; ".join(dict.fromkeys(titles))])
     return found

@@ -309,10 +309,15 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
     one = evaluation.candidates.on(np.array([index]))._replace(controller=controller, brake=brake)
     probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
     own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
-    open_ = {name: (probable[name], _turning(turning.get(name), own)) for name in names}
-    return tuple(
-        _with_probability(check, *open_[check.name]) if check.name in names else check for check in checks
-    ), probable[""]
+    found = []
+    for check in checks:
+        if check.name in names:
+            turn = turning.get(check.name)
+            note = "; ".join(text for text in (_turning(turn, own), check.note) if text)
+            figure = figure_words(_PART[turn.figure[0]], turn.figure[1]) if turn else ""
+            check = replace(check, probability=probable[check.name], note=note, turns_on=figure)
+        found.append(check)
+    return tuple(found), probable[""]
 
 
 def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
@@ -324,10 +329,6 @@ def _with_assumption(evaluation: Evaluation, index: int, check: Check) -> Check:
     controller = evaluation.catalog.controllers.record(row) if row >= 0 else None
     note = voltage_assumption(evaluation.spec, controller)
     return replace(check, note="; ".join(text for text in (check.note, note) if text)) if note else check
-
-
-def _with_probability(check: Check, probability: float, note: str) -> Check:
-    return replace(check, probability=probability, note="; ".join(text for text in (note, check.note) if text))
 
 
 # figures of an actuator's parts that are the actuator's own at its output, as its maker names them

@@ -413,9 +413,8 @@ def _computed(problem: Problem, found: _Found, wanted: int) -> tuple[_Found, int
         one = by_physics(problem, found.sets.on(some), False)  # at least those that bounds leave open
         checks = [check for check in one.checks if not check.advice]
         failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
-        known = [c if c.band is None else replace(c, passed=c.passed | c.band.opened) for c in checks]
-        opens = [c.band.opened for c in checks if c.band is not None]
-        opened[some] = np.logical_or.reduce(opens) if opens else False
+        known = [replace(c, passed=c.passed | c.opened) for c in checks]
+        opened[some] = np.any([np.broadcast_to(c.opened, len(some)) for c in checks], axis=0)
         failed[some], undecided[some] = one.failed, False
         amount = amounting(known, len(some), False)
         unknown[some], doublings[some], most[some] = amount.unknown, amount.doublings, smallest_margin(one.checks)

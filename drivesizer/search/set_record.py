@@ -24,6 +24,7 @@ from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict
+from drivesizer.results.check_kinds import with_origins
 from drivesizer.results.drive_set import BrakingBudget, DriveParts, DriveSet, MotorPiece, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search import ranking
@@ -129,7 +130,11 @@ def drive_set(
     """One row of an evaluation as a record, with what else is known of the drive."""
     parts = drive_parts(evaluation, index)
     checks, probability = resolved_checks(evaluation, index)
-    checks = tuple(_why_none(evaluation, index, checks))
+    assumed = evaluation.spec.feed_of(parts.controller).stage.assumed and not parts.steps
+    checks, beside = (
+        with_origins(some, parts, evaluation.catalog, losses_assumed=assumed)
+        for some in (tuple(_why_none(evaluation, index, checks)), beside)
+    )
     return DriveSet(
         **_sums(evaluation, index, parts),
         rank=rank,

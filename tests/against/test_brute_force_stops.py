@@ -232,7 +232,7 @@ def test_starts_and_inertias_of_random_steppers(path: Path) -> None:
             limit = motor["start_speed"] * math.sqrt(one.rotor_inertia / (own + load_at)) * started(opposes / torque)
             check = checks["start_speed"]
             assert check.limit[n] == pytest.approx(limit, rel=1e-4, abs=1e-6), (one.part, gear.part)
-            open_ = check.band is not None and bool(check.band.opened[n])
+            open_ = bool(check.on(n).opened)
             if not open_ and abs(start * RPM * (1 + needed) / max(limit, 1e-9) - 1.0) > 1e-3:
                 assert status(check, n) == verdict(within(start * RPM, limit, needed)) or not has
                 seen.add(("start", status(check, n)))

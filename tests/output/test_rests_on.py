@@ -101,7 +101,7 @@ def test_the_robots_unknown_and_estimated_figures(example):
     poorer = without(sized.catalog, "motor", "118752", "max_speed")
     (lacking,) = explain(load_spec(example), "118752", "406764", catalog=poorer)
     assert dict(unknown_figures(lacking)) == {"Motor permissible speed": "motor max speed"}
-    marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best, sized.catalog)}
+    marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best)}
     assert marked["encoder max speed"] == ("24000 rpm", "recalled")
     assert marked["encoder inertia"] == ("0.7 g·cm²", "derived")
     assert "motor resistance" not in marked  # copied by others, and quoted there

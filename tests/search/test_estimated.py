@@ -94,6 +94,9 @@ def test_an_open_check_turns_at_the_value_that_it_states(maxon, table, lacking):
     (check,) = (c for c in lacking.checks if c.status == "open")
     assert check.name == "motor_nominal_current"
     assert check.note == "passes with a motor rotor inertia of at most 2.5 g·cm², which is estimated"
+    assert check.turns_on == "motor rotor inertia"
+    assert ("motor", "rotor_inertia", "estimated from peers") in check.origins
+    assert not any(one.figure == "torque_constant" for one in check.origins), "that one is printed"
     found = {}
     for inertia in (2.45e-7, 2.55e-7):
         drive = one(table, with_figure(maxon, "rotor_inertia", inertia))

@@ -11,7 +11,7 @@ from drivesizer.control.validation import Validation
 from drivesizer.output.derivation import margin, symbol, use
 from drivesizer.output.document.records import Bar, Column, Math, Note, Quantity, Row, Small, Status, Table, Text
 from drivesizer.results.check import Check, Figure, tightest
-from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, part_of, sorted_by_part
+from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, figure_words, part_of, sorted_by_part
 from drivesizer.results.drive_set import DriveSet, EnergyBudget, MassRow, Relaxation, Requirement
 from drivesizer.spec.robot import AS_SPECIFIED
 
@@ -25,6 +25,7 @@ CHECK_COLUMNS = (
     Column("margin", "margin", "number", formula=("margin", "value", "limit")),
     Column("needed", "needed margin", "number", media="wide"), Column("used", "limit used", "bar", media="paper"),
     Column("status", "", "status"), Column("at", "at", "number", media="wide"), Column("note", "note", media="wide"),
+    Column("origins", "figures that are not printed", media="wide"),
 )  # fmt: skip
 _CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
 _ALIKE = 0.01  # of a margin, within which it is that of two figures
@@ -53,6 +54,7 @@ def check_row(c: Check) -> Row:
         "margin": Quantity(c.margin, "%", "margin", note=needed), "needed": Quantity(c.needed, "%", "margin"),
         "used": Bar(use(c.margin), use(c.needed), c.status), "status": (Status(c.status),),
         "at": "" if isnan(at) else Quantity(at, "s", "time"), "note": note,
+        "origins": "; ".join(f"{figure_words(*one[:2])}: {one.confidence}" for one in c.origins),
     }, name=c.name, status=c.status, data={"check": c.name, "unit": c.unit})  # fmt: skip
 
 
@@ -70,7 +72,7 @@ def _worst_end(c: Check) -> Iterator[Row]:
         "part": part_of(c.name), "title": (Small("at worst, by estimates"),), "method": c.method, "case": c.case,
         "value": Quantity(high, c.unit, c.kind) if alike else "",
         "limit": Quantity(c.limit, c.unit, c.kind) if alike else "", "margin": Quantity(least, "%", "margin"),
-        "used": Bar(use(least)), "status": "", "at": "", "note": "at worst, by estimates",
+        "used": Bar(use(least)), "status": "", "at": "", "note": "at worst, by estimates", "origins": "",
     }, name=f"{c.name}_at_worst")  # fmt: skip
 
 

@@ -588,7 +588,7 @@ def _assumptions(content: Content) -> Iterator[Block]:
 
 def unknown_blocks(content: Content) -> Iterator[Block]:
     """Checks that are unknown, and figures behind checks that are from no document."""
-    result, best = content.result, content.drive
+    best = content.drive
     if best is None:
         return
     unknown = [Row({"title": title, "note": lacks}) for title, lacks in unknown_figures(best)]
@@ -596,7 +596,7 @@ def unknown_blocks(content: Content) -> Iterator[Block]:
                 (Column("title", "check", "name"), Column("note", "not known",
                                                           width=1.0)), unknown, "unknown")  # fmt: skip
     marked = [Row({"title": name, "value": value, "mark": (Mark(mark),), "note": checks})
-              for name, value, mark, checks in marked_figures(best, result.catalog)]  # fmt: skip
+              for name, value, mark, checks in marked_figures(best)]  # fmt: skip
     if not marked:
         yield Words("No check rests on a figure that is derived, recalled or estimated.")
         return

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.results.check import Check, Status
-from drivesizer.results.check_columns import CheckColumn, fits, over_band, together
+from drivesizer.results.check_columns import CheckColumn, fits, over_samples, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
 from drivesizer.results.problem import Problem
@@ -117,7 +117,7 @@ class Evaluation(NamedTuple):
     @property
     def unknown(self) -> NDArray[np.bool_]:
         """Mask of the candidates that have an unknown check, and fail none."""
-        known = [c.passed if c.band is None else c.passed | c.band.opened for c in self.checks if not c.advice]
+        known = [c.passed | c.opened for c in self.checks if not c.advice]
         all_known: NDArray[np.bool_] = np.logical_and.reduce(known)
         return ~self.failed & ~all_known
 
@@ -149,7 +149,7 @@ class Evaluation(NamedTuple):
 
     def open_checks(self, index: int) -> set[str]:
         """Names of the checks of one candidate that estimated figures leave open; informational ones do not count."""
-        return {c.name for c in self.checks if c.band is not None and c.band.opened[index] and not c.advice}
+        return {c.name for c in self.checks if np.any(c.on(index).opened) and not c.advice}
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""
@@ -157,7 +157,7 @@ class Evaluation(NamedTuple):
 
     def tightest_of(self, index: int) -> tuple[Check, ...]:
         """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
-        known = [(float(replace(c.on(index), band=None).tightness), c) for c in self.checks]
+        known = [(float(replace(c.on(index), least=None).tightness), c) for c in self.checks]
         tightest, found = min(known, key=lambda one: one[0], default=(np.inf, None))
         return () if found is None or tightest == np.inf else (self._at(found, index),)
 
@@ -230,7 +230,7 @@ def _over_bands(
         hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some, rows)
     middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
-    checks = [over_band(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
+    checks = [over_samples(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
     return middle._replace(candidates=candidates, checks=checks)
 
 
