@@ -23,7 +23,7 @@ from drivesizer.catalog.estimates.estimate import assumed_mass
 from drivesizer.catalog.tolerances import END
 from drivesizer.physics.figures import no_less
 from drivesizer.results.check import Check, Figure
-from drivesizer.results.check_columns import CheckColumn, at_most, over_samples
+from drivesizer.results.check_columns import CheckColumn, at_most, over_ends
 from drivesizer.results.drive_set import DriveParts, MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.spec.platform import Budget, Platform
@@ -135,7 +135,7 @@ class MassBudget:
             for mass in (self.known, low, high)
         )
         if self.estimated:
-            middle = [over_samples(mid, pair, np.array([0])) for mid, *pair in zip(middle, *ends, strict=True)]
+            middle = [over_ends(mid, pair, np.array([0])) for mid, *pair in zip(middle, *ends, strict=True)]
         found = []
         for check in (column.at(0, "budget") for column in middle):
             if check.status == "unknown":

@@ -7,7 +7,7 @@ one may be unknown (NaN); a limit of which nothing is known at all is NaN. Given
 - *pass*: the high end of the demand is within the low end of the limit. Where nothing is demanded it passes, unless
   even that is over the limit; without a limit, which is infinite, whatever is demanded;
 - *open*: estimated figures decide. Samples of them, the middle and both ends of their bands, do not agree
-  (``over_samples``);
+  (``over_ends``);
 - *unknown*: else, that is where an end that matters is unbounded.
 
 Shown are the figures that decide: of what passes the high demand and the low limit, of what fails the low demand and
@@ -234,7 +234,7 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
     return CheckColumn(name=name, demand=nothing, limit=nothing, passed=passed, failed=failed)
 
 
-def over_samples(
+def over_ends(
     middle: CheckColumn, ends: Sequence[CheckColumn], rows: NDArray[np.int64] | tuple[()] = ()
 ) -> CheckColumn:
     """A check over samples of estimated figures, which some rows have: it passes where all pass, fails where all fail.
@@ -242,7 +242,7 @@ def over_samples(
     Examples
     --------
     >>> volts = [at_most("supply_voltage", demand, 24.0) for demand in (22.0, 20.0, 25.0)]
-    >>> found = over_samples(volts[0], volts[1:]).at((), "physics")
+    >>> found = over_ends(volts[0], volts[1:]).at((), "physics")
     >>> found.status, found.band
     ('open', Band(low=20.0, high=25.0, least_margin=-0.040000000000000036))
     """

@@ -147,6 +147,10 @@ motion: {{profile: segments, segments: [{{time: 0.3 s, to: 60 mm/s, payload: 2 k
   {{time: 0.5 s, payload: 1 kg}}, {{time: 0.3 s, to: -60 mm/s}}, {{time: 1 s}}, {{time: 0.4 s, to: 0 m/s}}]}}
 {_SUPPLY}
 """,
+    "by_distance": f"""{_RACK}
+motion: {{distance: 400 mm, speed: 0.5 m/s, acceleration: 2 m/s^2, rest_time: 1 s}}
+{_SUPPLY}
+""",
     "rack_pinion": f"""{_RACK}
 motion: {{profile: move, distance: 400 mm, time: 1 s, acceleration_time: 0.3 s, deceleration_time: 0.4 s,
   rest_time: 0.5 s,

@@ -11,9 +11,8 @@ from drivesizer import size
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import read
 from drivesizer.machine.problem import problem
-from drivesizer.search.uncertainty.prepare import blocks, prepared
 from drivesizer.search.uncertainty.probabilities import figure_spreads
-from drivesizer.search.uncertainty.sampled_drive import SetRows, figure_columns
+from drivesizer.search.uncertainty.sampled_drive import SetRows, blocks, figure_columns, prepared
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import assumptions, used
 from drivesizer.spec.robot import read_spec

@@ -22,9 +22,8 @@ from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.probabilities import examined, failing, subject
-from drivesizer.search.uncertainty.sampled_drive import checks_of
+from drivesizer.search.uncertainty.probabilities import examined, subject
+from drivesizer.search.uncertainty.sampled_drive import blocks, checks_of, prepared
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_order, mean_and_error, rank_correlations, sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions, case_paths
 from drivesizer.sizing import size
@@ -369,18 +368,6 @@ def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_two(plain: s
     first = _document(plain, parts, 1, 1)
     assert first == _document(plain, parts, 1, 2) == _document(plain, parts, 1, 1)
     assert first != _document(plain, parts, 2, 1)
-
-
-def test_a_drive_fails_in_the_samples_that_its_probability_leaves_out(plain: str, parts: Catalog) -> None:
-    """By one process or two."""
-    spec, found = _read(plain, MOVED), _best(_read(plain, {}), parts, 12)
-    given, some = assumptions(spec), [subject(found, row) for row in range(12)]
-    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 1).values)
-    failed = np.array(failing(ready, parts, some))
-    shown = [one.reliability.probability for one in examined(ready, parts, some)]
-    assert 0.0 < min(shown) < max(shown) < 1.0
-    assert (1.0 - failed.mean(axis=1)).tolist() == pytest.approx(shown, abs=1e-12)
-    np.testing.assert_array_equal(failing(ready, parts, some, 2), failed)
 
 
 # --- from the spec to the result -------------------------------------------------------------------------------------

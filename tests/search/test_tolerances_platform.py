@@ -17,9 +17,8 @@ from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.shortlist import load_parts
-from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
 from drivesizer.search.uncertainty.probabilities import subject
-from drivesizer.search.uncertainty.sampled_drive import SetRows, checks_of
+from drivesizer.search.uncertainty.sampled_drive import Prepared, SetRows, blocks, checks_of, prepared
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions
 from drivesizer.sizing import size

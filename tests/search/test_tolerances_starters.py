@@ -18,9 +18,8 @@ from drivesizer.machine.problem import problem
 from drivesizer.search.search import search
 from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.prepare import blocks, prepared
 from drivesizer.search.uncertainty.probabilities import subject
-from drivesizer.search.uncertainty.sampled_drive import checks_of
+from drivesizer.search.uncertainty.sampled_drive import blocks, checks_of, prepared
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import assumptions
 from drivesizer.sizing import size

@@ -23,8 +23,7 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.prepare import blocks, prepared
-from drivesizer.search.uncertainty.sampled_drive import SetRows, checks_of
+from drivesizer.search.uncertainty.sampled_drive import SetRows, blocks, checks_of, prepared
 from drivesizer.search.uncertainty.sampling import sample
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, assumptions, holding, used
 from drivesizer.sizing import explained, size

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.results.check import Check, Status
-from drivesizer.results.check_columns import CheckColumn, fits, over_samples, together
+from drivesizer.results.check_columns import CheckColumn, fits, over_ends, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
 from drivesizer.results.problem import Problem
@@ -230,7 +230,7 @@ def _over_bands(
         hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some, rows)
     middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
-    checks = [over_samples(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
+    checks = [over_ends(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
     return middle._replace(candidates=candidates, checks=checks)
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,14 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.uncertainty import uncertain_figures
 from drivesizer.search.uncertainty.options import POOL, Sampling
-from drivesizer.search.uncertainty.prepare import Prepared, blocks, prepared
-from drivesizer.search.uncertainty.sampled_drive import Block, SetRows, checks_of, figure_columns
+from drivesizer.search.uncertainty.sampled_drive import (
+    Prepared,
+    SetRows,
+    blocks,
+    checks_of,
+    figure_columns,
+    prepared,
+)
 from drivesizer.search.uncertainty.sampling import (
     Sample,
     first_order,
@@ -33,15 +39,12 @@ from drivesizer.search.uncertainty.sampling import (
     values_of,
 )
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
-from drivesizer.spec.robot import RobotSpec
-
-# -- Drives over samples: probability that all checks pass, the checks that fail, and the assumptions that matter most.
-
 
 Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
 _KEPT = 1_000_000  # segments times samples that are kept in memory for all drives
 _TOGETHER = 8  # drives whose samples are held at a time
+_OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
 
 
 class Subject(NamedTuple):
@@ -51,11 +54,17 @@ class Subject(NamedTuple):
     nominal: tuple[Check, ...]
 
 
-class Examined(NamedTuple):
-    """Result of the samples of a drive."""
+def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
+    """A drive that a search found, with its checks by physics."""
+    given = evaluation.candidates
+    rows = SetRows(
+        int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
+        float(given.belt[row]), int(evaluation.brake[row]),
+    )  # fmt: skip
+    return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *beside) if c.method == "physics"))
 
-    reliability: Reliability
-    smallest: Array  # margin of each sample, over all checks that have one
+
+# -- Checks over samples, and what they amount to together.
 
 
 class Over(NamedTuple):
@@ -67,57 +76,60 @@ class Over(NamedTuple):
     tightness: Array
 
 
+class Examined(NamedTuple):
+    """Result of the samples of a drive."""
+
+    reliability: Reliability
+    smallest: Array  # margin of each sample, over all checks that have one
+
+
 def over_samples(checks: Sequence[Check | None]) -> Over:
     """A check of each sample; where a sample has none there is nothing to fail."""
-    known = [(one.status == "pass", one.status == "fail", one.margin, _tightness(one)) if one
-             else (True, False, math.inf, math.inf) for one in checks]  # fmt: skip
+    known = [(one.status == "pass", one.status == "fail", one.margin, one.margin if one.is_comparable else math.inf)
+             if one else (True, False, math.inf, math.inf) for one in checks]  # fmt: skip
     return Over(*(np.array(column) for column in zip(*known, strict=True)))
 
 
-def _tightness(check: Check) -> float:
-    return math.inf if math.isnan(check.margin) or (check.by_choice and check.status == "pass") else check.margin
-
-
 def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
-    """Checks of drives over all samples."""
+    """Checks of drives over all samples, by several processes each with some of the drives."""
     if processes > 1 and len(subjects) > 1:
-        return by_processes(examined, given, catalog, subjects, processes)
-    kept = [*blocks_of(given, catalog, subjects)] if given.cells <= _KEPT else None
-    found: list[Examined] = []
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        share = -(-len(subjects) // processes)
+        parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
+        with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
+            found = pool.map(examined, [given] * len(parts), [catalog] * len(parts), parts)
+            return [one for part in found for one in part]
+    titles = {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
+    return [
+        reduced(every, {check.name: check.title for check in one.nominal} | titles)
+        for one, every in zip(subjects, _every_check(given, catalog, subjects), strict=True)
+    ]
+
+
+def _every_check(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> Iterator[dict[str, Over]]:
+    """The checks of each drive over all samples; those that no sample changes are as they are nominally."""
+    belts = sorted({one.rows.belt for one in subjects})
+    kept = [*blocks(given, catalog, belts)] if given.cells <= _KEPT else None
     for first in range(0, len(subjects), _TOGETHER):
         some = subjects[first : first + _TOGETHER]
         parts: list[list[dict[str, Over]]] = [[] for _ in some]
-        for block in kept or blocks_of(given, catalog, subjects):
+        for block in kept or blocks(given, catalog, belts):
             for part, one in zip(parts, some, strict=True):
                 part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
-        found += [_reduced(one, part) for one, part in zip(some, parts, strict=True)]
-    return found
-
-
-def blocks_of(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> Iterator[Block]:
-    """The samples in blocks, ready for some drives."""
-    return blocks(given, catalog, sorted({one.rows.belt for one in subjects}))
-
-
-Found = TypeVar("Found")
-
-
-def by_processes(
-    function: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]],
-    given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int,
-) -> list[Found]:  # fmt: skip
-    """Results of a function for drives, by several processes, each with some of them."""
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    share = -(-len(subjects) // processes)
-    parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
-    with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
-        found = list(pool.map(function, [given] * len(parts), [catalog] * len(parts), parts))
-    return [one for part in found for one in part]
-
-
-_OF_A_FACTOR = ("pull_out_torque",)  # whose margin is required to be some 100 %: what exceeds that is the tight part
+        for one, part in zip(some, parts, strict=True):
+            sampled = part[0] if len(part) == 1 else {
+                name: Over(*map(np.concatenate, zip(*(each[name] for each in part), strict=True)))
+                for name in part[0]
+            }  # fmt: skip
+            every = dict[str, Over]()
+            for check in one.nominal:
+                if check.name in sampled and not check.advice:
+                    every[check.name] = sampled[check.name]
+                elif not check.advice:
+                    every[check.name] = Over._make(np.broadcast_to(x, len(given.values)) for x in over_samples([check]))
+            yield every | {name: sampled[name] for name in BATTERY_SAMPLED if name in sampled}
 
 
 def _over(check: CheckColumn, count: int) -> Over:
@@ -126,24 +138,8 @@ def _over(check: CheckColumn, count: int) -> Over:
     tight = check.tight(margin)
     if check.name in _OF_A_FACTOR:
         tight = (1.0 + tight) / (1.0 + check.needed) - 1.0
-    return Over._make(np.broadcast_to(x, count) for x in (check.passed, check.failed, margin, tight))
-
-
-def _reduced(one: Subject, parts: Sequence[Mapping[str, Over]]) -> Examined:
-    """Reliability of a drive from its samples; checks that no sample changes are as they are nominally."""
-    joined = {
-        name: over if len(parts) == 1 else Over(*map(np.concatenate, zip(*(part[name] for part in parts), strict=True)))
-        for name, over in parts[0].items()
-    }
-    count = len(next(iter(joined.values())).passed)
-    every, titles = dict[str, Over](), dict[str, str]()
-    for check in one.nominal:
-        if not check.advice:
-            alone = Over._make(np.broadcast_to(x, count) for x in over_samples([check]))
-            every[check.name], titles[check.name] = joined.get(check.name) or alone, check.title
-    every |= {name: joined[name] for name in BATTERY_SAMPLED if name in joined}
-    titles |= {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
-    return reduced(every, titles)
+    columns = (check.passed, check.failed, margin, tight)
+    return Over._make(x if x.shape == (count,) else np.broadcast_to(x, count) for x in columns)
 
 
 def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
@@ -166,19 +162,12 @@ def reduced(every: Mapping[str, Over], titles: Mapping[str, str]) -> Examined:
         ))  # fmt: skip
     share = mean_and_error(~failed)
     low, middle, high = quantiles(smallest)
-    return Examined(
-        Reliability(
-            probability=share.value,
-            error=share.error,
-            unknown=tuple(s.title for s in spreads if s.passes + s.fails < 1.0),
-            weakest=max(spreads, key=lambda s: (s.fails, s.weakest)).title,
-            low=low,
-            middle=middle,
-            high=high,
-            checks=tuple(spreads),
-        ),
-        smallest,
-    )
+    reliability = Reliability(
+        probability=share.value, error=share.error, unknown=tuple(s.title for s in spreads if s.passes + s.fails < 1.0),
+        weakest=max(spreads, key=lambda s: (s.fails, s.weakest)).title, low=low, middle=middle, high=high,
+        checks=tuple(spreads),
+    )  # fmt: skip
+    return Examined(reliability, smallest)
 
 
 def quantiles(values: Array) -> tuple[float, float, float]:
@@ -191,18 +180,11 @@ def quantiles(values: Array) -> tuple[float, float, float]:
     return low, middle, high
 
 
-# --- sensitivity
-
-
-def counting(one: Subject, catalog: Catalog, spec: RobotSpec, given: Sequence[Assumption]) -> list[int]:
-    """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts."""
-    rows = one.rows.motor, one.rows.gearhead, one.rows.controller
-    held = uncertain_figures.holding_of_a_set(catalog, spec.tolerances.given, *rows)
-    return [k for k, assumption in enumerate(given) if assumption.catalogue is None or assumption.catalogue in held]
+# -- Sensitivity: one assumption varied at a time, at its 5 % and at its 95 % quantile.
 
 
 def at_ends(problem: Problem, given: Sequence[Assumption]) -> Prepared:
-    """The nominal figures, then two samples an assumption, it alone varied: at its 5 % and at its 95 % quantile."""
+    """The nominal figures, then two samples an assumption."""
     values = np.tile([assumption.nominal for assumption in given], (1 + 2 * len(given), 1))
     ends = values_of(given, np.tile([[0.05], [0.95]], len(given)))
     for k in range(len(given)):
@@ -215,16 +197,24 @@ def _ends(k: int) -> slice:
     return slice(1 + 2 * k, 3 + 2 * k)
 
 
-def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smallest: Array) -> tuple[Driver, ...]:
+def _counting(one: Subject, ends: Prepared) -> list[int]:
+    """Numbers of the assumptions that count for a drive: the spec's, and the classes that hold for its parts."""
+    rows, tolerances = (one.rows.motor, one.rows.gearhead, one.rows.controller), ends.problem.spec.tolerances.given
+    held = uncertain_figures.holding_of_a_set(ends.problem.catalog, tolerances, *rows)
+    return [k for k, one in enumerate(ends.given) if one.catalogue is None or one.catalogue in held]
+
+
+def _drivers(one: Subject, ends: Prepared, drawn: Sample, smallest: Array) -> tuple[Driver, ...]:
     """Effect of each assumption on the smallest margin of a drive, the largest first."""
-    known, own = np.isfinite(smallest), counting(one, catalog, ends.spec, ends.given)
+    known, own = np.isfinite(smallest), _counting(one, ends)
     if not own:
         return ()
-    values = sample.values[known][:, own]
-    shares = first_order(values, smallest[known])
-    signs = rank_correlations(values, smallest[known])
-    margins, found = _smallest(one, catalog, ends), []
-    for k, share, sign in zip(own, shares.tolist(), signs.tolist(), strict=True):
+    values = drawn.values[known][:, own]
+    shares = first_order(values, smallest[known]).tolist()
+    signs = rank_correlations(values, smallest[known]).tolist()
+    every, found = next(_every_check(ends, ends.problem.catalog, [one])), []
+    margins = np.min([over.tightness for over in every.values()], axis=0)
+    for k, share, sign in zip(own, shares, signs, strict=True):
         assumption = ends.given[k]
         (low, high), (low_margin, high_margin) = ends.values[_ends(k), k], margins[_ends(k)].tolist()
         found.append(Driver(
@@ -232,18 +222,6 @@ def drivers(one: Subject, catalog: Catalog, ends: Prepared, sample: Sample, smal
             high_margin=high_margin, low=assumption.shown(low), high=assumption.shown(high),
         ))  # fmt: skip
     return tuple(sorted(found, key=lambda driver: (-driver.share, driver.name)))
-
-
-def _smallest(one: Subject, catalog: Catalog, given: Prepared) -> Array:
-    """Smallest margin of a drive in each sample; checks that no sample changes are at nominal figures."""
-    parts = []
-    for block in blocks(given, catalog, [one.rows.belt]):
-        tight = {check.name: np.asarray(_tightness(check)) for check in one.nominal if not check.advice}
-        for name, check in checks_of(catalog, one.rows, block).items():
-            if name in tight or name in BATTERY_SAMPLED:
-                tight[name] = _over(check, block.size).tightness
-        parts.append(np.min([np.broadcast_to(column, block.size) for column in tight.values()], axis=0))
-    return np.concatenate(parts)
 
 
 def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) -> list[Assumption]:
@@ -262,9 +240,7 @@ def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) 
     return [one for k, one in enumerate(ends.given) if one.given is not None and not changed[_ends(k)].any()]
 
 
-# -- Figures of one drive over samples: current, voltage, power, heat, temperature, free speed and stall torque.
-#
-# They are those of the same samples as the checks, in each sample of its worst load case.
+# -- Figures of one drive over the same samples, in each sample of its worst load case.
 
 
 _FIGURES = {
@@ -300,25 +276,6 @@ def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[Fig
 # -- Reliability of a sizing's drives: in how many samples each passes, and what decides it.
 
 
-Failed = NDArray[np.bool_]
-
-
-def failing(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Failed]:
-    """Whether some check fails, of each drive in each sample; a check that no sample changes is as it is nominally."""
-    if processes > 1 and len(subjects) > 1:
-        return by_processes(failing, given, catalog, subjects, processes)
-    parts: list[list[Failed]] = [[] for _ in subjects]
-    for block in blocks_of(given, catalog, subjects):
-        for part, one in zip(parts, subjects, strict=True):
-            found = checks_of(catalog, one.rows, block)
-            decide = {check.name: check.status for check in one.nominal if not check.advice}
-            failed = np.full(block.size, any(status == "fail" for name, status in decide.items() if name not in found))
-            for name in {*decide, *BATTERY_SAMPLED} & found.keys():
-                failed |= found[name].failed
-            part.append(failed)
-    return [np.concatenate(part) for part in parts]
-
-
 class SampledDrives(NamedTuple):
     """Drives over samples, by their rows in the result of the search."""
 
@@ -329,12 +286,15 @@ class SampledDrives(NamedTuple):
     drawn: Sample
     how: Sampling
     ends: Prepared | None  # one figure varied at a time; None where the probabilities are all that is wanted
+    known: dict[int, Examined]  # of those that were examined
 
     def examined(self, rows: Collection[int]) -> dict[int, Examined]:
         """Probability, and every check over the samples, of some of them."""
-        some = [self.subjects[row] for row in rows]
-        found = examined(self.ready, self.ready.problem.catalog, some, self.how.processes)
-        return dict(zip(rows, found, strict=True))
+        new = [row for row in rows if row not in self.known]
+        some = [self.subjects[row] for row in new]
+        self.known.update(zip(new, examined(self.ready, self.ready.problem.catalog, some, self.how.processes),
+                              strict=True))  # fmt: skip
+        return {row: self.known[row] for row in rows}
 
 
 def sample_drives(
@@ -342,93 +302,71 @@ def sample_drives(
 ) -> SampledDrives:
     """Reliability of drives."""
     rows = [(one.rows.motor, one.rows.gearhead, one.rows.controller) for one in subjects.values()]
-    catalog, machine = problem.catalog, problem.machine
-    held = uncertain_figures.used(catalog, machine.tolerances.given, rows)
+    machine = problem.machine
+    held = uncertain_figures.used(problem.catalog, machine.tolerances.given, rows)
     if machine.needs.start_speed is None:
         held = tuple(one for one in held if one.figure != "start_speed")  # no check depends on it
     given = uncertain_figures.assumptions(machine, held)
     drawn = sample(given, how.samples, how.seed, uncertain_figures.assumptions(machine))
     ready = prepared(problem, given, drawn.values)
-    good, bad = _divided(ready, subjects, how)
     ends = None if brief else at_ends(problem, given)
-    return SampledDrives(good, bad, {**subjects}, ready, drawn._replace(values=ready.values), how, ends)
-
-
-def _divided(ready: Prepared, subjects: Mapping[int, Subject], how: Sampling) -> tuple[list[int], list[int]]:
-    """Rows of drives that reach the required confidence, and of those that do not, the most reliable first."""
+    drawn = drawn._replace(values=ready.values)
+    found = SampledDrives([*subjects], [], {**subjects}, ready, drawn, how, ends, {})
     if how.confidence is None:
-        return [*subjects], []
-    failed = failing(ready, ready.problem.catalog, [*subjects.values()], how.processes)
-    share = {row: float((~one).mean()) for row, one in zip(subjects, failed, strict=True)}
+        return found
+    share = {row: one.reliability.probability for row, one in found.examined([*subjects]).items()}
     good = [row for row in subjects if share[row] >= how.confidence]
-    return good, sorted((row for row in subjects if row not in good), key=lambda row: -share[row])
-
-
-def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) -> Subject:
-    """A drive that a search found, with its checks by physics."""
-    given = evaluation.candidates
-    rows = SetRows(
-        int(given.motor[row]), int(given.gearhead[row]), int(evaluation.encoder[row]), int(evaluation.controller[row]),
-        float(given.belt[row]), int(evaluation.brake[row]),
-    )  # fmt: skip
-    return Subject(rows, tuple(c for c in (*evaluation.checks_of(row), *beside) if c.method == "physics"))
+    return found._replace(
+        good=good, bad=sorted((row for row in subjects if row not in good), key=lambda row: -share[row])
+    )
 
 
 def reliabilities(
     sampled: SampledDrives, rows: Collection[int], finalists: Mapping[int, DriveParts]
 ) -> dict[int, Reliability]:
     """Reliability of drives, with the sensitivities of each unless they were sampled in brief."""
-    catalog, ends, described = sampled.ready.problem.catalog, sampled.ends, {}
-    for row, found in sampled.examined(rows).items():
-        described[row], one = found.reliability, sampled.subjects[row]
-        if ends is None:
+    ready, how, described = sampled.ready, sampled.how, {}
+    for row, (found, smallest) in sampled.examined(rows).items():
+        described[row], one = found, sampled.subjects[row]
+        if sampled.ends is None:
             continue
-        matters = drivers(one, catalog, ends, sampled.drawn, found.smallest)
-        figures = figure_spreads(sampled.ready, catalog, one.rows)
-        described[row] = replace(described[row], drivers=matters, figures=figures)
-        if row in finalists and sampled.how.loop > 0 and not sampled.ready.spec.steps:
-            described[row] = _in_the_loop(sampled, one, finalists[row], described[row])
+        matters = _drivers(one, sampled.ends, sampled.drawn, smallest)
+        figures = figure_spreads(ready, ready.problem.catalog, one.rows)
+        described[row] = replace(found, drivers=matters, figures=figures)
+        if row in finalists and how.loop > 0 and not ready.problem.spec.steps:
+            from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
+
+            own = _counting(one, sampled.ends)
+            given, values = [ready.given[k] for k in own], sampled.drawn.values[:, own]
+            try:
+                share = loop_share(ready.problem.spec, finalists[row], given, values, how.loop)
+                described[row] = replace(described[row], loop=share)
+            except InputError as error:  # the model may lack a figure
+                described[row] = replace(described[row], no_loop=str(error))
     return described
-
-
-def _in_the_loop(sampled: SampledDrives, examined_: Subject, one: DriveParts, found: Reliability) -> Reliability:
-    """With the share of samples that pass in closed loop, or why there is none: the model may lack a figure."""
-    from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
-
-    ready = sampled.ready
-    own = counting(examined_, ready.problem.catalog, ready.spec, ready.given)
-    values = sampled.drawn.values[:, own]
-    try:
-        share = loop_share(ready.spec, one, [ready.given[k] for k in own], values, sampled.how.loop)
-    except InputError as error:
-        return replace(found, no_loop=str(error))
-    return replace(found, loop=share)
 
 
 def uncertainty(one: SampledDrives) -> Uncertainty:
     """Assumptions and samples, which all drives have in common."""
+    assumptions = []
+    for given in one.ready.given:
+        text = given.given.text if given.given else given.catalogue.text if given.catalogue else ""
+        title = given.name if given.given else given.catalogue.title if given.catalogue else given.name
+        source = given.catalogue.why if given.catalogue else "spec"
+        assumptions.append(Uncertain(name=given.name, title=title, text=text, source=source))
     return Uncertainty(
-        assumptions=tuple(_uncertain(given) for given in one.ready.given),
-        samples=one.drawn.size,
-        seed=one.how.seed,
-        confidence=one.how.confidence,
-        examined=len(one.subjects),
-        reached=len(one.good),
+        assumptions=tuple(assumptions), samples=one.drawn.size, seed=one.how.seed, confidence=one.how.confidence,
+        examined=len(one.subjects), reached=len(one.good),
         notes=(*_notes(one.ready, one.how, len(one.subjects)), *_idle(one)),
-    )
-
-
-def _uncertain(one: Assumption) -> Uncertain:
-    text = one.given.text if one.given else one.catalogue.text if one.catalogue else ""
-    title = one.name if one.given else one.catalogue.title if one.catalogue else one.name
-    return Uncertain(name=one.name, title=title, text=text, source=one.catalogue.why if one.catalogue else "spec")
+    )  # fmt: skip
 
 
 def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
     """Notes on the basis of the probabilities."""
+    spec = ready.problem.spec
     deviating = (
         "a stepper's driver is held against the current that is set, not against what it is off"
-        if ready.spec.steps
+        if spec.steps
         else "the voltage drop of the controller goes with its losses"
     )
     notes = [
@@ -437,35 +375,32 @@ def _notes(ready: Prepared, how: Sampling, examined_: int) -> tuple[str, ...]:
         "the probability is that no check of the physics fails, nor the battery's autonomy, range, peak and voltage; "
         "other budgets of the machine are at nominal figures",
     ]
-    if ready.spec.method == "paper":
+    if spec.method == "paper":
         notes.append("the paper's factors do not enter: the sampled checks are those of the physics beside it")
     if len(ready.values) < how.samples:
         notes.append(f"load cycles take long to compute here: {len(ready.values)} samples, not {how.samples}")
-    if ready.spec.steps:
+    if spec.steps:
         notes.append("of the pull-out torque the smallest margin counts what exceeds the required factor")
-    if ready.spec.steps and how.loop > 0:
+    if spec.steps and how.loop > 0:
         notes.append("steppers run open-loop: they are not sampled in closed loop")
-    if isinstance(ready.spec.load, WheelLoad):
+    if isinstance(spec.load, WheelLoad):
         notes.append("platforms on a path are not sampled in closed loop; peaks and voltage of the battery are nominal")
     if how.confidence is not None and examined_ >= POOL:
         notes.append(f"only the best {POOL} drives that meet all limits at nominal figures were sampled")
     return tuple(notes)
 
 
-_LOOKED_AT = 3  # drives
+_FIRST = 3  # drives that are held against a tolerance without effect
 
 
 def _idle(one: SampledDrives) -> list[str]:
     """Notes on tolerances of the spec that change no sampled check of the first drives, each reason once."""
     if one.ends is None:
         return []
-    drives = [*one.subjects.values()][:_LOOKED_AT]
     by_reason: dict[str, list[str]] = {}
-    for figure in without_effect(drives, one.ready.problem.catalog, one.ends):
-        looped = (
-            one.how.confidence is not None and one.how.loop > 0 and figure.given and figure.given.path[0] == "plant"
-        )
-        if figure.given and not looped:
+    looped = one.how.confidence is not None and one.how.loop > 0
+    for figure in without_effect([*one.subjects.values()][:_FIRST], one.ready.problem.catalog, one.ends):
+        if figure.given and not (looped and figure.given.path[0] == "plant"):
             by_reason.setdefault(uncertain_figures.reason(figure.given.path), []).append(figure.name)
     return [
         f"no sampled check depends on {', '.join(names)}: that tolerance has no effect here{f'; {why}' if why else ''}"

@@ -7,9 +7,9 @@ they are bought once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -20,16 +20,21 @@ from drivesizer.catalog.parts import BeltDrive
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances import Class
 from drivesizer.catalog.view.mounted import OWN, STEPPER, has_steppers
+from drivesizer.files.yaml_source import Path_
+from drivesizer.load_cases import load_cycle, platform
 from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
+from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 from drivesizer.physics.drive_train import back_emf_constant, friction, gear_loss
 from drivesizer.physics.figures import Figures
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stepper import amplitude, copper_loss, idle_loss
 from drivesizer.physics.winding import Heat, Parts, Stress, heat, housing_loss, stress
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.results.drive_set import DriveParts
+from drivesizer.results.problem import Problem
 from drivesizer.search.columns import limits, steppers
 from drivesizer.search.columns.brakes import brake_limits, is_listed
 from drivesizer.search.columns.candidates import Rows
@@ -38,16 +43,201 @@ from drivesizer.search.columns.offers import unknown_where_doubtful
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.stages import felt
 from drivesizer.search.columns.steppers import Draw, Frictionless, PullOut
-from drivesizer.search.uncertainty.sampled_battery import AtSamples, Feeding, battery_limits
-from drivesizer.search.uncertainty.uncertain_figures import holding
+from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
+from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
+from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths, enters_checks, holding
+from drivesizer.spec.motions import Cam
 from drivesizer.spec.mounting import controller_needed, loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
 Array = NDArray[np.float64]
 Made = TypeVar("Made")
+_CELLS, _ROWS = 400_000, 16_384  # segments times samples of a block, and samples
+_LONGEST = 2_000_000  # segments times samples, at most: of longer cycles there are fewer samples
+_EACH, _LONGEST_EACH = 1024, 1_000_000  # cycles one by one, and their segments
+_FEWEST = 32
 _WHOLE = ("ratio", "inertia", "no_load_current", "friction_torque", "viscous_friction")  # never as a single figure
 _MOST_MADE = 64  # parts, and limits of parts, that a block holds: some MB at most each
 _ERROR = 1e-2  # of what a change within a segment does to the winding; the search has 0.1 %
+
+
+# -- Load cycles of all samples: figures of load, motion and stages go through their laws as columns.
+#
+# What no column of numbers goes through is computed sample by sample: a platform on its path, a curve that is smoothed.
+
+
+class _Case(NamedTuple):
+    """One load case, or one wheel of a platform in it."""
+
+    machine: int  # which of the load cases of the whole machine
+    spec: RobotSpec  # as it is sized
+    paths: dict[int, Path_]  # of the assumptions that count in it, by number
+    cycle: LoadCycle  # of each sample, or one for all
+
+
+class Prepared(NamedTuple):
+    """The samples, which all drives have in common."""
+
+    problem: Problem
+    given: tuple[Assumption, ...]
+    values: Array  # (samples, assumptions); fewer than were drawn where load cycles are long
+    cases: tuple[_Case, ...]
+
+    @property
+    def cells(self) -> int:
+        """Segments times samples, of all load cases."""
+        return sum(len(case.cycle.duration) * len(self.values) for case in self.cases)
+
+
+def prepared(problem: Problem, given: Sequence[Assumption], values: Array, *, every: bool = False) -> Prepared:
+    """Samples of a machine, with their load cycles: fewer where these are long, unless every one is wanted."""
+    whole, counting, most = problem.machine, list[dict[int, Path_]](), len(values)
+    for machine, numbers in enumerate(problem.machine_cases):
+        paths = case_paths(whole, machine - 1 if machine else None)
+        counting.append({k: path for k, path in paths.items() if k < len(given)})
+        case, shaping = problem.cases[numbers[0]], [path for path in counting[-1].values() if _shapes(path)]
+        if shaping and not every:
+            few, longest = (_EACH, _LONGEST_EACH) if _one_by_one(case.spec, shaping) else (most, _LONGEST)
+            most = min(most, few, longest // len(case.cycle.duration))
+    if most < len(values) > _FEWEST:
+        each = 2 ** int(np.log2(max(most, _FEWEST) // REPLICATES))
+        values = values[first_of_each(REPLICATES * each, len(values))]
+    cases: list[_Case] = []
+    for machine, (paths, numbers) in enumerate(zip(counting, problem.machine_cases, strict=True)):
+        columns = {path: values[:, k] - given[k].nominal for k, path in paths.items() if _shapes(path)}
+        specs = [problem.cases[number].spec for number in numbers]
+        if isinstance(specs[0].load, platform.WheelLoad):
+            of_machine = problem.machine.load_cases[machine][1]
+            cases += [_Case(machine, spec, paths, cycle) for spec, cycle in _wheels(of_machine, specs, columns, values)]
+        elif _one_by_one(specs[0], [*columns]):
+            each_cycle = [load_cycle(applied(specs[0], moved)) for moved in _each(columns, len(values))]
+            cases.append(_Case(machine, specs[0], paths, side_by_side(each_cycle)))
+        else:
+            cases.append(_Case(machine, specs[0], paths, load_cycle(applied(specs[0], columns), sampled=True)))
+    return Prepared(problem, tuple(given), values, tuple(cases))
+
+
+def _shapes(path: Path_) -> bool:
+    """Whether a figure makes the load cycle another."""
+    return path[0] in ("load", "motion", "transmission", "platform") or path == ("environment", "gravity")
+
+
+def _one_by_one(case: RobotSpec, paths: Sequence[Path_]) -> bool:
+    """Whether some of the figures are such that no column goes through their law."""
+    of_a_curve = isinstance(case.motion, Cam) and any(path[0] == "motion" for path in paths)
+    return isinstance(case.load, platform.WheelLoad) or of_a_curve or ("load", "smoothing") in paths
+
+
+def _each(columns: Mapping[Path_, Array], samples: int) -> Iterator[dict[Path_, float]]:
+    """Differences from nominal figures, by their place, sample by sample."""
+    for row in range(samples):
+        yield {path: float(column[row]) for path, column in columns.items() if column[row]}
+
+
+def _wheels(
+    machine: RobotSpec, specs: Sequence[RobotSpec], columns: Mapping[Path_, Array], values: Array
+) -> Iterator[tuple[RobotSpec, LoadCycle]]:
+    """Each driven wheel of a platform on its path, since deviations need not be the same for all, with its cycles."""
+    nominal, every = platform.trajectory_of(machine), []
+    planned = any(path[0] == "motion" or path[:2] == ("platform", "limits") for path in columns)
+    for moved in _each(columns, len(values)) if columns else [{}]:
+        one = applied(machine, moved)
+        trajectory = platform.trajectory_of(one) if planned else nominal
+        assert trajectory is not None
+        every.append(platform.cycles_of(one, platform.dynamics_of(one), trajectory))
+    cycles = [side_by_side(several) for several in zip(*every, strict=True)]
+    stages = {path: column for path, column in columns.items() if path[0] == "transmission"}
+    for spec in specs:
+        load = spec.load
+        assert isinstance(load, platform.WheelLoad)
+        for number in load.numbers:  # wheels that are alike at nominal figures
+            alone = platform.wheel_load(
+                load.cycle, load.motors, [number], load.distance, load.of, load.rolling_torque
+            )  # fmt: skip
+            moved_load = alone.model_copy(update={"cycle": cycles[number]})
+            moved_spec = applied(spec.model_copy(update={"load": moved_load}), stages)
+            yield spec.model_copy(update={"load": alone}), load_cycle(moved_spec, sampled=True)
+
+
+def side_by_side(several: Sequence[LoadCycle]) -> LoadCycle:
+    """Cycles as columns of one, the shorter ones filled up with segments that take no time."""
+    longest, like = max(len(cycle.duration) for cycle in several), several[0]
+
+    def column(name: str) -> Array:
+        parts = []
+        for cycle in several:
+            values = getattr(cycle, name)
+            last = np.zeros_like(values[-1:]) if name == "duration" else np.repeat(values[-1:, 1:], 2, axis=1)
+            parts.append(np.concatenate([values, np.repeat(last, longest - len(values), axis=0)]))
+        return np.ascontiguousarray(np.moveaxis(np.array(parts), 0, -1))
+
+    own = []
+    for n, one in enumerate(like.own):
+        demand, limit = (np.array([getattr(cycle.own[n], name) for cycle in several]) for name in ("demand", "limit"))
+        own.append(one._replace(demand=demand, limit=limit))
+    inertia, radius, held = (np.array([getattr(c, name) for c in several]) for name in ("inertia", "radius", "held"))
+    duration, speed, acceleration, torque = map(column, ("duration", "speed", "acceleration", "torque"))
+    return LoadCycle(like.name, duration, speed, acceleration, torque, inertia, tuple(own), radius, held)
+
+
+class AtSamples(AtGearhead):
+    """The load cycles of samples at the gearhead's output, behind one belt; samples along the last axis.
+
+    Peaks are those of each sample's own cycle, so that every end of every segment counts, not a few extreme ones.
+    """
+
+    def __init__(self, base: CycleAtBelt, ratio: float) -> None:
+        super().__init__(base, ratio)
+        self.active = np.flatnonzero(base.acts).tolist()
+        segments = {k: np.flatnonzero(base.functions[k].any(axis=(1, 2))) for k in self.active}
+        self.where = {k: (int(rows[0]), int(rows[-1]) + 1) for k, rows in segments.items()}  # where each is not 0
+
+    def slope(self, c: Array) -> Array:
+        """Half of the gradient of the mean square of c f(t), by each coefficient: shape (samples, 6)."""
+        found: Array = ((c * self.scale)[:, None] @ np.moveaxis(self.base.moments, -1, 0))[:, 0] * self.scale
+        return found
+
+    def mean_with(self, c: Array, function: int) -> Array:
+        """Mean over each sample's cycle of c f(t) times one of the functions; c of shape (samples, 6)."""
+        found: Array = ((c * self.scale).T * self.base.moments[:, function]).sum(axis=0) * self.scale[function]
+        return found
+
+    def line(self, c: Array) -> Array:
+        """The sum c f(t) at both ends of each segment, shape (segments, 2, samples); c of shape (samples, 6)."""
+        functions = self.base.functions
+        found = np.zeros((*functions.shape[1:3], max(len(c), functions.shape[-1])))
+        term, columns = np.empty_like(found), np.ascontiguousarray(c.T)
+        for k, (first, last) in self.where.items():
+            found[first:last] += np.multiply(columns[k] * self.scale[k], functions[k, first:last], out=term[first:last])
+        return found
+
+    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
+        """Largest absolute value of c f(t) over each sample's cycle; the moments are not needed."""
+        line = self.line(coefficients)
+        found = np.abs(line)
+        if left_out is not None:
+            for k in np.flatnonzero(left_out.any(axis=0)):
+                one = self.base.functions[k]
+                against = left_out[:, k] & (line * one < 0.0) & (np.abs(one) > ROUNDING * np.abs(one).max())
+                found = np.where(against, -np.inf, found)
+        value = found.max(axis=(0, 1))
+        return bounded(value, np.broadcast_to(np.nan, value.shape), left_out)
+
+    @cached_property
+    def travel(self) -> Array:
+        """Travel of the load over each cycle, there and back [m]."""
+        cycle = self.load_cycle
+        found: Array = cycle.radius * (np.abs(cycle.speed).mean(axis=1) * cycle.duration).sum(axis=0)
+        return found
+
+    @cached_property
+    def speeds(self) -> Array:
+        """Speed at the gearhead's output, at both ends of each segment [rad/s]: shape (segments, 2, samples)."""
+        scaled: Array = self.base.functions[SPEED] * self.belt
+        return scaled
+
+
+# -- Samples in blocks, ready for any drive with any of some belt ratios.
 
 
 class SetRows(NamedTuple):
@@ -86,6 +276,35 @@ class Block(NamedTuple):
             self.made[name] = make()
         found: Made = self.made[name]
         return found
+
+
+def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[Block]:
+    """The samples in blocks, ready for drives with any of some belt ratios."""
+    longest = max(len(case.cycle.duration) for case in one.cases)
+    size = int(np.clip(_CELLS // longest, 64, _ROWS))
+    for first in range(0, len(one.values), size):
+        rows = np.arange(first, min(first + size, len(one.values)))
+        specs, ats = [], []
+        for case in one.cases:  # with columns in place of the figures that enter checks
+            columns = {k: path for k, path in case.paths.items() if enters_checks(path)}
+            moved = {path: one.values[rows, k] - one.given[k].nominal for k, path in columns.items()}
+            spec = applied(case.spec, moved)
+            base = CycleAtBelt(case.cycle.on(rows), spec.belt_efficiency)
+            specs.append(spec)
+            ats.append({belt: AtSamples(base, belt) for belt in belts})
+        feeds = []
+        for machine in sorted({case.machine for case in one.cases}):  # all cases that draw from one battery together
+            numbers = tuple(n for n, case in enumerate(one.cases) if case.machine == machine)
+            if (rated := one.cases[numbers[0]].spec.battery) is not None:
+                feeds.append((feeding(specs[numbers[0]], rated, catalog), numbers))
+        factors = {
+            given.catalogue: np.ascontiguousarray(one.values[rows, k])
+            for k, given in enumerate(one.given) if given.catalogue
+        }  # fmt: skip
+        known = {belt: one.problem.belt_drive(belt) for belt in belts}
+        yield Block(
+            len(rows), tuple(specs), tuple(ats), tuple(feeds), factors, one.problem.spec.tolerances.given, known, {}
+        )
 
 
 # -- Figures of parts times the factors of their tolerances, of samples as of one drive.
@@ -255,7 +474,10 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
             by_name.setdefault(check.name, []).append((number, check))
     for feeds, numbers in block.feeds:
         first, drawn = numbers[0], [draws[number] for number in numbers]
-        for check in battery_limits(block.specs[first], feeds, block.ats[first][one.belt], drawn):
+        spec, at = block.specs[first], block.ats[first][one.belt]
+        total, travel = at.load_cycle.total, spec.load.distance if spec.load.is_wheel else at.travel
+        speed = travel / total if feeds.travels else np.full_like(total, np.nan)
+        for check in columns_of(spec, feeds, total, speed, drawn):
             by_name.setdefault(check.name, []).append((first, check))
     return {name: worst_case(same) for name, same in by_name.items()}
 

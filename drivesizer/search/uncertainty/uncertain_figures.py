@@ -234,13 +234,16 @@ class Assumption(NamedTuple):
 
 def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[Assumption, ...]:
     """All uncertain figures of a spec and of the catalogue."""
-    classes_held = _of_the_kind(spec) if held is None else held
-    return (*map(of_the_file, spec.toleranced), *(of_a_class(one) for one in classes_held if one.factor is not None))
+    if held is None:  # the default classes of its kind of motor: others would take columns of its samples
+        foreign = NOT_OF_STEPPERS if spec.steps else OF_STEPPERS
+        held = [one for one in classes(spec.tolerances.given) if (one.part, one.figure) not in foreign]
+    return (*map(of_the_file, spec.toleranced), *(of_a_class(one) for one in held if one.factor is not None))
 
 
 def of_the_file(one: Toleranced) -> Assumption:
     """The assumption that a figure of a spec is."""
-    name = _named(one.path)
+    # ``transmission[2].efficiency``, as messages have it
+    name = "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in one.path).lstrip(".")
     return Assumption(name, f"{name} {one.text}", one.value, one.distribution, given=one)
 
 
@@ -248,17 +251,6 @@ def of_a_class(one: Class) -> Assumption:
     """The assumption that the class of a catalogue's figure is; it has a distribution."""
     assert one.factor is not None
     return Assumption(one.name, f"{one.title} {one.text}", 1.0, one.factor, catalogue=one)
-
-
-def _of_the_kind(spec: RobotSpec) -> list[Class]:
-    """The default classes of what a machine with its kind of motor has: others would take columns of its samples."""
-    foreign = NOT_OF_STEPPERS if spec.steps else OF_STEPPERS
-    return [one for one in classes(spec.tolerances.given) if (one.part, one.figure) not in foreign]
-
-
-def _named(path: Path_) -> str:
-    """``transmission[2].efficiency``, as messages have it."""
-    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
 
 
 def case_paths(spec: RobotSpec, number: int | None) -> dict[int, Path_]:
@@ -285,8 +277,7 @@ def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
 
 def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
     """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
-    changed: RobotSpec = _moved(spec, changes) if changes else spec
-    return changed
+    return _moved(spec, changes) if changes else spec
 
 
 def _moved(place: Any, changes: Mapping[Path_, Any]) -> Any:
