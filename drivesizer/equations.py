@@ -16,11 +16,7 @@ import numpy as np
 from drivesizer.physics.equation import Value, equation
 
 
-@equation(
-    1, "n_nom", "rotary_speed", "rpm",
-    printed="60 * V_nom / (pi * d * eta_speed)",
-    note="Numerical-value equation: 60/π converts to rpm. Computed in rad/s, shown in rpm.",
-)  # fmt: skip
+@equation(1, "n_nom", "rotary_speed", "rpm")
 def nominal_speed(V_nom: Value, d: Value, eta_speed: Value) -> Value:
     """Wheel speed at nominal velocity.
 
@@ -33,11 +29,19 @@ def nominal_speed(V_nom: Value, d: Value, eta_speed: Value) -> Value:
     Returns
     -------
     n_nom: wheel speed with its reserve [rad/s]
+
+    Printed
+    -------
+    60 * V_nom / (pi * d * eta_speed)
+
+    Notes
+    -----
+    Numerical-value equation: 60/π converts to rpm. Computed in rad/s, shown in rpm.
     """
     return 2 * V_nom / (d * eta_speed)
 
 
-@equation(2, "M_nom", "torque", "N*m", printed="d / 2 * F_nom / delta")
+@equation(2, "M_nom", "torque", "N*m")
 def nominal_torque(d: Value, F_nom: Value, delta: Value) -> Value:
     """Nominal torque, whole vehicle.
 
@@ -50,16 +54,15 @@ def nominal_torque(d: Value, F_nom: Value, delta: Value) -> Value:
     Returns
     -------
     M_nom: torque at the wheels that keeps the nominal velocity [N*m]
+
+    Printed
+    -------
+    d / 2 * F_nom / delta
     """
     return d / 2 * F_nom / delta
 
 
-@equation(
-    3, "F_nom", "force", "N",
-    printed="C_rr * m_R * g",
-    note="The paper's case is level ground. On a slope F_N = m_R g cos θ, and m_R g sin θ is added: a "
-    "generalisation of ours that leaves the level case as printed.",
-)  # fmt: skip
+@equation(3, "F_nom", "force", "N")
 def nominal_force(C_rr: Value, m_R: Value, g: Value, theta: Value = 0.0) -> Value:
     """Nominal force.
 
@@ -73,16 +76,20 @@ def nominal_force(C_rr: Value, m_R: Value, g: Value, theta: Value = 0.0) -> Valu
     Returns
     -------
     F_nom: force that keeps the nominal velocity [N]
+
+    Printed
+    -------
+    C_rr * m_R * g
+
+    Notes
+    -----
+    The paper's case is level ground. On a slope F_N = m_R g cos θ, and m_R g sin θ is added: a generalisation of ours
+    that leaves the level case as printed.
     """
     return C_rr * m_R * g * np.cos(theta) + m_R * g * np.sin(theta)
 
 
-@equation(
-    4, "C_rr", "dimensionless", "1",
-    printed="sqrt(z / d)",
-    note="The radical is lost in some copies of the text; this is the standard form for a rigid wheel on an elastic "
-    "surface. A spec gives C_rr or z, never both.",
-)  # fmt: skip
+@equation(4, "C_rr", "dimensionless", "1")
 def rolling_resistance_coefficient(z: Value, d: Value) -> Value:
     """Rolling-resistance coefficient.
 
@@ -94,11 +101,20 @@ def rolling_resistance_coefficient(z: Value, d: Value) -> Value:
     Returns
     -------
     C_rr: rolling-resistance coefficient [1]
+
+    Printed
+    -------
+    sqrt(z / d)
+
+    Notes
+    -----
+    The radical is lost in some copies of the text; this is the standard form for a rigid wheel on an elastic surface. A
+    spec gives C_rr or z, never both.
     """
     return np.sqrt(z / d)
 
 
-@equation(5, "M_nom/m", "torque", "N*m", printed="M_nom / N")
+@equation(5, "M_nom/m", "torque", "N*m")
 def nominal_torque_per_motor(M_nom: Value, N: Value) -> Value:
     """Nominal torque per drive.
 
@@ -110,11 +126,15 @@ def nominal_torque_per_motor(M_nom: Value, N: Value) -> Value:
     Returns
     -------
     M_nom_m: nominal torque at one wheel [N*m]
+
+    Printed
+    -------
+    M_nom / N
     """
     return M_nom / N
 
 
-@equation(6, "a", "acceleration", "m/s^2", printed="V_nom / t_acc")
+@equation(6, "a", "acceleration", "m/s^2")
 def acceleration(V_nom: Value, t_acc: Value) -> Value:
     """Acceleration.
 
@@ -126,17 +146,15 @@ def acceleration(V_nom: Value, t_acc: Value) -> Value:
     Returns
     -------
     a: acceleration [m/s^2]
+
+    Printed
+    -------
+    V_nom / t_acc
     """
     return V_nom / t_acc
 
 
-@equation(
-    7, "P_nom/m", "power", "W",
-    printed="PF * m_R * V_nom * (a + g * sin(theta)) / (2 * pi * kappa * N)",
-    note="The units agree, the physics does not: 2π has no place in force times velocity, and rolling resistance is "
-    "missing. Computed as printed; the mechanical power at the end of the acceleration is shown beside it. On a steep "
-    "slope downhill it is below 0: no power that a motor could be chosen by.",
-)  # fmt: skip
+@equation(7, "P_nom/m", "power", "W")
 def nominal_power_per_motor(
     PF: Value, m_R: Value, V_nom: Value, a: Value, g: Value, theta: Value, kappa: Value, N: Value
 ) -> Value:
@@ -156,14 +174,21 @@ def nominal_power_per_motor(
     Returns
     -------
     P_nom_m: nominal power of one drive [W]
+
+    Printed
+    -------
+    PF * m_R * V_nom * (a + g * sin(theta)) / (2 * pi * kappa * N)
+
+    Notes
+    -----
+    The units agree, the physics does not: 2π has no place in force times velocity, and rolling resistance is missing.
+    Computed as printed; the mechanical power at the end of the acceleration is shown beside it. On a steep slope
+    downhill it is below 0: no power that a motor could be chosen by.
     """
     return PF * m_R * V_nom * (a + g * np.sin(theta)) / (2 * np.pi * kappa * N)
 
 
-@equation(
-    None, "P_mech/m", "power", "W",
-    note="Not in the paper; shown beside (7).",
-)  # fmt: skip
+@equation(None, "P_mech/m", "power", "W")
 def mechanical_power_per_motor(
     PF: Value, F_nom: Value, m_R: Value, a: Value, V_nom: Value, kappa: Value, N: Value
 ) -> Value:
@@ -182,11 +207,15 @@ def mechanical_power_per_motor(
     Returns
     -------
     P_mech_m: force times velocity at one wheel, with the factors of (7) [W]
+
+    Notes
+    -----
+    Not in the paper; shown beside (7).
     """
     return PF * (F_nom + m_R * a) * V_nom / (kappa * N)
 
 
-@equation(8, "m_i", "mass", "kg", printed="rho * pi * (r_a**2 - r_i**2) * h")
+@equation(8, "m_i", "mass", "kg")
 def cylinder_mass(rho: Value, r_a: Value, r_i: Value, h: Value) -> Value:
     """Mass of a hollow cylinder.
 
@@ -200,11 +229,15 @@ def cylinder_mass(rho: Value, r_a: Value, r_i: Value, h: Value) -> Value:
     Returns
     -------
     m_i: mass of the wheel or shaft [kg]
+
+    Printed
+    -------
+    rho * pi * (r_a**2 - r_i**2) * h
     """
     return rho * np.pi * (r_a**2 - r_i**2) * h
 
 
-@equation(9, "J", "inertia", "kg*m^2", printed="1 / 2 * m_i * (r_a**2 + r_i**2)")
+@equation(9, "J", "inertia", "kg*m^2")
 def cylinder_inertia(m_i: Value, r_a: Value, r_i: Value) -> Value:
     """Moment of inertia of a hollow cylinder.
 
@@ -217,17 +250,15 @@ def cylinder_inertia(m_i: Value, r_a: Value, r_i: Value) -> Value:
     Returns
     -------
     J: moment of inertia about the axis [kg*m^2]
+
+    Printed
+    -------
+    1 / 2 * m_i * (r_a**2 + r_i**2)
     """
     return m_i * (r_a**2 + r_i**2) / 2
 
 
-@equation(
-    10, "M_acc", "torque", "N*m",
-    printed="(N * (J_w + J_m + J_s) + m_R / eta_robot * d**2 / 4) * a * PF",
-    note="Printed with a, kg·m² · m/s² is no torque; the angular acceleration α = 2a/d in its place makes it one. "
-    "Also, J_m is the rotor's inertia at the motor shaft: seen from the wheel it counts K² times. The paper omits "
-    "K², and so does this method; the term is shown beside it.",
-)  # fmt: skip
+@equation(10, "M_acc", "torque", "N*m")
 def acceleration_torque(
     N: Value, J_w: Value, J_m: Value, J_s: Value, m_R: Value, eta_robot: Value, d: Value, a: Value, PF: Value
 ) -> Value:
@@ -248,14 +279,21 @@ def acceleration_torque(
     Returns
     -------
     M_acc: torque at the wheels that accelerates the vehicle [N*m]
+
+    Printed
+    -------
+    (N * (J_w + J_m + J_s) + m_R / eta_robot * d**2 / 4) * a * PF
+
+    Notes
+    -----
+    Printed with a, kg·m² · m/s² is no torque; the angular acceleration α = 2a/d in its place makes it one. Also, J_m is
+    the rotor's inertia at the motor shaft: seen from the wheel it counts K² times. The paper omits K², and so does this
+    method; the term is shown beside it.
     """
     return (N * (J_w + J_m + J_s) + m_R / eta_robot * d**2 / 4) * (2 * a / d) * PF
 
 
-@equation(
-    None, "J_m K²", "inertia", "kg*m^2",
-    note="Not in the paper; what (10) leaves out.",
-)  # fmt: skip
+@equation(None, "J_m K²", "inertia", "kg*m^2")
 def rotor_inertia_at_wheel(J_m: Value, K: Value) -> Value:
     """Rotor inertia seen from the wheel.
 
@@ -267,15 +305,15 @@ def rotor_inertia_at_wheel(J_m: Value, K: Value) -> Value:
     Returns
     -------
     J_mK2: inertia of the rotor at the wheel, from equal kinetic energy [kg*m^2]
+
+    Notes
+    -----
+    Not in the paper; what (10) leaves out.
     """
     return J_m * K**2
 
 
-@equation(
-    None, "M_max", "torque", "N*m",
-    printed="M_nom + M_acc",
-    note="The numerator of (11).",
-)  # fmt: skip
+@equation(None, "M_max", "torque", "N*m")
 def maximum_torque(M_nom: Value, M_acc: Value) -> Value:
     """Maximum torque, whole vehicle.
 
@@ -287,16 +325,19 @@ def maximum_torque(M_nom: Value, M_acc: Value) -> Value:
     Returns
     -------
     M_max: torque at the wheels at the end of the acceleration [N*m]
+
+    Printed
+    -------
+    M_nom + M_acc
+
+    Notes
+    -----
+    The numerator of (11).
     """
     return M_nom + M_acc
 
 
-@equation(
-    11, "M_max/m", "torque", "N*m",
-    printed="(M_nom + M_acc) / N",
-    note="The largest torque on level ground and uphill. Downhill, where M_nom is below 0, it is not: M_dec of (12) is "
-    "larger by magnitude and is what gearhead, motor and controller are compared with.",
-)  # fmt: skip
+@equation(11, "M_max/m", "torque", "N*m")
 def maximum_torque_per_motor(M_max: Value, N: Value) -> Value:
     """Maximum torque per drive.
 
@@ -308,11 +349,20 @@ def maximum_torque_per_motor(M_max: Value, N: Value) -> Value:
     Returns
     -------
     M_max_m: maximum torque at one wheel [N*m]
+
+    Printed
+    -------
+    (M_nom + M_acc) / N
+
+    Notes
+    -----
+    The largest torque on level ground and uphill. Downhill, where M_nom is below 0, it is not: M_dec of (12) is larger
+    by magnitude and is what gearhead, motor and controller are compared with.
     """
     return M_max / N
 
 
-@equation(12, "M_dec", "torque", "N*m", printed="M_nom - M_acc", note="Usually negative: the drive brakes.")
+@equation(12, "M_dec", "torque", "N*m")
 def deceleration_torque(M_nom: Value, M_acc: Value) -> Value:
     """Deceleration torque, whole vehicle.
 
@@ -324,14 +374,19 @@ def deceleration_torque(M_nom: Value, M_acc: Value) -> Value:
     Returns
     -------
     M_dec: torque at the wheels while the vehicle slows down [N*m]
+
+    Printed
+    -------
+    M_nom - M_acc
+
+    Notes
+    -----
+    Usually negative: the drive brakes.
     """
     return M_nom - M_acc
 
 
-@equation(
-    None, "M_brake/m", "torque", "N*m",
-    note="Not in the paper; downhill in place of M_max/m of (11), which is less by magnitude there.",
-)  # fmt: skip
+@equation(None, "M_brake/m", "torque", "N*m")
 def braking_torque_per_motor(M_dec: Value, N: Value) -> Value:
     """Largest torque per drive downhill, while it brakes.
 
@@ -343,14 +398,15 @@ def braking_torque_per_motor(M_dec: Value, N: Value) -> Value:
     Returns
     -------
     M_brake_m: torque against the motion at one wheel [N*m]
+
+    Notes
+    -----
+    Not in the paper; downhill in place of M_max/m of (11), which is less by magnitude there.
     """
     return -M_dec / N
 
 
-@equation(
-    None, "M_rest", "torque", "N*m",
-    note="The paper has M_rest = 0, on level ground. On a slope the motors hold the vehicle, without help of friction.",
-)  # fmt: skip
+@equation(None, "M_rest", "torque", "N*m")
 def rest_torque(m_R: Value, g: Value, theta: Value, d: Value) -> Value:
     """Torque that holds the vehicle at rest on a slope.
 
@@ -364,17 +420,15 @@ def rest_torque(m_R: Value, g: Value, theta: Value, d: Value) -> Value:
     Returns
     -------
     M_rest: torque at the wheels while at rest, whole vehicle [N*m]
+
+    Notes
+    -----
+    The paper has M_rest = 0, on level ground. On a slope the motors hold the vehicle, without help of friction.
     """
     return m_R * g * np.sin(theta) * d / 2
 
 
-@equation(
-    13, "M_rms", "torque", "N*m",
-    printed="((t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2) / "
-    "(t_acc + t_nom + t_dec + t_rest)) ** (1 / 2)",
-    note="t_total is the sum of the four times; the paper has t_rest = 0 and M_rest = 0. At rest on a slope M_rest "
-    "holds the vehicle.",
-)  # fmt: skip
+@equation(13, "M_rms", "torque", "N*m")
 def rms_torque(
     t_acc: Value, M_max: Value, t_nom: Value, M_nom: Value, t_dec: Value, M_dec: Value, t_rest: Value, M_rest: Value
 ) -> Value:
@@ -394,13 +448,23 @@ def rms_torque(
     Returns
     -------
     M_rms: root mean square of the torque at the wheels [N*m]
+
+    Printed
+    -------
+    ((t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2) / (t_acc + t_nom + t_dec + t_rest))
+    ** (1 / 2)
+
+    Notes
+    -----
+    t_total is the sum of the four times; the paper has t_rest = 0 and M_rest = 0. At rest on a slope M_rest holds the
+    vehicle.
     """
     return np.sqrt(
         (t_acc * M_max**2 + t_nom * M_nom**2 + t_dec * M_dec**2 + t_rest * M_rest**2) / (t_acc + t_nom + t_dec + t_rest)
     )
 
 
-@equation(14, "M_rms/m", "torque", "N*m", printed="M_rms / N")
+@equation(14, "M_rms/m", "torque", "N*m")
 def rms_torque_per_motor(M_rms: Value, N: Value) -> Value:
     """RMS torque per drive.
 
@@ -412,16 +476,15 @@ def rms_torque_per_motor(M_rms: Value, N: Value) -> Value:
     Returns
     -------
     M_rms_m: RMS torque at one wheel [N*m]
+
+    Printed
+    -------
+    M_rms / N
     """
     return M_rms / N
 
 
-@equation(
-    15, "P_max/m", "power", "W",
-    printed="M_max_m * n_nom * pi / 30",
-    note="Numerical-value equation: π/30 converts from rpm. Downhill it follows the sign of M_max, and is compared "
-    "with nothing.",
-)  # fmt: skip
+@equation(15, "P_max/m", "power", "W")
 def maximum_power_per_motor(M_max_m: Value, n_nom: Value) -> Value:
     """Maximum power per drive.
 
@@ -433,14 +496,20 @@ def maximum_power_per_motor(M_max_m: Value, n_nom: Value) -> Value:
     Returns
     -------
     P_max_m: maximum power of one drive [W]
+
+    Printed
+    -------
+    M_max_m * n_nom * pi / 30
+
+    Notes
+    -----
+    Numerical-value equation: π/30 converts from rpm. Downhill it follows the sign of M_max, and is compared with
+    nothing.
     """
     return M_max_m * n_nom
 
 
-@equation(
-    None, "n_rms", "rotary_speed", "rpm",
-    note="Used in (16) and never defined in the paper: the RMS of the profile's speed, √(∫n² dt / T).",
-)  # fmt: skip
+@equation(None, "n_rms", "rotary_speed", "rpm")
 def rms_speed(n_nom: Value, t_acc: Value, t_nom: Value, t_dec: Value, t_rest: Value) -> Value:
     """RMS of the wheel speed over the trapezoid.
 
@@ -455,15 +524,15 @@ def rms_speed(n_nom: Value, t_acc: Value, t_nom: Value, t_dec: Value, t_rest: Va
     Returns
     -------
     n_rms: root mean square of the wheel speed [rad/s]
+
+    Notes
+    -----
+    Used in (16) and never defined in the paper: the RMS of the profile's speed, √(∫n² dt / T).
     """
     return n_nom * np.sqrt((t_acc / 3 + t_nom + t_dec / 3) / (t_acc + t_nom + t_dec + t_rest))
 
 
-@equation(
-    16, "P_rms/m", "power", "W",
-    printed="M_rms_m * n_rms * pi / 30",
-    note="Numerical-value equation. The product of two RMS values bounds the mean power; it is not the RMS of power.",
-)  # fmt: skip
+@equation(16, "P_rms/m", "power", "W")
 def rms_power_per_motor(M_rms_m: Value, n_rms: Value) -> Value:
     """RMS power per drive.
 
@@ -475,15 +544,19 @@ def rms_power_per_motor(M_rms_m: Value, n_rms: Value) -> Value:
     Returns
     -------
     P_rms_m: product of the RMS values of torque and speed [W]
+
+    Printed
+    -------
+    M_rms_m * n_rms * pi / 30
+
+    Notes
+    -----
+    Numerical-value equation. The product of two RMS values bounds the mean power; it is not the RMS of power.
     """
     return M_rms_m * n_rms
 
 
-@equation(
-    17, "M_rms/m0", "torque", "mN*m",
-    printed="M_rms_m / (K_g * eta_gear)",
-    note="The printed form omits the belt; with one, its ratio and efficiency divide too.",
-)  # fmt: skip
+@equation(17, "M_rms/m0", "torque", "mN*m")
 def rms_torque_at_motor(M_rms_m: Value, K_g: Value, eta_gear: Value, i_b: Value = 1.0, eta_b: Value = 1.0) -> Value:
     """RMS torque at the motor.
 
@@ -498,15 +571,19 @@ def rms_torque_at_motor(M_rms_m: Value, K_g: Value, eta_gear: Value, i_b: Value 
     Returns
     -------
     M_rms_m0: RMS torque at the motor shaft [N*m]
+
+    Printed
+    -------
+    M_rms_m / (K_g * eta_gear)
+
+    Notes
+    -----
+    The printed form omits the belt; with one, its ratio and efficiency divide too.
     """
     return M_rms_m / (K_g * eta_gear * i_b * eta_b)
 
 
-@equation(
-    18, "M_max/m0", "torque", "mN*m",
-    printed="M_max_m / (K_g * eta_gear)",
-    note="The printed form omits the belt; with one, its ratio and efficiency divide too.",
-)  # fmt: skip
+@equation(18, "M_max/m0", "torque", "mN*m")
 def maximum_torque_at_motor(M_max_m: Value, K_g: Value, eta_gear: Value, i_b: Value = 1.0, eta_b: Value = 1.0) -> Value:
     """Maximum torque at the motor.
 
@@ -521,11 +598,19 @@ def maximum_torque_at_motor(M_max_m: Value, K_g: Value, eta_gear: Value, i_b: Va
     Returns
     -------
     M_max_m0: maximum torque at the motor shaft [N*m]
+
+    Printed
+    -------
+    M_max_m / (K_g * eta_gear)
+
+    Notes
+    -----
+    The printed form omits the belt; with one, its ratio and efficiency divide too.
     """
     return M_max_m / (K_g * eta_gear * i_b * eta_b)
 
 
-@equation(19, "C_v", "speed_constant", "rpm/V", printed="V_0 / U", note="The paper writes υ for the motor voltage.")
+@equation(19, "C_v", "speed_constant", "rpm/V")
 def speed_constant(V_0: Value, U: Value) -> Value:
     """Required speed constant.
 
@@ -537,18 +622,19 @@ def speed_constant(V_0: Value, U: Value) -> Value:
     Returns
     -------
     C_v: speed constant that the motor needs at least [rad/s/V]
+
+    Printed
+    -------
+    V_0 / U
+
+    Notes
+    -----
+    The paper writes υ for the motor voltage.
     """
     return V_0 / U
 
 
-@equation(
-    20, "V_0", "rotary_speed", "rpm",
-    printed="V_nom + tau * M_max_m0",
-    printed_units={"V_nom": "m/s"},
-    note="Printed with V_nom, a velocity is added to a rotary speed. The term is the motor's speed at nominal "
-    "velocity: n_nom times the total ratio. Downhill a braking torque in place of M_max lowers it; the larger "
-    "magnitude is compared.",
-)  # fmt: skip
+@equation(20, "V_0", "rotary_speed", "rpm")
 def no_load_speed(n_nom: Value, K: Value, tau: Value, M_max_m0: Value) -> Value:
     """Required no-load speed.
 
@@ -562,5 +648,15 @@ def no_load_speed(n_nom: Value, K: Value, tau: Value, M_max_m0: Value) -> Value:
     Returns
     -------
     V_0: no-load speed that the motor needs at least [rad/s]
+
+    Printed
+    -------
+    V_nom + tau * M_max_m0
+    V_nom: nominal velocity of the vehicle [m/s]
+
+    Notes
+    -----
+    Printed with V_nom, a velocity is added to a rotary speed. The term is the motor's speed at nominal velocity: n_nom
+    times the total ratio. Downhill a braking torque in place of M_max lowers it; the larger magnitude is compared.
     """
     return n_nom * K + tau * M_max_m0

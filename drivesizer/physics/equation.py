@@ -10,8 +10,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from itertools import chain
+from dataclasses import dataclass
 from math import inf, isfinite, nan
 from numbers import Real
 from typing import Any, NamedTuple
@@ -43,8 +42,8 @@ class Term(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Equation:
-    """A declared equation; call it like the function that it holds."""
+class Declared:
+    """An equation as its function has it; names, units, printed form and note are those of the docstring."""
 
     number: int | None
     symbol: str
@@ -52,11 +51,27 @@ class Equation:
     title: str
     terms: tuple[Term, ...]
     result: Term
+    printed: str  # as the paper has it, in our names; "" where the paper has no such equation
+    printed_units: dict[str, str]  # of symbols that only the printed form has
+    note: str
+
+    @property
+    def name(self) -> str:
+        """The function's name, which is also the requirement's name in results."""
+        return self.formula.__name__
+
+    @property
+    def computed(self) -> str:
+        """The expression that it computes, from its source."""
+        return computed(self.formula)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Equation(Declared):
+    """A declared equation; call it like the function that it holds."""
+
     kind: str
     shown: str  # unit of the trade in which the result is printed
-    printed: str = ""  # as the paper has it, in our names; "" where the paper has no such equation
-    printed_units: dict[str, str] = field(default_factory=dict)  # of symbols that only the printed form has
-    note: str = ""
 
     @property
     def __doc__(self) -> str | None:  # type: ignore[override]
@@ -72,16 +87,6 @@ class Equation:
             return self.formula.__name__
         raise AttributeError(f"an equation has no {name}")
 
-    @property
-    def name(self) -> str:
-        """The function's name, which is also the requirement's name in results."""
-        return self.formula.__name__
-
-    @property
-    def computed(self) -> str:
-        """The expression that it computes, from its source."""
-        return computed(self.formula)
-
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Compute with numbers and arrays in SI, or with pint quantities in any unit of their terms.
 
@@ -92,14 +97,10 @@ class Equation:
         InputError
             When an argument is missing, no number, of another unit, or one at which the formula has no value.
         """
-        figures = (*args, *kwargs.values())
-        if _PLAIN.issuperset(map(type, figures)):
+        types = {type(figure) for figure in (*args, *kwargs.values())}
+        if np.ndarray in types and types <= _PLAIN:
             try:
-                if np.ndarray in map(type, figures):
-                    return self.formula(*args, **kwargs)
-                usual = all(0.0 < figure < inf for figure in figures) and not self._above_1(args, kwargs)
-                if usual and isfinite(result := _single(self, *args, **kwargs)):
-                    return result
+                return self.formula(*args, **kwargs)
             except (TypeError, ValueError):
                 pass  # the reason is found below
         try:
@@ -116,11 +117,6 @@ class Equation:
         quantity = with_units[0]._REGISTRY.Quantity  # the caller's own: the result goes with other quantities there
         found = _single(self, **{term.name: quantity(plain[term.name], _pint(term.unit)) for term in listed})
         return quantity(found).to(_pint(self.result.unit))
-
-    def _above_1(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> bool:
-        """Whether a factor that only takes away is more than 1."""
-        pairs = chain(zip(self.terms, args, strict=False), ((term, kwargs.get(term.name, 0.0)) for term in self.terms))
-        return any(figure > 1.0 and term.factor for term, figure in pairs)
 
     @property
     def label(self) -> str:
@@ -214,31 +210,29 @@ def _result(declared: Equation, plain: dict[str, Any]) -> Any:
     raise InputError(f"{declared.label} has no value where {named}; expected more than 0")
 
 
-_SECTION = re.compile(r"(Parameters|Returns)\n\s*-+\n(.*?)(?=\n\s*\n|\Z)", re.DOTALL)
+_SECTION = re.compile(r"(Parameters|Returns|Printed|Notes)\n\s*-+\n(.*?)(?=\n\s*\n|\Z)", re.DOTALL)
 _TERM = re.compile(r"\s*(\w+): (.*) \[([^\]]+)\]\s*")
 
 
-def terms(formula: Callable[..., Any]) -> dict[str, tuple[Term, ...]]:
-    """The terms that a formula's docstring lists, by its sections Parameters and Returns."""
+def of_docstring(
+    formula: Callable[..., Any],
+) -> tuple[str, tuple[Term, ...], Term, str, dict[str, str], str]:
+    """Title, terms, result, printed form with units of its own, and note: of a formula's docstring."""
     text = inspect.getdoc(formula) or ""
-    sections: dict[str, tuple[Term, ...]] = {}
+    terms: dict[str, tuple[Term, ...]] = {}
+    words = {"Printed": "", "Notes": ""}
     for heading, block in _SECTION.findall(text):
         lines = re.sub(r"\n {4,}", " ", block).splitlines()
         matches = [_TERM.fullmatch(line) for line in lines]
-        sections[heading] = tuple(Term(*match.groups()) for match in matches if match)
-    return sections
+        terms[heading] = tuple(Term(*match.groups()) for match in matches if match)
+        if heading in words:
+            words[heading] = " ".join(line for line, match in zip(lines, matches, strict=True) if not match)
+    own = {term.name: term.unit for term in terms.get("Printed", ())}
+    title = text.splitlines()[0].rstrip(".")
+    return title, terms["Parameters"], terms["Returns"][0], words["Printed"], own, words["Notes"]
 
 
-def equation(
-    number: int | None,
-    symbol: str,
-    kind: str,
-    shown: str,
-    *,
-    printed: str = "",
-    printed_units: dict[str, str] | None = None,
-    note: str = "",
-) -> Callable[[Callable[..., Any]], Equation]:
+def equation(number: int | None, symbol: str, kind: str, shown: str) -> Callable[[Callable[..., Any]], Equation]:
     """Declare the function below as an equation.
 
     Parameters
@@ -249,10 +243,6 @@ def equation(
         The paper's symbol of the result.
     kind, shown
         Kind of quantity of the result, and the unit of the trade it is printed in.
-    printed, printed_units
-        The paper's own form, and the units of symbols that only this form has.
-    note
-        Where the printed form fails, or what a reader must know.
 
     Returns
     -------
@@ -261,20 +251,7 @@ def equation(
     """
 
     def declare(formula: Callable[..., Any]) -> Equation:
-        sections = terms(formula)
-        declared = Equation(
-            number=number,
-            symbol=symbol,
-            formula=formula,
-            title=(inspect.getdoc(formula) or "").splitlines()[0].rstrip("."),
-            terms=sections["Parameters"],
-            result=sections["Returns"][0],
-            kind=kind,
-            shown=shown,
-            printed=printed,
-            printed_units=printed_units or {},
-            note=note,
-        )
+        declared = Equation(number, symbol, formula, *of_docstring(formula), kind, shown)
         if number is None:
             COMPANIONS[declared.name] = declared
         else:

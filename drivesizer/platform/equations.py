@@ -18,7 +18,7 @@ from drivesizer.platform.matrix_equation import Array, matrix_equation
 # or over wheels where it belongs to a wheel; the first axis of a result counts its entries. Units: see ``notation``.
 
 
-@matrix_equation(21, "ξ", printed="array([x, y, theta])")
+@matrix_equation(21, "ξ")
 def posture(x: Array, y: Array, theta: Array) -> Array:
     """Posture of the platform in the world.
 
@@ -31,11 +31,15 @@ def posture(x: Array, y: Array, theta: Array) -> Array:
     Returns
     -------
     xi: posture [m, m, rad]
+
+    Printed
+    -------
+    array([x, y, theta])
     """
     return np.array([x, y, theta])
 
 
-@matrix_equation(22, "η", printed="R @ xi_dot")
+@matrix_equation(22, "η")
 def robot_velocity(theta: Array, x_dot: Array, y_dot: Array, theta_dot: Array) -> Array:
     """Velocity in the robot's frame, from the world's.
 
@@ -49,18 +53,17 @@ def robot_velocity(theta: Array, x_dot: Array, y_dot: Array, theta_dot: Array) -
     Returns
     -------
     eta: velocity in the robot's frame [m/s, m/s, rad/s]
+
+    Printed
+    -------
+    R @ xi_dot
     """
     return np.array(
         [np.cos(theta) * x_dot + np.sin(theta) * y_dot, -np.sin(theta) * x_dot + np.cos(theta) * y_dot, theta_dot]
     )
 
 
-@matrix_equation(
-    23, "Ȯ_Ri",
-    printed="array([x_R_dot - L * sin(alpha) * theta_dot, y_R_dot - L * cos(alpha) * theta_dot])",
-    note="Printed with a minus in the second entry. A platform that turns to the left moves its front to the left: + "
-    "it must be, and + is what (26) has.",
-)  # fmt: skip
+@matrix_equation(23, "Ȯ_Ri")
 def contact_velocity(x_R_dot: Array, y_R_dot: Array, theta_dot: Array, L: Array, alpha: Array) -> Array:
     """Velocity of a wheel's contact point, in the robot's axes.
 
@@ -75,11 +78,20 @@ def contact_velocity(x_R_dot: Array, y_R_dot: Array, theta_dot: Array, L: Array,
     Returns
     -------
     O_Ri_dot: velocity of the contact point [m/s]
+
+    Printed
+    -------
+    array([x_R_dot - L * sin(alpha) * theta_dot, y_R_dot - L * cos(alpha) * theta_dot])
+
+    Notes
+    -----
+    Printed with a minus in the second entry. A platform that turns to the left moves its front to the left: + it must
+    be, and + is what (26) has.
     """
     return np.array([x_R_dot - L * np.sin(alpha) * theta_dot, y_R_dot + L * np.cos(alpha) * theta_dot])
 
 
-@matrix_equation(24, "Ȯ_ri", printed="array([[sin(phi), -cos(phi)], [cos(phi), sin(phi)]]) @ O_Ri_dot")
+@matrix_equation(24, "Ȯ_ri")
 def roller_frame_velocity(phi: Array, O_Ri_dot: Array) -> Array:
     """The same velocity in the axes of the roller on the floor.
 
@@ -91,17 +103,15 @@ def roller_frame_velocity(phi: Array, O_Ri_dot: Array) -> Array:
     Returns
     -------
     O_ri_dot: along the roller's axis, and across it [m/s]
+
+    Printed
+    -------
+    array([[sin(phi), -cos(phi)], [cos(phi), sin(phi)]]) @ O_Ri_dot
     """
     return np.array([[np.sin(phi), -np.cos(phi)], [np.cos(phi), np.sin(phi)]]) @ O_Ri_dot
 
 
-@matrix_equation(
-    25, "[r ϕ̇ cos γ; r_r ϕ̇_r − r ϕ̇ sin γ] / η", printed_symbol="[r ϕ̇ cos γ; r_r ϕ̇_r + r ϕ̇ sin γ] / η",
-    printed="array([[sin(phi), -cos(phi), L * cos(delta)], [cos(phi), sin(phi), L * cos(delta)]])",
-    note="Printed with L cos δ in both third entries; from (23) and (24) they are −L cos δ and L sin δ, and the first "
-    "is what (26) has. On the left the paper has + r ϕ̇ sin γ; then the rollers would turn on a straight path, where "
-    "they stand still: − it must be. Third row, 0 = 0, left out.",
-)  # fmt: skip
+@matrix_equation(25, "[r ϕ̇ cos γ; r_r ϕ̇_r − r ϕ̇ sin γ] / η", printed_symbol="[r ϕ̇ cos γ; r_r ϕ̇_r + r ϕ̇ sin γ] / η")
 def roller_frame_rows(phi: Array, delta: Array, L: Array) -> Array:
     """Wheel and roller speed from the platform's velocity.
 
@@ -114,14 +124,21 @@ def roller_frame_rows(phi: Array, delta: Array, L: Array) -> Array:
     Returns
     -------
     rows: what the velocity is multiplied with [m/s per m/s, m/s, rad/s]
+
+    Printed
+    -------
+    array([[sin(phi), -cos(phi), L * cos(delta)], [cos(phi), sin(phi), L * cos(delta)]])
+
+    Notes
+    -----
+    Printed with L cos δ in both third entries; from (23) and (24) they are −L cos δ and L sin δ, and the first is what
+    (26) has. On the left the paper has + r ϕ̇ sin γ; then the rollers would turn on a straight path, where they stand
+    still: − it must be. Third row, 0 = 0, left out.
     """
     return np.array([[np.sin(phi), -np.cos(phi), -L * np.cos(delta)], [np.cos(phi), np.sin(phi), L * np.sin(delta)]])
 
 
-@matrix_equation(
-    26, "0",
-    printed="array([-sin(phi), cos(phi), L * cos(delta)]) @ R @ xi_dot + r * varphi_i_dot * cos(gamma)",
-)  # fmt: skip
+@matrix_equation(26, "0")
 def rolling_constraint(
     phi: Array, delta: Array, L: Array, eta: Array, r: Array, varphi_i_dot: Array, gamma: Array
 ) -> Array:
@@ -140,11 +157,15 @@ def rolling_constraint(
     Returns
     -------
     slip: along the roller's axis, 0 where the wheel rolls [m/s]
+
+    Printed
+    -------
+    array([-sin(phi), cos(phi), L * cos(delta)]) @ R @ xi_dot + r * varphi_i_dot * cos(gamma)
     """
     return np.array([-np.sin(phi), np.cos(phi), L * np.cos(delta)]) @ eta + r * varphi_i_dot * np.cos(gamma)
 
 
-@matrix_equation(27, "0", printed="J_1 @ R @ xi_dot + J_2 @ varphi_dot")
+@matrix_equation(27, "0")
 def platform_constraint(J_1: Array, eta: Array, J_2: Array, varphi_dot: Array) -> Array:
     """Rolling of all wheels.
 
@@ -158,14 +179,15 @@ def platform_constraint(J_1: Array, eta: Array, J_2: Array, varphi_dot: Array) -
     Returns
     -------
     slip: of each wheel along its roller's axis, 0 where it rolls [m/s]
+
+    Printed
+    -------
+    J_1 @ R @ xi_dot + J_2 @ varphi_dot
     """
     return J_1 @ eta + J_2 @ varphi_dot
 
 
-@matrix_equation(
-    28, "J_1", printed="array([-sin(phi_i), cos(phi_i), L_i * cos(delta_i)]).T",
-    note="A row for each wheel, as many as there are.",
-)  # fmt: skip
+@matrix_equation(28, "J_1")
 def rolling_rows(phi_i: Array, delta_i: Array, L_i: Array) -> Array:
     """Rows of the rolling constraints.
 
@@ -178,11 +200,19 @@ def rolling_rows(phi_i: Array, delta_i: Array, L_i: Array) -> Array:
     Returns
     -------
     J_1: a row for each wheel [m/s per m/s, m/s, rad/s]
+
+    Printed
+    -------
+    array([-sin(phi_i), cos(phi_i), L_i * cos(delta_i)]).T
+
+    Notes
+    -----
+    A row for each wheel, as many as there are.
     """
     return np.array([-np.sin(phi_i), np.cos(phi_i), L_i * np.cos(delta_i)]).T
 
 
-@matrix_equation(29, "J_2", printed="diag(r_i * cos(gamma_i))")
+@matrix_equation(29, "J_2")
 def wheel_matrix(r_i: Array, gamma_i: Array) -> Array:
     """Matrix of the wheels' rolling along the rollers' axes.
 
@@ -194,11 +224,15 @@ def wheel_matrix(r_i: Array, gamma_i: Array) -> Array:
     Returns
     -------
     J_2: diagonal [m/s per rad/s]
+
+    Printed
+    -------
+    diag(r_i * cos(gamma_i))
     """
     return np.diag(r_i * np.cos(gamma_i))
 
 
-@matrix_equation(30, "q̇", printed="concatenate([R.T @ eta, E @ eta])", note="q has the posture and the wheels' angles.")
+@matrix_equation(30, "q̇")
 def configuration_velocity(R: Array, eta: Array, E: Array) -> Array:
     """Velocity of posture and wheels.
 
@@ -211,11 +245,19 @@ def configuration_velocity(R: Array, eta: Array, E: Array) -> Array:
     Returns
     -------
     rates: posture in the world, then wheels [m/s, m/s, rad/s, rad/s, rad/s, rad/s, rad/s]
+
+    Printed
+    -------
+    concatenate([R.T @ eta, E @ eta])
+
+    Notes
+    -----
+    q has the posture and the wheels' angles.
     """
     return np.concatenate([R.T @ eta, E @ eta])
 
 
-@matrix_equation(31, "ξ̇", printed="R.T @ eta")
+@matrix_equation(31, "ξ̇")
 def world_velocity(theta: Array, x_R_dot: Array, y_R_dot: Array, theta_dot: Array) -> Array:
     """Velocity in the world, from the robot's frame.
 
@@ -229,6 +271,10 @@ def world_velocity(theta: Array, x_R_dot: Array, y_R_dot: Array, theta_dot: Arra
     Returns
     -------
     xi_dot: velocity in the world [m/s, m/s, rad/s]
+
+    Printed
+    -------
+    R.T @ eta
     """
     return np.array(
         [
@@ -239,7 +285,7 @@ def world_velocity(theta: Array, x_R_dot: Array, y_R_dot: Array, theta_dot: Arra
     )
 
 
-@matrix_equation(32, "E", printed="-inv(J_2) @ J_1", note="ϕ̇ = E η.")
+@matrix_equation(32, "E")
 def wheel_map(J_1: Array, J_2: Array) -> Array:
     """Wheel speeds over velocity.
 
@@ -251,16 +297,19 @@ def wheel_map(J_1: Array, J_2: Array) -> Array:
     Returns
     -------
     E: wheel speeds over velocity [rad/s per m/s, m/s, rad/s]
+
+    Printed
+    -------
+    -inv(J_2) @ J_1
+
+    Notes
+    -----
+    ϕ̇ = E η.
     """
     return -np.linalg.inv(J_2) @ J_1
 
 
-@matrix_equation(
-    33, "E",
-    printed="array([[1, 1, l_1 + l_2], [1, -1, -(l_1 + l_2)], [1, 1, -(l_1 + l_2)], [1, -1, l_1 + l_2]]) / r",
-    note="The lower part of S(q), for the four wheels of Table 1. The program works from (26) for any set of wheels; "
-    "that they give this is a test.",
-)  # fmt: skip
+@matrix_equation(33, "E")
 def paper_wheel_map(l_1: float, l_2: float, r: float) -> Array:
     """Wheel speeds over velocity, the paper's robot.
 
@@ -273,11 +322,20 @@ def paper_wheel_map(l_1: float, l_2: float, r: float) -> Array:
     Returns
     -------
     E: wheel speeds over velocity [rad/s per m/s, m/s, rad/s]
+
+    Printed
+    -------
+    array([[1, 1, l_1 + l_2], [1, -1, -(l_1 + l_2)], [1, 1, -(l_1 + l_2)], [1, -1, l_1 + l_2]]) / r
+
+    Notes
+    -----
+    The lower part of S(q), for the four wheels of Table 1. The program works from (26) for any set of wheels; that they
+    give this is a test.
     """
     return np.array([[1, 1, l_1 + l_2], [1, -1, -(l_1 + l_2)], [1, 1, -(l_1 + l_2)], [1, -1, l_1 + l_2]]) / r
 
 
-@matrix_equation(53, "q̇", printed="K @ eta", note="q has the wheels' angles alone here, and K is E of (32), (33).")
+@matrix_equation(53, "q̇")
 def wheel_speeds(K: Array, eta: Array) -> Array:
     """Wheel speeds, from the platform's velocity.
 
@@ -289,15 +347,19 @@ def wheel_speeds(K: Array, eta: Array) -> Array:
     Returns
     -------
     varphi_dot: speeds of the wheels [rad/s]
+
+    Printed
+    -------
+    K @ eta
+
+    Notes
+    -----
+    q has the wheels' angles alone here, and K is E of (32), (33).
     """
     return K @ eta
 
 
-@matrix_equation(
-    54, "η", printed="K_plus @ varphi_dot",
-    note="K⁺ is the Moore-Penrose inverse: of more wheels than freedoms it takes the velocity that fits their speeds "
-    "best by least squares.",
-)  # fmt: skip
+@matrix_equation(54, "η")
 def velocity(K_plus: Array, varphi_dot: Array) -> Array:
     """The platform's velocity, from the wheel speeds.
 
@@ -309,16 +371,20 @@ def velocity(K_plus: Array, varphi_dot: Array) -> Array:
     Returns
     -------
     eta: velocity in the robot's frame [m/s, m/s, rad/s]
+
+    Printed
+    -------
+    K_plus @ varphi_dot
+
+    Notes
+    -----
+    K⁺ is the Moore-Penrose inverse: of more wheels than freedoms it takes the velocity that fits their speeds best by
+    least squares.
     """
     return K_plus @ varphi_dot
 
 
-@matrix_equation(
-    55, "K⁺",
-    printed="r / 4 * array([[1, 1, 1, 1], [1, -1, 1, -1], "
-    "[1 / (l_1 + l_2), -1 / (l_1 + l_2), -1 / (l_1 + l_2), 1 / (l_1 + l_2)]])",
-    note="For the four wheels of Table 1; a test, as (33) is.",
-)  # fmt: skip
+@matrix_equation(55, "K⁺")
 def paper_velocity_map(r: float, l_1: float, l_2: float) -> Array:
     """Velocity over wheel speeds, the paper's robot.
 
@@ -331,6 +397,15 @@ def paper_velocity_map(r: float, l_1: float, l_2: float) -> Array:
     Returns
     -------
     K_plus: velocity over wheel speeds [m/s, m/s, rad/s per rad/s]
+
+    Printed
+    -------
+    r / 4 * array([[1, 1, 1, 1], [1, -1, 1, -1], [1 / (l_1 + l_2), -1 / (l_1 + l_2), -1 / (l_1 + l_2), 1 / (l_1 +
+    l_2)]])
+
+    Notes
+    -----
+    For the four wheels of Table 1; a test, as (33) is.
     """
     return (
         r
@@ -345,10 +420,7 @@ def paper_velocity_map(r: float, l_1: float, l_2: float) -> Array:
     )
 
 
-@matrix_equation(
-    56, "θ̇",
-    printed="r / (4 * (l_1 + l_2)) * (varphi_1_dot - varphi_2_dot - varphi_3_dot + varphi_4_dot)",
-)  # fmt: skip
+@matrix_equation(56, "θ̇")
 def turning_speed(
     r: float, l_1: float, l_2: float, varphi_1_dot: Array, varphi_2_dot: Array, varphi_3_dot: Array, varphi_4_dot: Array
 ) -> Array:
@@ -367,6 +439,10 @@ def turning_speed(
     Returns
     -------
     theta_dot: turning speed [rad/s]
+
+    Printed
+    -------
+    r / (4 * (l_1 + l_2)) * (varphi_1_dot - varphi_2_dot - varphi_3_dot + varphi_4_dot)
     """
     return r / (4 * (l_1 + l_2)) * (varphi_1_dot - varphi_2_dot - varphi_3_dot + varphi_4_dot)
 
@@ -377,7 +453,7 @@ def turning_speed(
 # the robot's axes; in (52)-(59) they are torques of the wheels.
 
 
-@matrix_equation(34, "Eᵀ τ", printed="R @ T_xi + E.T @ T_phi")
+@matrix_equation(34, "Eᵀ τ")
 def generalised_force(R: Array, T_xi: Array, E: Array, T_phi: Array) -> Array:
     """Lagrange's equation of the platform.
 
@@ -391,13 +467,15 @@ def generalised_force(R: Array, T_xi: Array, E: Array, T_phi: Array) -> Array:
     Returns
     -------
     F: force and moment that the wheels' torques make [N, N, N*m]
+
+    Printed
+    -------
+    R @ T_xi + E.T @ T_phi
     """
     return R @ T_xi + E.T @ T_phi
 
 
-@matrix_equation(
-    35, "[T]_ψ", printed="p_dot - T_psi", note="T is the kinetic energy, ψ the posture or a wheel's angle."
-)
+@matrix_equation(35, "[T]_ψ")
 def lagrange_operator(p_dot: Array, T_psi: Array) -> Array:
     """Lagrange's operator.
 
@@ -409,11 +487,19 @@ def lagrange_operator(p_dot: Array, T_psi: Array) -> Array:
     Returns
     -------
     T_xi: force and moment [N, N, N*m]
+
+    Printed
+    -------
+    p_dot - T_psi
+
+    Notes
+    -----
+    T is the kinetic energy, ψ the posture or a wheel's angle.
     """
     return p_dot - T_psi
 
 
-@matrix_equation(36, "τ_ϕ", printed="array([tau_1, tau_2, tau_3, tau_4])", note="As many as there are motors.")
+@matrix_equation(36, "τ_ϕ")
 def motor_torques(tau_1: Array, tau_2: Array, tau_3: Array, tau_4: Array) -> Array:
     """Torques at the wheels.
 
@@ -427,15 +513,19 @@ def motor_torques(tau_1: Array, tau_2: Array, tau_3: Array, tau_4: Array) -> Arr
     Returns
     -------
     tau: torques [N*m]
+
+    Printed
+    -------
+    array([tau_1, tau_2, tau_3, tau_4])
+
+    Notes
+    -----
+    As many as there are motors.
     """
     return np.array([tau_1, tau_2, tau_3, tau_4])
 
 
-@matrix_equation(
-    37, "T", printed="xi_dot.T @ R @ M @ R @ xi_dot + varphi_dot.T @ I_phi @ varphi_dot",
-    note="Printed with R twice; with it a platform that moves sideways would have other energy than one that moves "
-    "ahead. The velocity in the robot's frame is R ξ̇, so the first R is transposed.",
-)  # fmt: skip
+@matrix_equation(37, "T")
 def kinetic_energy_form(xi_dot: Array, R: Array, M: Array, varphi_dot: Array, I_phi: Array) -> Array:
     """Kinetic energy, as a quadratic form.
 
@@ -450,11 +540,20 @@ def kinetic_energy_form(xi_dot: Array, R: Array, M: Array, varphi_dot: Array, I_
     Returns
     -------
     T: kinetic energy [J]
+
+    Printed
+    -------
+    xi_dot.T @ R @ M @ R @ xi_dot + varphi_dot.T @ I_phi @ varphi_dot
+
+    Notes
+    -----
+    Printed with R twice; with it a platform that moves sideways would have other energy than one that moves ahead. The
+    velocity in the robot's frame is R ξ̇, so the first R is transposed.
     """
     return xi_dot.T @ R.T @ M @ R @ xi_dot + varphi_dot.T @ I_phi @ varphi_dot
 
 
-@matrix_equation(38, "M", printed="1 / 2 * diag([m_R, m_R, I_Rz])")
+@matrix_equation(38, "M")
 def half_mass_matrix(m_R: float, I_Rz: float) -> Array:
     """Half the mass matrix of the platform.
 
@@ -466,11 +565,15 @@ def half_mass_matrix(m_R: float, I_Rz: float) -> Array:
     Returns
     -------
     M: diagonal [N, N, N*m per m/s^2, m/s^2, rad/s^2]
+
+    Printed
+    -------
+    1 / 2 * diag([m_R, m_R, I_Rz])
     """
     return 1 / 2 * np.diag([m_R, m_R, I_Rz])
 
 
-@matrix_equation(39, "I_ϕ", printed="1 / 2 * diag(I_phiy)")
+@matrix_equation(39, "I_ϕ")
 def half_wheel_inertias(I_phiy: Array) -> Array:
     """Half the wheels' inertias.
 
@@ -481,11 +584,15 @@ def half_wheel_inertias(I_phiy: Array) -> Array:
     Returns
     -------
     I_phi: diagonal [kg*m^2]
+
+    Printed
+    -------
+    1 / 2 * diag(I_phiy)
     """
     return 1 / 2 * np.diag(I_phiy)
 
 
-@matrix_equation(40, "ϕ̇", printed="array([varphi_1_dot, varphi_2_dot, varphi_3_dot, varphi_4_dot])")
+@matrix_equation(40, "ϕ̇")
 def wheel_velocities(varphi_1_dot: Array, varphi_2_dot: Array, varphi_3_dot: Array, varphi_4_dot: Array) -> Array:
     """Speeds of the wheels.
 
@@ -499,15 +606,15 @@ def wheel_velocities(varphi_1_dot: Array, varphi_2_dot: Array, varphi_3_dot: Arr
     Returns
     -------
     varphi_dot: speeds [rad/s]
+
+    Printed
+    -------
+    array([varphi_1_dot, varphi_2_dot, varphi_3_dot, varphi_4_dot])
     """
     return np.array([varphi_1_dot, varphi_2_dot, varphi_3_dot, varphi_4_dot])
 
 
-@matrix_equation(
-    41, "T",
-    printed="m_R / 2 * (x_dot**2 + y_dot**2) + I_Rz / 2 * theta_dot**2 + sum(I_phiy * varphi_dot**2 / 2)",
-    note="The paper's wheels are alike and its I_ϕy stands before the sum.",
-)  # fmt: skip
+@matrix_equation(41, "T")
 def kinetic_energy(
     m_R: float, x_dot: Array, y_dot: Array, I_Rz: float, theta_dot: Array, I_phiy: Array, varphi_dot: Array
 ) -> Any:
@@ -526,6 +633,14 @@ def kinetic_energy(
     Returns
     -------
     T: kinetic energy [J]
+
+    Printed
+    -------
+    m_R / 2 * (x_dot**2 + y_dot**2) + I_Rz / 2 * theta_dot**2 + sum(I_phiy * varphi_dot**2 / 2)
+
+    Notes
+    -----
+    The paper's wheels are alike and its I_ϕy stands before the sum.
     """
     return (
         m_R / 2 * (x_dot**2 + y_dot**2)
@@ -534,7 +649,7 @@ def kinetic_energy(
     )  # fmt: skip
 
 
-@matrix_equation(42, "[T]_ξ", printed="M_R @ xi_ddot")
+@matrix_equation(42, "[T]_ξ")
 def platform_inertia_force(M_R: Array, xi_ddot: Array) -> Array:
     """Force that accelerates the platform, in the world.
 
@@ -546,15 +661,15 @@ def platform_inertia_force(M_R: Array, xi_ddot: Array) -> Array:
     Returns
     -------
     T_xi: force and moment [N, N, N*m]
+
+    Printed
+    -------
+    M_R @ xi_ddot
     """
     return M_R @ xi_ddot
 
 
-@matrix_equation(
-    43, "M_R", printed="diag([m_R, m_R, I_Rz])",
-    note="The paper's centre of mass is the reference point. With one that lies off it, mass times distance couples "
-    "turning and moving: a generalisation of ours that leaves the paper's case as printed.",
-)  # fmt: skip
+@matrix_equation(43, "M_R")
 def mass_matrix(m_R: float, I_Rz: float, x_C: float = 0.0, y_C: float = 0.0) -> Array:
     """Mass matrix of the platform, in the robot's axes.
 
@@ -568,11 +683,20 @@ def mass_matrix(m_R: float, I_Rz: float, x_C: float = 0.0, y_C: float = 0.0) -> 
     Returns
     -------
     M_R: mass matrix [N, N, N*m per m/s^2, m/s^2, rad/s^2]
+
+    Printed
+    -------
+    diag([m_R, m_R, I_Rz])
+
+    Notes
+    -----
+    The paper's centre of mass is the reference point. With one that lies off it, mass times distance couples turning
+    and moving: a generalisation of ours that leaves the paper's case as printed.
     """
     return np.array([[m_R, 0, -m_R * y_C], [0, m_R, m_R * x_C], [-m_R * y_C, m_R * x_C, I_Rz]])
 
 
-@matrix_equation(44, "[T]_ϕ", printed="M_phi @ varphi_ddot")
+@matrix_equation(44, "[T]_ϕ")
 def wheel_inertia_torque(M_phi: Array, varphi_ddot: Array) -> Array:
     """Torques that accelerate the wheels.
 
@@ -584,11 +708,15 @@ def wheel_inertia_torque(M_phi: Array, varphi_ddot: Array) -> Array:
     Returns
     -------
     T_phi: torques [N*m]
+
+    Printed
+    -------
+    M_phi @ varphi_ddot
     """
     return M_phi @ varphi_ddot
 
 
-@matrix_equation(45, "M_ϕ", printed="diag(I_phiy)")
+@matrix_equation(45, "M_ϕ")
 def wheel_inertias(I_phiy: Array) -> Array:
     """Inertias of the wheels.
 
@@ -599,11 +727,15 @@ def wheel_inertias(I_phiy: Array) -> Array:
     Returns
     -------
     M_phi: diagonal [kg*m^2]
+
+    Printed
+    -------
+    diag(I_phiy)
     """
     return np.diag(I_phiy)
 
 
-@matrix_equation(46, "Eᵀ τ", printed="R @ M_R @ xi_ddot + E.T @ M_phi @ varphi_ddot")
+@matrix_equation(46, "Eᵀ τ")
 def platform_force(R: Array, M_R: Array, xi_ddot: Array, E: Array, M_phi: Array, varphi_ddot: Array) -> Array:
     """Force that the wheels' torques make, from the world's accelerations.
 
@@ -619,11 +751,15 @@ def platform_force(R: Array, M_R: Array, xi_ddot: Array, E: Array, M_phi: Array,
     Returns
     -------
     F: force and moment in the robot's axes [N, N, N*m]
+
+    Printed
+    -------
+    R @ M_R @ xi_ddot + E.T @ M_phi @ varphi_ddot
     """
     return R @ M_R @ xi_ddot + E.T @ M_phi @ varphi_ddot
 
 
-@matrix_equation(47, "ξ̈", printed="R.T @ eta_dot + R_T_dot @ eta")
+@matrix_equation(47, "ξ̈")
 def world_acceleration(R: Array, eta_dot: Array, R_T_dot: Array, eta: Array) -> Array:
     """Acceleration in the world, from the robot's frame.
 
@@ -637,11 +773,15 @@ def world_acceleration(R: Array, eta_dot: Array, R_T_dot: Array, eta: Array) -> 
     Returns
     -------
     xi_ddot: acceleration in the world [m/s^2, m/s^2, rad/s^2]
+
+    Printed
+    -------
+    R.T @ eta_dot + R_T_dot @ eta
     """
     return R.T @ eta_dot + R_T_dot @ eta
 
 
-@matrix_equation(48, "ϕ̈", printed="E @ eta_dot")
+@matrix_equation(48, "ϕ̈")
 def wheel_acceleration(E: Array, eta_dot: Array) -> Array:
     """Accelerations of the wheels.
 
@@ -653,11 +793,15 @@ def wheel_acceleration(E: Array, eta_dot: Array) -> Array:
     Returns
     -------
     varphi_ddot: accelerations of the wheels [rad/s^2]
+
+    Printed
+    -------
+    E @ eta_dot
     """
     return E @ eta_dot
 
 
-@matrix_equation(49, "Eᵀ τ", printed="M_bar @ eta_dot + C_bar @ eta")
+@matrix_equation(49, "Eᵀ τ")
 def operational_force(M_bar: Array, eta_dot: Array, C_bar: Array, eta: Array) -> Array:
     """Dynamics in operational space.
 
@@ -671,14 +815,15 @@ def operational_force(M_bar: Array, eta_dot: Array, C_bar: Array, eta: Array) ->
     Returns
     -------
     F: force and moment that the wheels' torques make [N, N, N*m]
+
+    Printed
+    -------
+    M_bar @ eta_dot + C_bar @ eta
     """
     return M_bar @ eta_dot + C_bar @ eta
 
 
-@matrix_equation(
-    50, "M̄", printed="R @ M_R @ R.T + E.T @ M_phi @ E",
-    note="The mass matrix is taken in the robot's axes; the paper's diagonal one is the same in all.",
-)  # fmt: skip
+@matrix_equation(50, "M̄")
 def inertia_matrix(M_R: Array, E: Array, M_phi: Array) -> Array:
     """Inertia of platform and wheels.
 
@@ -691,15 +836,19 @@ def inertia_matrix(M_R: Array, E: Array, M_phi: Array) -> Array:
     Returns
     -------
     M_bar: symmetric, positive definite [N, N, N*m per m/s^2, m/s^2, rad/s^2]
+
+    Printed
+    -------
+    R @ M_R @ R.T + E.T @ M_phi @ E
+
+    Notes
+    -----
+    The mass matrix is taken in the robot's axes; the paper's diagonal one is the same in all.
     """
     return M_R + E.T @ M_phi @ E
 
 
-@matrix_equation(
-    51, "C̄", printed="R @ M_R @ R_T_dot",
-    note="Multiplied out, and skew-symmetric also where the centre of mass lies off the reference point: it does no "
-    "work.",
-)  # fmt: skip
+@matrix_equation(51, "C̄")
 def coriolis_matrix(theta_dot: float, m_R: float, x_C: float = 0.0, y_C: float = 0.0) -> Array:
     """Coriolis matrix.
 
@@ -713,15 +862,19 @@ def coriolis_matrix(theta_dot: float, m_R: float, x_C: float = 0.0, y_C: float =
     Returns
     -------
     C_bar: Coriolis matrix [N, N, N*m per m/s, m/s, rad/s]
+
+    Printed
+    -------
+    R @ M_R @ R_T_dot
+
+    Notes
+    -----
+    Multiplied out, and skew-symmetric also where the centre of mass lies off the reference point: it does no work.
     """
     return theta_dot * np.array([[0, -m_R, -m_R * x_C], [m_R, 0, -m_R * y_C], [m_R * x_C, m_R * y_C, 0]])
 
 
-@matrix_equation(
-    52, "τ", printed="M_q @ q_ddot + C_q @ q_dot + g_q",
-    note="The form that robot arms have. g(q) is 0 on level ground; on a slope the weight is taken in operational "
-    "space.",
-)  # fmt: skip
+@matrix_equation(52, "τ")
 def joint_form(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array, g_q: Array) -> Array:
     """Dynamics in the compact form.
 
@@ -736,13 +889,19 @@ def joint_form(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array, g_q: Array) 
     Returns
     -------
     tau: torques of the motors [N*m]
+
+    Printed
+    -------
+    M_q @ q_ddot + C_q @ q_dot + g_q
+
+    Notes
+    -----
+    The form that robot arms have. g(q) is 0 on level ground; on a slope the weight is taken in operational space.
     """
     return M_q @ q_ddot + C_q @ q_dot + g_q
 
 
-@matrix_equation(
-    57, "τ_ϕ", printed="M_q @ q_ddot + C_q @ q_dot", note="M_q, C_q of (58), (59); the paper calls them M̄, C̄ too."
-)
+@matrix_equation(57, "τ_ϕ")
 def wheel_space_torque(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array) -> Array:
     """Dynamics in the space of the wheels.
 
@@ -756,20 +915,19 @@ def wheel_space_torque(M_q: Array, q_ddot: Array, C_q: Array, q_dot: Array) -> A
     Returns
     -------
     tau: torques of the motors [N*m]
+
+    Printed
+    -------
+    M_q @ q_ddot + C_q @ q_dot
+
+    Notes
+    -----
+    M_q, C_q of (58), (59); the paper calls them M̄, C̄ too.
     """
     return M_q @ q_ddot + C_q @ q_dot
 
 
-_NO_INVERSE = (
-    "The Moore-Penrose inverse takes its place, which gives the torques with the least sum of squares; any "
-    "c (1, 1, −1, −1) may be added to those of the paper's robot, and moves nothing. Where the wheels allow only the "
-    "motions S, it is D = (Sᵀ Eᵀ)⁺ Sᵀ. The matrix has rank 3 at most and is never inverted."
-)
-
-
-@matrix_equation(
-    58, "M_q", printed_symbol="M̄", printed="inv(E.T) @ (R @ M_R @ R.T @ K_plus) + M_phi @ E @ K_plus", note=_NO_INVERSE
-)
+@matrix_equation(58, "M_q", printed_symbol="M̄")
 def wheel_space_inertia(D: Array, M_bar: Array, K_plus: Array) -> Array:
     """Inertia in the space of the wheels.
 
@@ -782,11 +940,21 @@ def wheel_space_inertia(D: Array, M_bar: Array, K_plus: Array) -> Array:
     Returns
     -------
     M_q: inertia at the wheels [kg*m^2]
+
+    Printed
+    -------
+    inv(E.T) @ (R @ M_R @ R.T @ K_plus) + M_phi @ E @ K_plus
+
+    Notes
+    -----
+    The Moore-Penrose inverse takes its place, which gives the torques with the least sum of squares; any c (1, 1, −1,
+    −1) may be added to those of the paper's robot, and moves nothing. Where the wheels allow only the motions S, it is
+    D = (Sᵀ Eᵀ)⁺ Sᵀ. The matrix has rank 3 at most and is never inverted.
     """
     return D @ M_bar @ K_plus
 
 
-@matrix_equation(59, "C_q", printed_symbol="C̄", printed="inv(E.T) @ (R @ M_R @ R_T_dot @ K_plus)", note=_NO_INVERSE)
+@matrix_equation(59, "C_q", printed_symbol="C̄")
 def wheel_space_coriolis(D: Array, C_bar: Array, K_plus: Array) -> Array:
     """Coriolis matrix in the space of the wheels.
 
@@ -799,5 +967,15 @@ def wheel_space_coriolis(D: Array, C_bar: Array, K_plus: Array) -> Array:
     Returns
     -------
     C_q: Coriolis matrix at the wheels [kg*m^2/s]
+
+    Printed
+    -------
+    inv(E.T) @ (R @ M_R @ R_T_dot @ K_plus)
+
+    Notes
+    -----
+    The Moore-Penrose inverse takes its place, which gives the torques with the least sum of squares; any c (1, 1, −1,
+    −1) may be added to those of the paper's robot, and moves nothing. Where the wheels allow only the motions S, it is
+    D = (Sᵀ Eᵀ)⁺ Sᵀ. The matrix has rank 3 at most and is never inverted.
     """
     return D @ C_bar @ K_plus

@@ -1,14 +1,13 @@
 """Declaration of an equation between vectors and matrices, and its form as text.
 
-As in ``equation``: the decorator reads names, meanings and bracketed units from the docstring, the computed form is the
-function's own return expression, and the printed form is an expression in our names beside it. A vector's unit lists
-its entries, ``[m/s, m/s, rad/s]``, or is the one unit of all. A matrix takes one vector to another, so its unit is
-``[rad/s per m/s, m/s, rad/s]``: the entry in row i and column j has the i-th unit over the j-th.
+As in ``equation`` the decorator reads names, meanings, bracketed units and the paper's own form from the docstring; the
+computed form is the function's own return expression. A vector's unit lists its entries, ``[m/s, m/s, rad/s]``, or is
+the one unit of all. A matrix takes one vector to another, so its unit is ``[rad/s per m/s, m/s, rad/s]``: the entry in
+row i and column j has the i-th unit over the j-th.
 """
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -16,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics import equation
-from drivesizer.physics.equation import Term
-from drivesizer.physics.notation import Notation, computed
+from drivesizer.physics.equation import Declared, of_docstring
+from drivesizer.physics.notation import Notation
 
 Array = NDArray[np.float64]
 
@@ -31,28 +29,11 @@ _ACCENTS = {"dot": "\u0307", "ddot": "\u0308", "bar": "\u0304", "plus": "⁺"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MatrixEquation:
+class MatrixEquation(Declared):
     """A declared equation of the platform; call it like the function that it holds."""
 
     number: int
-    symbol: str
-    formula: Callable[..., Any]
-    title: str
-    terms: tuple[Term, ...]
-    result: Term
-    printed: str
-    note: str = ""
-    printed_symbol: str = ""  # where the paper has another left side
-
-    @property
-    def name(self) -> str:
-        """The function's name."""
-        return self.formula.__name__
-
-    @property
-    def computed(self) -> str:
-        """The expression that it computes, from its source."""
-        return computed(self.formula)
+    printed_symbol: str  # where the paper has another left side
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """Compute, in SI."""
@@ -63,7 +44,7 @@ PLATFORM: dict[int, MatrixEquation] = {}  # by the paper's number
 
 
 def matrix_equation(
-    number: int, symbol: str, *, printed: str, note: str = "", printed_symbol: str = ""
+    number: int, symbol: str, *, printed_symbol: str = ""
 ) -> Callable[[Callable[..., Any]], MatrixEquation]:
     """Declare the function below as an equation of the platform.
 
@@ -73,10 +54,6 @@ def matrix_equation(
         The paper's number.
     symbol
         What stands on the left, as text.
-    printed
-        The paper's own right side, as an expression in our names.
-    note
-        Where the printed form fails, or what a reader must know.
     printed_symbol
         The paper's own left side, where it is another.
 
@@ -87,12 +64,8 @@ def matrix_equation(
     """
 
     def declared(formula: Callable[..., Any]) -> MatrixEquation:
-        sections = equation.terms(formula)
-        title = (inspect.getdoc(formula) or "").splitlines()[0].rstrip(".")
-        terms, result = sections["Parameters"], sections["Returns"][0]
-        made = MatrixEquation(number, symbol, formula, title, terms, result, printed, note, printed_symbol)
-        PLATFORM[number] = made
-        return made
+        PLATFORM[number] = MatrixEquation(number, symbol, formula, *of_docstring(formula), printed_symbol)
+        return PLATFORM[number]
 
     return declared
 
