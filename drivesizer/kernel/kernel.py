@@ -6,11 +6,11 @@ from collections.abc import Callable
 from functools import cache
 
 from drivesizer.files.machine_code import Kernel, defined_in, machine_code
-from drivesizer.kernel import cycle, heat, records, supply
+from drivesizer.kernel import cycle, heat, records
 
 KERNEL = Kernel(
-    functions=defined_in((heat, supply, cycle)),
-    modules=(records, heat, supply, cycle),
+    functions=defined_in((heat, cycle)),
+    modules=(records, heat, cycle),
     inline=True,
     slow="sizing takes some hundred times longer",
     arguments="d2 d2 d1 d1 d1 d1 q2 q1 q1 d2",

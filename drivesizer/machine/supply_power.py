@@ -182,7 +182,7 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
 # Each is the integral of a product of straight lines, exact; those at the motor's shaft are a coefficient of the
 # drive model times a moment of its functions (see ``physics``). Where the makers' k_e and k_t differ, so do the
 # electrical and the mechanical power of the winding: the difference is counted with the motor's friction and iron,
-# as a loss whichever direction the power flows (see ``kernel.supply``).
+# as a loss whichever direction the power flows (see ``kernel.cycle``).
 
 
 class EnergyFlow(NamedTuple):
