@@ -14,7 +14,7 @@ import numpy as np
 from drivesizer.kernel.cycle import HEAT
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.thermal import COPPER, TwoBodies, resistance_at, steady_winding_temperature
 
 _NO_TIME = 1e-300  # s
@@ -25,8 +25,8 @@ _TIMES, _ROUNDS = 4096, 5  # that are looked at in each round of that search
 class State(NamedTuple):
     """Temperatures of winding and housing [K]: of one motor, or columns."""
 
-    winding: Figure
-    housing: Figure
+    winding: Alike
+    housing: Alike
 
 
 def after(bodies: TwoBodies, ambient: Figure, start: State, I2: Figure, P_h: Figure, t: Figure) -> State:

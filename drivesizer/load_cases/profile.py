@@ -16,7 +16,7 @@ import numpy as np
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import columns, path_from_spec
 from drivesizer.loads.course import Profile, columns_of
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
 from drivesizer.spec.motions import Cam, Csv, Harmonic, Move, SCurve, Segments, Trapezoid, Triangle
@@ -200,7 +200,7 @@ def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
 _NO_TIME = 1e-9  # of the cycle
 
 
-def static_torque(cycle: LoadCycle) -> Figure:
+def static_torque(cycle: LoadCycle) -> Alike:
     """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown."""
     torque, acceleration = cycle.torque[-1, 1], cycle.acceleration[-1, 1]
     slowing = np.where(acceleration == 0.0, 0.0, cycle.inertia * acceleration)
@@ -245,7 +245,7 @@ def resting(profile: Profile, until: float | None) -> Profile:
     )
 
 
-def rest_left(total: Figure, until: float | None) -> Figure:
+def rest_left(total: Figure, until: float | None) -> Alike:
     """Time that an axis waits."""
     if until is None:
         return 0.0

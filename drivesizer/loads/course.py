@@ -15,7 +15,7 @@ from math import fsum, nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, end_times, places
 
 _SHORT = 256  # breakpoints of a profile of which the course is kept
@@ -64,7 +64,7 @@ class Course:
     payload: NDArray[np.float64] | float = 0.0  # kg, beside the load's own mass; shape (segments, 1, ...)
 
     @property
-    def heaviest(self) -> Figure:
+    def heaviest(self) -> Alike:
         """Largest payload [kg]."""
         return self.payload if isinstance(self.payload, float) else self.payload.max(axis=(0, 1))
 
@@ -183,7 +183,7 @@ def _course(profile: Profile, sampled: bool) -> Course:
 _remembered = lru_cache(maxsize=16)(_course)  # of short profiles: variants of a spec mostly move as it does
 
 
-def at_largest(size: Ends, duration: NDArray[np.float64], *columns: Ends) -> list[Figure]:
+def at_largest(size: Ends, duration: NDArray[np.float64], *columns: Ends) -> list[Alike]:
     """The moment at which something is largest, and columns there; of each sample its own.
 
     Parameters

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError
 from drivesizer.loads.course import Course
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import Ends
 
 _LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none; files round 90 degrees to 1.5708 rad
@@ -28,12 +28,12 @@ _STEP, _LONGEST_STEP = math.radians(0.5), math.radians(10.0)
 class Lever(NamedTuple):
     """A mass away from the axis that it turns about."""
 
-    mass: Figure  # kg
-    length: Figure  # m, from the axis to its centre
-    share: Figure  # of its weight that the axis' tilt leaves across it: 1 for a level axis
-    start: Figure  # rad, of the lever above the level line when the cycle starts
+    mass: Alike  # kg
+    length: Alike  # m, from the axis to its centre
+    share: Alike  # of its weight that the axis' tilt leaves across it: 1 for a level axis
+    start: Alike  # rad, of the lever above the level line when the cycle starts
 
-    def moment(self, gravity: Figure) -> Figure:
+    def moment(self, gravity: Figure) -> Alike:
         """Torque of the weight when the lever lies level, M [N*m]; 0 where it turns level but for rounding."""
         return self.mass * gravity * self.length * np.where(np.abs(self.share) > _LEVEL, self.share, 0.0)
 

@@ -38,7 +38,7 @@ from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import SharedLoad
 from drivesizer.loads.stage_losses import force_along, through_stage
 from drivesizer.physics import screw as physics
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
 from drivesizer.units import show
 
@@ -196,7 +196,7 @@ class Screw(SharedLoad):
         return self.diameter if self.ball_diameter is None else self.ball_diameter
 
     @property
-    def efficiencies(self) -> tuple[Figure, Figure]:
+    def efficiencies(self) -> tuple[Alike, Alike]:
         """Of a screw that drives the slide, and of a slide that drives the screw: below 0 where it locks itself."""
         if self.thread_friction is not None:
             assert self.diameter is not None and self.root_diameter is not None
@@ -207,19 +207,21 @@ class Screw(SharedLoad):
         return self.efficiency, 2.0 - 1.0 / self.efficiency if self.back_efficiency is None else self.back_efficiency
 
     @property
-    def turning(self) -> Figure:
+    def turning(self) -> Alike:
         """Inertia of all screws [kg*m^2]."""
         if self.inertia is not None and self.screw is None:
             return self.inertia
         thick = self.diameter if self.shaft_diameter is None else self.shaft_diameter
+        assert thick is not None and self.overall is not None  # refused above
         shaft = self.motors * physics.shaft_inertia(thick, self.overall)
         return shaft if self.inertia is None else self.inertia + shaft
 
     @property
-    def drag(self) -> Figure:
+    def drag(self) -> Alike:
         """Torque of all preloaded nuts and bearings [N*m]."""
         if not np.any(self.preload):
             return self.preload_torque
+        assert self.nut_diameter is not None  # refused above
         of_nut = physics.preload_torque(self.preload, self.travel_per_turn, self.nut_diameter)
         return self.preload_torque + self.motors * of_nut
 
@@ -296,6 +298,7 @@ def own_limits(screw: Screw, course: Course, force: Ends) -> tuple[OwnLimit, ...
         OwnLimit("screw_axial_force", most, 0.0, time)
     ]  # of the shaft's bearings: no check of the screw by itself
     if screw.ends is not None:
+        assert screw.length is not None  # refused above
         given = screw.length, screw.ends, screw.design or "beam"
         held = np.minimum(physics.buckling_load(core, *given), physics.core_load(core))
         limits.append(OwnLimit("screw_buckling", most, held, time))
@@ -315,9 +318,9 @@ class ScrewLife(NamedTuple):
     """Nominal life of a ball screw over one load cycle, repeated."""
 
     mean: physics.MeanLoad  # N, of both flanks
-    turns: Figure
-    distance: Figure  # m
-    time: Figure  # s of the cycle, its rests included
+    turns: Alike
+    distance: Alike  # m
+    time: Alike  # s of the cycle, its rests included
 
 
 def screw_life(screw: Screw, course: Course, force: Ends) -> ScrewLife:

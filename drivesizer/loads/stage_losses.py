@@ -19,7 +19,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from drivesizer.loads.course import Course
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import Ends, LoadCycle
 
 
@@ -130,13 +130,13 @@ def _factor(cycle: LoadCycle, forward: Figure, backward: Figure) -> Ends:
 class FixedGear(NamedTuple):
     """A gear between two shafts, SI."""
 
-    ratio: Figure  # turns of the input shaft per turn of the output shaft
-    efficiency: Figure  # when the input shaft drives
-    back_efficiency: Figure  # when the output shaft drives; not above 0: self-locking
-    pinion_inertia: Figure = 0.0  # kg*m^2, turns with the input shaft
-    wheel_inertia: Figure = 0.0  # kg*m^2, turns with the output shaft
-    pinion_friction: Figure = 0.0  # N*m, at the input shaft, at any load
-    wheel_friction: Figure = 0.0  # N*m, at the output shaft
+    ratio: Alike  # turns of the input shaft per turn of the output shaft
+    efficiency: Alike  # when the input shaft drives
+    back_efficiency: Alike  # when the output shaft drives; not above 0: self-locking
+    pinion_inertia: Alike = 0.0  # kg*m^2, turns with the input shaft
+    wheel_inertia: Alike = 0.0  # kg*m^2, turns with the output shaft
+    pinion_friction: Alike = 0.0  # N*m, at the input shaft, at any load
+    wheel_friction: Alike = 0.0  # N*m, at the output shaft
 
 
 def through_gear(cycle: LoadCycle, gear: FixedGear) -> LoadCycle:

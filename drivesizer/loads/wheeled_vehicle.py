@@ -22,7 +22,7 @@ from drivesizer import equations as eq
 from drivesizer.files import fields
 from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import Count, LoadModel
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 
 _PIECES = 64  # of a ramp in wind: the straight lines are off by 1/4 of 1/64² of the drag at its end, 6e-5 of it
@@ -136,18 +136,18 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
     return course.cycle(torque, r, inertia=inertia, own=(OwnLimit("traction", demand, limit, time),))
 
 
-def rolling_resistance(load: WheeledVehicle) -> Figure:
+def rolling_resistance(load: WheeledVehicle) -> Alike:
     """C_rr of a vehicle [1]: given, or by (4)."""
     if load.sinkage is None:
         return load.rolling_resistance
     return eq.rolling_resistance_coefficient(load.sinkage, load.wheel_diameter)
 
 
-def turning_inertia(load: WheeledVehicle) -> Figure:
+def turning_inertia(load: WheeledVehicle) -> Alike:
     """J_w + J_s: given, or from the cylinders by (8) and (9) [kg*m^2]."""
     if load.cylinders is None:
         return load.inertia
-    found: Figure = 0.0
+    found: Alike = 0.0
     for c in (load.cylinders.wheel, load.cylinders.shaft):
         if c is not None:
             r_a, r_i = c.outer_diameter / 2, c.inner_diameter / 2
@@ -155,7 +155,7 @@ def turning_inertia(load: WheeledVehicle) -> Figure:
     return found
 
 
-def wheel_friction(load: WheeledVehicle, gravity: Figure) -> Figure:
+def wheel_friction(load: WheeledVehicle, gravity: Figure) -> Alike:
     """Force that friction transmits at a driven wheel [N]; unknown without a coefficient.
 
     Parameters

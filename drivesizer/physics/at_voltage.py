@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 
 Array = NDArray[np.float64]
 _INSTANT = 1e-6  # of the mechanical time constant: an electrical one that is as good as none
@@ -27,10 +27,10 @@ _SETTLED = 60.0  # time constants
 class Winding(NamedTuple):
     """Electrical side of a motor: floats or columns."""
 
-    R: Figure  # ohm, leads and supply included
-    L: Figure  # H; NaN: taken as none
-    k_t: Figure  # N*m/A
-    k_e: Figure  # V*s/rad
+    R: Alike  # ohm, leads and supply included
+    L: Alike  # H; NaN: taken as none
+    k_t: Alike  # N*m/A
+    k_e: Alike  # V*s/rad
 
 
 def operating_point(winding: Winding, voltage: Figure, torque: Figure, viscous: Figure) -> tuple[Array, Array]:
@@ -71,7 +71,7 @@ def step_time(
     viscous: Figure,
     inertia: Figure,
     share: float,
-    limit: Figure = np.inf,
+    limit: Alike = np.inf,
 ) -> Array:
     r"""Time from rest to a share of the final speed, the voltage being switched on.
 

@@ -18,12 +18,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 
 Array = NDArray[np.float64]
 
 
-def peukert_time(current: Figure, capacity: Figure, rated_time: Figure, exponent: Figure) -> Figure:
+def peukert_time(current: Figure, capacity: Figure, rated_time: Figure, exponent: Figure) -> Alike:
     """Run time of a full battery at a constant current [s]: t = H (C / (H I))^k.
 
     At a current below the rated one it is C / I: no more charge is counted than the rated one, whatever the exponent
@@ -56,7 +56,7 @@ def peukert_time(current: Figure, capacity: Figure, rated_time: Figure, exponent
     return time[()]
 
 
-def capacity_for(time: Figure, current: Figure, rated_time: Figure, exponent: Figure) -> Figure:
+def capacity_for(time: Figure, current: Figure, rated_time: Figure, exponent: Figure) -> Alike:
     """Rated capacity for a run time at a constant current [A*s]: the inverse of :func:`peukert_time`.
 
     C = H I (t/H)^(1/k), and I t where the time is longer than the rated one.
@@ -80,7 +80,7 @@ def capacity_for(time: Figure, current: Figure, rated_time: Figure, exponent: Fi
     return (wanted + 0.0 * exponent)[()]
 
 
-def table_time(draw: Figure, draws: Figure, times: Figure) -> Figure:
+def table_time(draw: Figure, draws: Figure, times: Figure) -> Alike:
     """Run time at a draw by a discharge table, interpolated in logarithms [s].
 
     Outside the table, and with a table that does not fall, unknown: NaN.
@@ -108,7 +108,7 @@ def table_time(draw: Figure, draws: Figure, times: Figure) -> Figure:
     return np.exp(np.interp(at, x, y, left=np.nan, right=np.nan))[()] if len(x) else np.full_like(at, np.nan)[()]
 
 
-def table_draw(time: Figure, draws: Figure, times: Figure) -> Figure:
+def table_draw(time: Figure, draws: Figure, times: Figure) -> Alike:
     """Draw of a run time by a discharge table [A or W]: the inverse of :func:`table_time`.
 
     Parameters
@@ -139,7 +139,7 @@ def _falling(draws: Figure, times: Figure) -> tuple[Array, Array]:
     return (x, y) if steady else (x[:0], y[:0])
 
 
-def terminal_voltage(current: Figure, emf: Figure, resistance: Figure) -> Figure:
+def terminal_voltage(current: Figure, emf: Figure, resistance: Figure) -> Alike:
     """Voltage at the terminals [V]: V = E - R I.
 
     Parameters
@@ -159,7 +159,7 @@ def terminal_voltage(current: Figure, emf: Figure, resistance: Figure) -> Figure
     return emf - resistance * current
 
 
-def current_of_power(power: Figure, emf: Figure, resistance: Figure) -> Figure:
+def current_of_power(power: Figure, emf: Figure, resistance: Figure) -> Alike:
     """Current at which a battery gives a power [A]: the smaller root of R I^2 - E I + P = 0.
 
     Written as 2 P / (E + sqrt(E^2 - 4 R P)), which holds without resistance and while charging (P < 0). More than
@@ -187,7 +187,7 @@ def current_of_power(power: Figure, emf: Figure, resistance: Figure) -> Figure:
     return (2.0 * power / (emf + root))[()]
 
 
-def largest_power(emf: Figure, resistance: Figure, least_voltage: Figure = 0.0) -> Figure:
+def largest_power(emf: Figure, resistance: Figure, least_voltage: Figure = 0.0) -> Alike:
     """Largest power at a battery's terminals [W]: V (E - V) / R at the least voltage, E^2 / (4 R) at E / 2.
 
     Parameters

@@ -12,14 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 
 LEAST_IN_MESH = 6.0  # teeth, from where a belt's rating counts in full: SDP/SI handbook, section 13.3
 _STEPS = 30  # of Newton's method, at most: five do for pulleys that nearly touch, 8 teeth beside 200
 _NEAR_ENOUGH = 1e-12  # of the centre distance
 
 
-def pitch_diameter(teeth: Figure, pitch: Figure) -> Figure:
+def pitch_diameter(teeth: Figure, pitch: Figure) -> Alike:
     r"""Diameter at which the belt runs [m], :math:`d = z p / \pi`.
 
     Parameters
@@ -42,13 +42,13 @@ def pitch_diameter(teeth: Figure, pitch: Figure) -> Figure:
     return teeth * pitch / np.pi
 
 
-def _lean(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
+def _lean(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Alike:
     r"""Angle of the spans to the line of centres [rad], :math:`\sin \varphi = (d_2 - d_1) / 2a`; not negative."""
     apart = np.abs(pitch_diameter(teeth, pitch) - pitch_diameter(other, pitch))
     return np.arcsin(apart / (2.0 * distance))
 
 
-def wrap_angle(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
+def wrap_angle(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Alike:
     r"""Angle over which the belt lies on the small pulley [rad], :math:`\beta = \pi - 2 \varphi`.
 
     Parameters
@@ -68,7 +68,7 @@ def wrap_angle(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) ->
     return np.pi - 2.0 * _lean(teeth, other, pitch, distance)
 
 
-def teeth_in_mesh(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
+def teeth_in_mesh(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Alike:
     r"""Teeth of the small pulley that the belt holds, :math:`z_1 \beta / 2\pi`; makers round it down.
 
     Parameters
@@ -88,7 +88,7 @@ def teeth_in_mesh(teeth: Figure, other: Figure, pitch: Figure, distance: Figure)
     return np.minimum(teeth, other) * wrap_angle(teeth, other, pitch, distance) / (2.0 * np.pi)
 
 
-def belt_length(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Figure:
+def belt_length(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -> Alike:
     r"""Length of the belt [m]: two spans and two arcs.
 
     :math:`L = 2 a \cos\varphi + \pi (d_1 + d_2) / 2 + \varphi (d_2 - d_1)`. The form that handbooks print,
@@ -113,7 +113,7 @@ def belt_length(teeth: Figure, other: Figure, pitch: Figure, distance: Figure) -
     return 2.0 * distance * np.cos(lean) + np.pi * (d_1 + d_2) / 2.0 + lean * np.abs(d_2 - d_1)
 
 
-def centre_distance(teeth: Figure, other: Figure, pitch: Figure, belt_teeth: Figure) -> Figure:
+def centre_distance(teeth: Figure, other: Figure, pitch: Figure, belt_teeth: Figure) -> Alike:
     r"""Centre distance at which a belt is neither slack nor stretched [m]; NaN where it is too short for any.
 
     By Newton's method with :math:`dL/da = 2 \cos\varphi`. The length is convex in the distance and never less than
@@ -147,7 +147,7 @@ def centre_distance(teeth: Figure, other: Figure, pitch: Figure, belt_teeth: Fig
     return np.where(long_enough, distance, np.nan)[()]
 
 
-def shortest_recommended(teeth: Figure, other: Figure, pitch: Figure) -> Figure:
+def shortest_recommended(teeth: Figure, other: Figure, pitch: Figure) -> Alike:
     """Least centre distance that is recommended for a new drive [m], 0.2 p (z_1 + z_2).
 
     Autodesk Inventor, Engineer's Handbook, "Calculation of synchronous belt"; a quarter more than where the pulleys
@@ -171,8 +171,8 @@ def shortest_recommended(teeth: Figure, other: Figure, pitch: Figure) -> Figure:
 class TwoMasses(NamedTuple):
     """Undamped frequencies of motor and load on a spring between them."""
 
-    anti_resonance: Figure  # Hz, at which the load swings against a motor at rest
-    resonance: Figure  # Hz
+    anti_resonance: Alike  # Hz, at which the load swings against a motor at rest
+    resonance: Alike  # Hz
 
 
 def resonance(stiffness: Figure, load_inertia: Figure, ratio: Figure) -> TwoMasses:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure, Figures
 
 # -- Holding a load by a brake, and stopping it: on figures or columns.
 #
@@ -36,12 +36,12 @@ Array = NDArray[np.float64]
 class Stop(NamedTuple):
     """One stop by a brake that slips until the load stands."""
 
-    energy: Figure  # J, that its linings take; infinite where the load is stronger
-    time: Figure  # s, until it stands
-    angle: Figure  # rad, that its shaft turns meanwhile
+    energy: Alike  # J, that its linings take; infinite where the load is stronger
+    time: Alike  # s, until it stands
+    angle: Alike  # rad, that its shaft turns meanwhile
 
 
-def held_by_brake(torque: Figure, ratio: Figure, efficiency: Figure) -> Figure:
+def held_by_brake(torque: Figure, ratio: Figure, efficiency: Figure) -> Alike:
     """Torque that reaches a brake at the motor's shaft from a load at rest [N*m].
 
     Parameters
@@ -63,7 +63,7 @@ def held_by_brake(torque: Figure, ratio: Figure, efficiency: Figure) -> Figure:
     return torque * efficiency / ratio
 
 
-def held_by_friction(motor: Figure) -> Figure:
+def held_by_friction(motor: Figures) -> Alike:
     """Torque at a motor's shaft that its own friction and detent hold without current [N*m].
 
     Parameters
@@ -84,7 +84,7 @@ def held_by_friction(motor: Figure) -> Figure:
     return np.nan_to_num(motor["friction_torque"]) + np.nan_to_num(motor["detent_torque"])
 
 
-def released_power(brake: Figure) -> Figure:
+def released_power(brake: Figures) -> Alike:
     """Power that keeps a brake released [W]: the lowered one where it is printed; 0 where it is unknown.
 
     Parameters
@@ -182,7 +182,7 @@ _E24 = (1.0, 1.1, 1.2, 1.3, 1.5, 1.6, 1.8, 2.0, 2.2, 2.4, 2.7, 3.0, 3.3, 3.6, 3.
 _NEARLY = 1e-9  # relative
 
 
-def storable_energy(capacitance: Figure, chopper: Figure, supply: Figure) -> Figure:
+def storable_energy(capacitance: Figure, chopper: Figure, supply: Figure) -> Alike:
     """Energy that the bus takes before its chopper switches on, (1) [J].
 
     Parameters
@@ -207,7 +207,7 @@ def storable_energy(capacitance: Figure, chopper: Figure, supply: Figure) -> Fig
     return np.maximum(0.5 * capacitance * (np.square(chopper) - np.square(supply)), 0.0)
 
 
-def largest_resistance(chopper: Figure, power: Figure) -> Figure:
+def largest_resistance(chopper: Figure, power: Figure) -> Alike:
     """Largest resistance that burns a power at the chopper's voltage, (3) [ohm]; infinite where there is none to burn.
 
     Parameters
@@ -226,7 +226,7 @@ def largest_resistance(chopper: Figure, power: Figure) -> Figure:
         return np.square(chopper) / np.asarray(power, float)
 
 
-def smallest_resistance(chopper: Figure, current: Figure) -> Figure:
+def smallest_resistance(chopper: Figure, current: Figure) -> Alike:
     """Smallest resistance that a chopper can switch, (2) [ohm].
 
     Parameters
@@ -251,7 +251,7 @@ def smallest_resistance(chopper: Figure, current: Figure) -> Figure:
     return chopper / current
 
 
-def power_while_on(chopper: Figure, resistance: Figure) -> Figure:
+def power_while_on(chopper: Figure, resistance: Figure) -> Alike:
     """Power of a resistor while its chopper is on, (4) [W].
 
     Parameters
@@ -276,7 +276,7 @@ def power_while_on(chopper: Figure, resistance: Figure) -> Figure:
     return np.square(chopper) / resistance
 
 
-def least_bus_capacitance(stored: Figure, limit: Figure, supply: Figure) -> Figure:
+def least_bus_capacitance(stored: Figure, limit: Figure, supply: Figure) -> Alike:
     """Capacitance of a bus that stores all that is regenerated, without a resistor, (5) [F].
 
     Parameters

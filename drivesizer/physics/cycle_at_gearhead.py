@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from drivesizer.physics import load_cycle as cycles
 from drivesizer.physics.extremes import Extremes, extremes, first_largest
-from drivesizer.physics.figures import Figure, product
+from drivesizer.physics.figures import Alike, Figure, product
 from drivesizer.physics.gear_life import turned_load
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
@@ -35,14 +35,14 @@ Array = NDArray[np.float64]
 class Scalars(NamedTuple):
     """Single figures of a load cycle at the gearhead's output; of several cycles columns."""
 
-    rms_torque: Figure  # N*m, while running; of a cycle that never runs over all of it
-    peak_torque: Figure  # N*m
-    held: Figure  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
-    load_torque: Figure  # N*m, largest at the load
-    mean_speed: Figure  # rad/s, while running; where more, what it exceeds for long
-    sustained_speed: Figure  # rad/s, what it exceeds for longer than shortly
-    mean_power: Figure  # W, transmitted in either direction while running
-    peak_power: Figure  # W
+    rms_torque: Alike  # N*m, while running; of a cycle that never runs over all of it
+    peak_torque: Alike  # N*m
+    held: Alike  # N*m, largest that holds the load at rest; of a recording while it rests, NaN where it never does
+    load_torque: Alike  # N*m, largest at the load
+    mean_speed: Alike  # rad/s, while running; where more, what it exceeds for long
+    sustained_speed: Alike  # rad/s, what it exceeds for longer than shortly
+    mean_power: Alike  # W, transmitted in either direction while running
+    peak_power: Alike  # W
 
 
 # by which power of the belt's ratio each of them grows
@@ -56,8 +56,8 @@ class CycleAtBelt:
     .. math:: T_g = \frac{T}{e} \; (T w > 0), \quad T e \; (T w < 0), \quad T \; (w = 0)
     """
 
-    load_cycle: Any  # at the load, split at changes of direction: a LoadCycle, or several as columns
-    efficiency: Figure = 1.0  # of the belt, the same when driven backward; of all cycles, or of each
+    load_cycle: cycles.LoadCycle  # at the load, split at changes of direction; or several as columns
+    efficiency: Alike = 1.0  # of the belt, the same when driven backward; of all cycles, or of each
     quickest: float = inf  # s, shortest time constant of the windings
     coarse: dict[tuple[str, float], Any] = field(default_factory=dict)  # what was computed of it, by use and number
 
@@ -138,7 +138,7 @@ class CycleAtBelt:
         return found
 
     @cached_property
-    def peak_speed(self) -> Figure:
+    def peak_speed(self) -> Alike:
         """Highest speed [rad/s]."""
         found = np.maximum(self.load_cycle.speed.max(axis=(0, 1)), -self.load_cycle.speed.min(axis=(0, 1)))
         return float(found) if self.load_cycle.speed.ndim == 2 else found
@@ -210,7 +210,7 @@ class CycleAtBelt:
                 found[start, end] = own.moments * total, own.braked, total
         return list(found.values())
 
-    def turned(self, exponent: float) -> Figure:
+    def turned(self, exponent: float) -> Alike:
         """Mean over the cycle of the torque to an exponent, times speed: ``turned_load`` of it."""
         store, name = self.coarse, ("turned", exponent)
         if name not in store:
@@ -236,7 +236,7 @@ def _against(duration: Array, functions: Array) -> float:
 class AtGearhead:
     """A load cycle at the gearhead's output, behind one belt, or behind the belts of candidates: columns."""
 
-    def __init__(self, base: CycleAtBelt, ratio: Figure) -> None:
+    def __init__(self, base: CycleAtBelt, ratio: Alike) -> None:
         self.base, self.belt = base, ratio
         back, same = 1.0 / ratio, np.ones_like(ratio)
         self.scale = np.stack([back, back, back, ratio, same, ratio], axis=-1)  # of the functions
@@ -248,12 +248,12 @@ class AtGearhead:
         return getattr(self.base.scalars, name) * self.belt ** _BY_RATIO[name]
 
     @property
-    def peak_speed(self) -> Any:
+    def peak_speed(self) -> Alike:
         """Highest speed at the output [rad/s]."""
         return self.base.peak_speed * self.belt
 
     @property
-    def load_cycle(self) -> Any:
+    def load_cycle(self) -> cycles.LoadCycle:
         """The load cycle at the load."""
         return self.base.load_cycle
 
@@ -272,7 +272,7 @@ class AtGearhead:
         """Behind one belt the sum c f(t) at both ends of each segment, shape (segments, 2); c of shape (6,)."""
         return np.concatenate([f @ (c * self.scale) for _, f in self.base.parts])
 
-    def turned(self, exponent: float) -> Figure:
+    def turned(self, exponent: float) -> Alike:
         """Mean over the cycle of the output torque to an exponent, times speed there."""
         return self.base.turned(exponent) * self.belt ** (1.0 - exponent)
 
@@ -280,7 +280,7 @@ class AtGearhead:
         """Of some of the candidates."""
         return AtGearhead(self.base, self.belt[rows]) if np.ndim(self.belt) else self
 
-    def moment(self, a: int, b: int) -> Any:
+    def moment(self, a: int, b: int) -> Alike:
         """Mean of the product of two functions over the cycle."""
         return self.base.moments[a, b] * self.scale[..., a] * self.scale[..., b]
 

@@ -22,7 +22,7 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure, Figures, once_per_part
+from drivesizer.physics.figures import Alike, Figure, Figures, once_per_part
 
 Array = NDArray[np.float64]
 Column = TypeVar("Column")  # of candidates, or one figure
@@ -68,7 +68,7 @@ def motor_and_gears(
     return MotorAndGears(gearhead["ratio"], efficiency, coulomb, idle, viscous, inertia, k_t, k_e)
 
 
-def through_gears(ratio: Figure, efficiency: Figure) -> tuple[Figure, Figure]:
+def through_gears(ratio: Figure, efficiency: Figure) -> tuple[Alike, Alike]:
     r"""Torque at the motor per torque at the output, where it drives the load and where the load drives it.
 
     .. math:: \frac{1}{i e} \; (T w > 0), \qquad \frac{e}{i} \; (T w < 0)
@@ -98,7 +98,7 @@ def through_gears(ratio: Figure, efficiency: Figure) -> tuple[Figure, Figure]:
 
 def drive_inertia(
     motor: Figures, gearhead: Figures, encoder: Figures | None = None, braking: Figure = 0.0, *, unknown: float = nan
-) -> Figure:
+) -> Alike:
     r"""Inertia of a drive at its motor's shaft, :math:`J_m + J_g + J_e + J_b` [kg*m^2].
 
     Parameters

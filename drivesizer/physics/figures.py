@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Figure = Any  # a float of one part or sample, or a column over many; NaN unknown
+Figure = float | Array  # of one part or sample, or a column over many; NaN unknown
+Alike = Any  # what comes of figures: a float of floats, a column where one of them is
 Result = TypeVar("Result")
 _MULTIPLIED = 1 << 17  # products of figures at a time
 _WIDEST = 2048  # columns at a time, where these are too many
@@ -48,7 +49,7 @@ class Range(NamedTuple):
     high: Figure
 
 
-def no_less(figure: Any, known: Any = False) -> Range:
+def no_less(figure: Figure, known: NDArray[np.bool_] | np.bool_ | bool = False) -> Range:
     """A figure that may be more, but where it is known.
 
     Parameters

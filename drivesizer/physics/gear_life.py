@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 
 # -- Gauss and Legendre's rules, as ``np.polynomial.legendre.leggauss`` has them: loading that takes milliseconds.
 #
@@ -42,7 +42,7 @@ _NODES, _WEIGHTS = FIVE
 
 def turned_load(
     duration: Array, load: Array, speed: Array, exponent: float, force: Callable[[Array], Array] = np.abs
-) -> Figure:
+) -> Alike:
     r"""Mean over the cycle of a load to an exponent, times speed: what wears a bearing out.
 
     .. math:: \frac{1}{t_c} \int F^p \, |n| \, dt
@@ -81,7 +81,7 @@ def turned_load(
     return (duration * each).sum(axis=0) / duration.sum(axis=0)
 
 
-def mean_load(turned: Figure, mean_speed: Figure, exponent: float) -> Figure:
+def mean_load(turned: Figure, mean_speed: Figure, exponent: float) -> Alike:
     r"""Equivalent mean of a load by speed and time.
 
     .. math:: T_{av} = \left( \frac{\sum |n_i| \, t_i \, |T_i|^p}{\sum |n_i| \, t_i} \right)^{1/p}
@@ -114,9 +114,7 @@ def mean_load(turned: Figure, mean_speed: Figure, exponent: float) -> Figure:
     return np.where(mean_speed > 0.0, (turned / np.where(mean_speed > 0.0, mean_speed, 1.0)) ** (1.0 / exponent), 0.0)
 
 
-def gear_life(
-    rated_life: Figure, rated_torque: Figure, rated_speed: Figure, turned: Figure, exponent: Figure
-) -> Figure:
+def gear_life(rated_life: Figure, rated_torque: Figure, rated_speed: Figure, turned: Figure, exponent: Figure) -> Alike:
     r"""Nominal life of a gear, rests of the cycle included.
 
     .. math:: L = L_r \left( \frac{T_r}{T_{av}} \right)^p \frac{n_r}{n_{av}}
@@ -173,7 +171,7 @@ ROLLER = 10.0 / 3.0  # exponent of the life of rollers, ISO 281
 _THRUST = 1.5  # F_a over the rest, above which thrust leads
 
 
-def pulley_load(effective: Figure, pretension: Figure, angle: Figure = 0.0) -> Figure:
+def pulley_load(effective: Figure, pretension: Figure, angle: Figure = 0.0) -> Alike:
     r"""Force of a belt on the shaft of its pulley.
 
     .. math:: F_1 = \max(F_v + F_t / 2, \, F_t), \quad F_2 = \max(F_v - F_t / 2, \, 0), \quad
@@ -208,7 +206,7 @@ def pulley_load(effective: Figure, pretension: Figure, angle: Figure = 0.0) -> F
     return np.sqrt(tight**2 + slack**2 + 2.0 * tight * slack * np.cos(angle))
 
 
-def tooth_shares(pressure: Figure, helix: Figure = 0.0) -> tuple[Figure, Figure]:
+def tooth_shares(pressure: Figure, helix: Figure = 0.0) -> tuple[Alike, Alike]:
     r"""Radial and axial force of a spur or helical pinion per tangential force.
 
     .. math:: \frac{F_r}{F_t} = \sqrt{1 + \left( \frac{\tan α}{\cos β} \right)^2}, \qquad \frac{F_a}{F_t} = \tan β
@@ -233,7 +231,7 @@ def tooth_shares(pressure: Figure, helix: Figure = 0.0) -> tuple[Figure, Figure]
     return np.hypot(1.0, np.tan(pressure) / np.cos(helix)), np.tan(helix)
 
 
-def bevel_share(pressure: Figure, ratio: Figure) -> tuple[Figure, Figure]:
+def bevel_share(pressure: Figure, ratio: Figure) -> tuple[Alike, Alike]:
     r"""Radial and axial force of a straight bevel pinion per tangential force at its mean diameter, shafts at 90°.
 
     .. math:: \frac{F_r}{F_t} = \sqrt{1 + (\tan α \cos δ)^2}, \quad \frac{F_a}{F_t} = \tan α \sin δ, \quad
@@ -255,7 +253,7 @@ def bevel_share(pressure: Figure, ratio: Figure) -> tuple[Figure, Figure]:
     return np.hypot(1.0, np.tan(pressure) * np.cos(cone)), np.tan(pressure) * np.sin(cone)
 
 
-def permissible_radial(limit: Figure, printed_at: Figure, distance: Figure, bearing: Figure) -> Figure:
+def permissible_radial(limit: Figure, printed_at: Figure, distance: Figure, bearing: Figure) -> Alike:
     r"""Permissible radial force at another distance than the printed one.
 
     .. math:: F(x) = F(l_0) \, \frac{l_0 + a}{x + a}; \quad
@@ -293,7 +291,7 @@ def permissible_radial(limit: Figure, printed_at: Figure, distance: Figure, bear
         return np.where(np.isposinf(limit), limit, limit * share)
 
 
-def dynamic_load(radial: Figure, axial: Figure, moment: Figure, diameter: Figure) -> Figure:
+def dynamic_load(radial: Figure, axial: Figure, moment: Figure, diameter: Figure) -> Alike:
     r"""Dynamic equivalent load of a cross roller bearing.
 
     .. math:: P = X \left( F_r + \frac{2 M}{d_p} \right) + Y F_a
@@ -319,7 +317,7 @@ def dynamic_load(radial: Figure, axial: Figure, moment: Figure, diameter: Figure
     return np.where(thrust, 0.67, 1.0) * turning + np.where(thrust, 0.67, 0.45) * axial
 
 
-def static_load(radial: Figure, axial: Figure, moment: Figure, diameter: Figure) -> Figure:
+def static_load(radial: Figure, axial: Figure, moment: Figure, diameter: Figure) -> Alike:
     r"""Static equivalent load of a cross roller bearing, :math:`P_0 = F_r + 2 M / d_p + 0.44 F_a` [N].
 
     Parameters
@@ -335,7 +333,7 @@ def static_load(radial: Figure, axial: Figure, moment: Figure, diameter: Figure)
     return radial + 2.0 * moment / diameter + 0.44 * axial
 
 
-def bearing_life(rating: Figure, load: Figure, speed: Figure, exponent: float = ROLLER) -> Figure:
+def bearing_life(rating: Figure, load: Figure, speed: Figure, exponent: float = ROLLER) -> Alike:
     r"""Nominal life of a rolling bearing.
 
     .. math:: L_{10} = \frac{10^6 \cdot 2 π}{n} \left( \frac{C}{P} \right)^p

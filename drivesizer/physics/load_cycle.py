@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike
 
 # -- The load cycle: speed, acceleration and torque of the shaft that one drive turns, whatever the machine.
 #
@@ -33,9 +33,9 @@ class OwnLimit(NamedTuple):
     """A limit of the load itself, whatever drives it, such as the grip of a wheel."""
 
     name: str
-    demand: Figure  # SI; NaN unknown
-    limit: Figure
-    time: Figure = nan  # s, of the worst moment
+    demand: Alike  # SI; NaN unknown
+    limit: Alike
+    time: Alike = nan  # s, of the worst moment
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,10 +47,10 @@ class LoadCycle:
     speed: Ends  # rad/s
     acceleration: Ends  # rad/s^2
     torque: Ends  # N*m, the load's own inertia included
-    inertia: Figure = nan  # kg*m^2, of all that moves with the shaft, seen at it
+    inertia: Alike = nan  # kg*m^2, of all that moves with the shaft, seen at it
     own: tuple[OwnLimit, ...] = ()
-    radius: Figure = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
-    held: Figure = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
+    radius: Alike = 1.0  # m, travel of the load per angle of the shaft; 1 where it turns with the shaft
+    held: Alike = nan  # N*m, largest torque that holds it at rest on its path; NaN not looked at
 
     def __post_init__(self) -> None:
         shape, alone = (len(self.duration), 2), self.duration.ndim == 1
@@ -63,7 +63,7 @@ class LoadCycle:
             raise InputError(f"load cycle {self.name}: a figure leaves the range of numbers that can be computed with")
 
     @property
-    def total(self) -> Figure:
+    def total(self) -> Alike:
         """Length of the cycle [s]."""
         return float(self.duration.sum()) if self.duration.ndim == 1 else self.duration.sum(axis=0)
 
@@ -204,7 +204,7 @@ def middle(ends: Ends) -> NDArray[np.float64]:
     return found
 
 
-def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> Figure:
+def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> Alike:
     r"""Integral of a product of two quantities over the cycle, exact for straight lines.
 
     .. math:: \int a b \, dt = \sum \Delta t \, (2 a_0 b_0 + a_0 b_1 + a_1 b_0 + 2 a_1 b_1) / 6
@@ -248,7 +248,7 @@ def mean_product(a: Ends, b: Ends) -> NDArray[np.float64]:
     return mean
 
 
-def rms(duration: NDArray[np.float64], a: Ends) -> Figure:
+def rms(duration: NDArray[np.float64], a: Ends) -> Alike:
     """Root mean square of a quantity over segments, exact for straight lines; 0 without any.
 
     Parameters

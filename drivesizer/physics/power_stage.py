@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
-from drivesizer.physics.figures import Figure, Figures, Range
+from drivesizer.physics.figures import Alike, Figure, Figures, Range
 from drivesizer.physics.gear_life import SIX
 
 Array = NDArray[np.float64]
@@ -41,15 +41,15 @@ _NODES, _WEIGHTS = SIX
 class PowerStage(NamedTuple):
     """Of one controller, or a column of them."""
 
-    max_duty: Figure  # 1; NaN unknown
-    drop: Figure  # V, of the voltage that reaches the motor; NaN unknown
-    loss: Figure  # V: of power per ampere
-    resistance: Figure  # ohm
-    standby: Figure  # W
-    assumed: Figure  # whether the loss is
+    max_duty: Alike  # 1; NaN unknown
+    drop: Alike  # V, of the voltage that reaches the motor; NaN unknown
+    loss: Alike  # V: of power per ampere
+    resistance: Alike  # ohm
+    standby: Alike  # W
+    assumed: Alike  # whether the loss is
 
     @property
-    def least_loss(self) -> Figure:
+    def least_loss(self) -> Alike:
         """Loss per ampere that leaves most of what is returned [V]: the lower end of the band where it is assumed."""
         return np.where(self.assumed, ASSUMED_BAND[0] * self.loss, self.loss)
 
@@ -58,17 +58,17 @@ class Feed(NamedTuple):
     """A power stage, and the supply that feeds it with others alike."""
 
     stage: PowerStage
-    voltage: Figure  # V, without load
-    resistance: Figure  # ohm, of source and cables; 0: none
+    voltage: Alike  # V, without load
+    resistance: Alike  # ohm, of source and cables; 0: none
     drives: int
 
     @property
-    def usable(self) -> Figure:
+    def usable(self) -> Alike:
         """Voltage that the stage can apply without current [V]; NaN where a figure of it is unknown."""
         return usable_voltage(self.voltage, self.stage.max_duty, self.stage.drop)
 
     @property
-    def usable_at_most(self) -> Figure:
+    def usable_at_most(self) -> Alike:
         """The same, no less where a figure is unknown: an unprinted drop is the smallest, without a duty all of it."""
         printed = self.usable
         if not np.isnan(printed).any():
@@ -89,7 +89,7 @@ class Feed(NamedTuple):
             return Range(printed, printed)
         return Range(self._usable_with(ASSUMED_BAND[1], _LEAST_DUTY), self.usable_at_most)
 
-    def _usable_with(self, drop: float, duty: float = np.nan) -> Figure:
+    def _usable_with(self, drop: float, duty: float = np.nan) -> Alike:
         """The usable voltage with a drop, and a largest duty, where none is printed."""
         drops, duties = (
             np.where(np.isnan(printed), other, printed)
@@ -98,7 +98,7 @@ class Feed(NamedTuple):
         return usable_voltage(self.voltage, duties, drops)
 
     @property
-    def leads(self) -> Figure:
+    def leads(self) -> Alike:
         """Resistance that takes of the motor's voltage as the winding's does, at full duty [ohm]."""
         if not np.any(self.resistance):
             return self.stage.resistance
@@ -112,17 +112,17 @@ class Feed(NamedTuple):
         stage = PowerStage(*(np.broadcast_to(x, shape) for x in self.stage))
         return Feed(stage, np.broadcast_to(self.voltage, shape), np.broadcast_to(self.resistance, shape), self.drives)
 
-    def on(self, rows: Figure) -> Feed:
+    def on(self, rows: Any) -> Feed:
         """Some of its rows, of columns."""
         stage = PowerStage(*(x[rows] for x in self.stage))
         return Feed(stage, self.voltage[rows], self.resistance[rows], self.drives)
 
-    def lost(self, current: Figure) -> Figure:
+    def lost(self, current: Figure) -> Alike:
         """Power lost in the stage at a current of the motor [W], without standby power."""
         return self.stage.loss * np.abs(current) + self.stage.resistance * current**2
 
 
-def power_stage(controller: Figures, voltage: Figure, given: Figure = None, *, assume: bool = True) -> PowerStage:
+def power_stage(controller: Figures, voltage: Figure, given: object = None, *, assume: bool = True) -> PowerStage:
     r"""The stage of controllers by what is printed of them, given or assumed.
 
     The loss per ampere is the larger of the voltage drop and of what the greatest efficiency leaves at the highest
@@ -187,7 +187,7 @@ def with_stage_losses(controller: Figures, factor: Figure, *, assume: bool = Tru
     return {"voltage_drop": drop * factor, "max_efficiency": 1.0 / (1.0 + lost * factor)}
 
 
-def of_the_source(power: Figure, feed: Feed) -> Figure:
+def of_the_source(power: Figure, feed: Feed) -> Alike:
     """Power out of the source for a power at the input of each stage, per drive [W].
 
     Parameters
@@ -212,7 +212,7 @@ def of_the_source(power: Figure, feed: Feed) -> Figure:
 # --- voltages of the supply
 
 
-def usable_voltage(lowest: float, max_duty: Figure, voltage_drop: Figure) -> Figure:
+def usable_voltage(lowest: float, max_duty: Figure, voltage_drop: Figure) -> Alike:
     """Voltage that a controller can apply at the lowest supply voltage [V]: duty times supply less its voltage drop.
 
     Parameters
@@ -237,7 +237,7 @@ def usable_voltage(lowest: float, max_duty: Figure, voltage_drop: Figure) -> Fig
     return np.maximum(max_duty * (lowest - voltage_drop), 0.0)
 
 
-def bus_voltage(highest: Figure, stored: Figure, capacitance: Figure) -> Figure:
+def bus_voltage(highest: Figure, stored: Figure, capacitance: Figure) -> Alike:
     r"""Voltage of the bus after returned energy is stored in its capacitance, :math:`\sqrt{V^2 + 2 E / C}`.
 
     Parameters
@@ -262,7 +262,7 @@ def bus_voltage(highest: Figure, stored: Figure, capacitance: Figure) -> Figure:
     return np.sqrt(highest**2 + 2.0 * stored / capacitance)
 
 
-def least_capacitance(current: Figure, voltage: Figure) -> Figure:
+def least_capacitance(current: Figure, voltage: Figure) -> Alike:
     r"""Least capacitance of a power stage's own bus capacitor [F].
 
     .. math:: C \ge I D (1 - D) / (f s V) = I / (4 f s V) \text{ at half duty}

@@ -16,9 +16,8 @@ from math import pi
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Array, Figure
 from drivesizer.physics.gear_life import FIVE
 
 Fixity = Literal["fixed-fixed", "fixed-supported", "supported-supported", "fixed-free"]
@@ -74,7 +73,7 @@ DESIGNS: dict[str, Rules] = {
 }
 
 
-def buckling_load(root_diameter: Figure, length: Figure, ends: str, design: str = "beam") -> Figure:
+def buckling_load(root_diameter: Figure, length: Figure, ends: str, design: str = "beam") -> Alike:
     r"""Permissible axial load against buckling.
 
     .. math:: F = s \, k \, 10^4 \, d_r^4 / L^2 \quad [N, mm]
@@ -106,7 +105,7 @@ def buckling_load(root_diameter: Figure, length: Figure, ends: str, design: str 
     return rules.safety[0] * rules.buckling[ends] * 1e10 * root_diameter**4 / length**2
 
 
-def core_load(root_diameter: Figure) -> Figure:
+def core_load(root_diameter: Figure) -> Alike:
     """Permissible tensile and compressive load of the core [N], at 147 MPa: 116 d_r² of THK, A-694.
 
     >>> round(core_load(17.5e-3), -2)
@@ -115,7 +114,7 @@ def core_load(root_diameter: Figure) -> Figure:
     return _STRESS * pi / 4.0 * root_diameter**2
 
 
-def critical_speed(root_diameter: Figure, length: Figure, ends: str, design: str = "beam") -> Figure:
+def critical_speed(root_diameter: Figure, length: Figure, ends: str, design: str = "beam") -> Alike:
     r"""Permissible speed below the first bending resonance.
 
     .. math:: n = s \, k \, 10^7 \, d_r / L^2 \quad [rpm, mm]
@@ -150,11 +149,11 @@ def critical_speed(root_diameter: Figure, length: Figure, ends: str, design: str
 class MeanLoad(NamedTuple):
     """Mean axial loads of the two flanks of the thread, over the whole distance."""
 
-    forward: Figure  # N, of the flank that is loaded by a force above 0
-    backward: Figure  # N
+    forward: Alike  # N, of the flank that is loaded by a force above 0
+    backward: Alike  # N
 
 
-def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], preload: Figure = 0.0) -> MeanLoad:
+def mean_load(duration: Array, speed: Array, force: Array, preload: Figure = 0.0) -> MeanLoad:
     r"""Mean axial load of a nut by the distance, for its life.
 
     .. math:: F_m = \left( \frac{\sum F_i^3 \, l_i}{\sum l_i} \right)^{1/3}, \quad
@@ -189,7 +188,7 @@ def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], 
         kinks = [np.clip(np.nan_to_num((f - force[:, 0]) / rise, posinf=1.0, neginf=0.0), 0.0, 1.0)
                  for f in (-limit, 0.0 * limit, limit)]  # fmt: skip
     parts = [0.0 * kinks[0], *np.sort(kinks, axis=0), 0.0 * kinks[0] + 1.0]
-    total: Figure = 0.0
+    total: Alike = 0.0
     cubes: list[Any] = [0.0, 0.0]
     for start, end in pairwise(parts):
         for node, weight in zip(_NODES, _WEIGHTS, strict=True):
@@ -203,16 +202,16 @@ def mean_load(duration: NDArray[Any], speed: NDArray[Any], force: NDArray[Any], 
     return MeanLoad(*((cube / moves) ** (1.0 / 3.0) for cube in cubes))
 
 
-def _on_flank(force: NDArray[Any], preload: Figure) -> NDArray[Any]:
+def _on_flank(force: Array, preload: Figure) -> Array:
     """Load of the flank that a force above 0 loads, preload included [N]."""
     limit = 2.0**1.5 * preload
     with np.errstate(divide="ignore", invalid="ignore"):  # without a preload the limit is 0
         within = np.where(np.greater(preload, 0.0), preload * np.maximum(1.0 + force / limit, 0.0) ** 1.5, 0.0)
-    loaded: NDArray[Any] = np.where(force >= limit, force, within)
+    loaded: Array = np.where(force >= limit, force, within)
     return loaded
 
 
-def life_turns(dynamic_load: Figure, mean: MeanLoad, load_factor: float = 1.0) -> Figure:
+def life_turns(dynamic_load: Figure, mean: MeanLoad, load_factor: float = 1.0) -> Alike:
     r"""Nominal life L_10 in turns.
 
     .. math:: L_{1,2} = \left( \frac{C_a}{f_w F_{m1,2}} \right)^3 10^6, \quad
@@ -248,11 +247,11 @@ def life_turns(dynamic_load: Figure, mean: MeanLoad, load_factor: float = 1.0) -
         return 1e6 * np.float_power(fatigue, -0.9)
 
 
-def _lead_angle(lead: Figure, diameter: Figure) -> Figure:
+def _lead_angle(lead: Figure, diameter: Figure) -> Alike:
     return np.arctan(lead / (pi * diameter))
 
 
-def thread_efficiency(lead: Figure, diameter: Figure, friction: Figure, flank: float = _FLANK) -> Figure:
+def thread_efficiency(lead: Figure, diameter: Figure, friction: Figure, flank: float = _FLANK) -> Alike:
     r"""Efficiency of a sliding thread that drives its nut.
 
     .. math:: e = \frac{\tan λ}{\tan(λ + ρ)}, \quad \tan λ = \frac{P}{π d_2}, \quad \tan ρ = \frac{μ}{\cos φ}
@@ -284,7 +283,7 @@ def thread_efficiency(lead: Figure, diameter: Figure, friction: Figure, flank: f
     return np.tan(angle) / np.tan(angle + np.arctan(friction / math.cos(flank)))
 
 
-def back_driving_efficiency(lead: Figure, diameter: Figure, friction: Figure, flank: float = _FLANK) -> Figure:
+def back_driving_efficiency(lead: Figure, diameter: Figure, friction: Figure, flank: float = _FLANK) -> Alike:
     r"""Efficiency of a sliding thread that its nut drives: tan(λ - ρ) / tan λ, below 0 where it locks itself.
 
     Parameters
@@ -301,7 +300,7 @@ def back_driving_efficiency(lead: Figure, diameter: Figure, friction: Figure, fl
     return np.tan(angle - np.arctan(friction / math.cos(flank))) / np.tan(angle)
 
 
-def preload_torque(preload: Figure, lead: Figure, diameter: Figure) -> Figure:
+def preload_torque(preload: Figure, lead: Figure, diameter: Figure) -> Alike:
     r"""Drag of a preloaded ball nut.
 
     .. math:: T = 0.05 \, (\tan β)^{-1/2} \, \frac{F_{pr} P}{2 π}
@@ -330,7 +329,7 @@ def preload_torque(preload: Figure, lead: Figure, diameter: Figure) -> Figure:
     return _ROLLING / np.sqrt(lead / (pi * diameter)) * preload * lead / (2.0 * pi)
 
 
-def shaft_inertia(diameter: Figure, length: Figure) -> Figure:
+def shaft_inertia(diameter: Figure, length: Figure) -> Alike:
     r"""Inertia of a solid steel shaft, J = π ρ d⁴ L / 32.
 
     Parameters
@@ -355,7 +354,7 @@ def shaft_inertia(diameter: Figure, length: Figure) -> Figure:
     return pi * _STEEL * diameter**4 * length / 32.0
 
 
-def shaft_mass(diameter: Figure, length: Figure) -> Figure:
+def shaft_mass(diameter: Figure, length: Figure) -> Alike:
     """Mass of a solid steel shaft of the nominal diameter: its thread takes some of it away.
 
     Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figure
+from drivesizer.physics.figures import Alike, Figure
 
 # -- Power and energy that steppers draw: torque times speed, and the loss of a current that always flows.
 
@@ -13,7 +13,7 @@ from drivesizer.physics.figures import Figure
 Array = NDArray[np.float64]
 
 
-def copper_loss(phase_current: Figure, resistance: Figure) -> Figure:
+def copper_loss(phase_current: Figure, resistance: Figure) -> Alike:
     """Loss of both windings at rated current [W], at any speed at most, at rest too.
 
     Parameters
@@ -134,7 +134,7 @@ def electrical_energy(duration: Array, torque: Array, speed: Array, loss: Array)
 PULL_OUT_SHARE = (0.67, 1.5)
 
 
-def rotor_teeth(full_steps: Figure) -> Figure:
+def rotor_teeth(full_steps: Figure) -> Alike:
     """Teeth of the rotor of a two-phase hybrid stepper: electrical turns per turn.
 
     >>> rotor_teeth(200.0)
@@ -143,7 +143,7 @@ def rotor_teeth(full_steps: Figure) -> Figure:
     return full_steps / 4.0
 
 
-def amplitude(phase_current: Figure) -> Figure:
+def amplitude(phase_current: Figure) -> Alike:
     """Amplitude of sinusoidal phase currents that heat as the rated current in both phases does [A]."""
     return np.sqrt(2.0) * phase_current
 
@@ -250,7 +250,7 @@ def rescaled_torque(speed: Figure, voltage: Figure, at_speed: Array, at_torque: 
 START_BAND = 1.5  # of the speed at which a rotor starts without a ramp: one printed figure, 1.37 of the ideal
 
 
-def natural_frequency(teeth: Figure, holding_torque: Figure, inertia: Figure) -> Figure:
+def natural_frequency(teeth: Figure, holding_torque: Figure, inertia: Figure) -> Alike:
     r"""Frequency of small swings about a held position [Hz], [1] section 4.3.
 
     .. math:: f = \frac{1}{2\pi} \sqrt{\frac{p\, T_h}{J}}
@@ -277,7 +277,7 @@ def natural_frequency(teeth: Figure, holding_torque: Figure, inertia: Figure) ->
     return np.sqrt(teeth * holding_torque / inertia) / (2.0 * np.pi)
 
 
-def start_speed(teeth: Figure, torque: Figure, inertia: Figure, load_torque: Figure = 0.0) -> Figure:
+def start_speed(teeth: Figure, torque: Figure, inertia: Figure, load_torque: Figure = 0.0) -> Alike:
     r"""Largest speed to which the field may jump for a rotor at rest to follow, undamped.
 
     Seen from the field the rotor moves backward; it may not reach the unstable balance of torque T and load T_L:
@@ -315,7 +315,7 @@ def start_speed(teeth: Figure, torque: Figure, inertia: Figure, load_torque: Fig
 
 def start_speed_with(
     alone: Figure, rotor_inertia: Figure, inertia: Figure, load_torque: Figure, torque: Figure
-) -> Figure:
+) -> Alike:
     r"""Speed at which a motor starts with its load, from that at which its rotor alone does.
 
     .. math:: w = \frac{w_0}{\sqrt{1 + J_L / J_r}}

@@ -216,7 +216,7 @@ def heat(
     return Heat(rubbing, iron, mean, np.asarray(winding))
 
 
-def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Figures, leads: Any = 0.0) -> Stress:
+def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Figures, leads: Figure = 0.0) -> Stress:
     """Largest current of candidates, and largest voltage while the winding is cold; warm: see ``limits_over_time``.
 
     Parameters

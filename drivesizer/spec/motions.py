@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from drivesizer.files import fields
+from drivesizer.physics.figures import Alike
 
 _ROUNDING = 1e-9  # of a time: ramps that fill it may be rounded
 
@@ -55,7 +56,7 @@ class Trapezoid(_Repeated):
         return self
 
     @property
-    def phases(self) -> tuple[float, float, float, float]:
+    def phases(self) -> tuple[Alike, Alike, Alike, Alike]:
         """Times of acceleration, cruise and deceleration [s], and the speed that is reached [m/s or rad/s]."""
         if self.distance is not None and self.acceleration is not None:
             top = np.minimum(self.speed, np.sqrt(self.distance * self.acceleration))

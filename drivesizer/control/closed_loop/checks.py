@@ -24,7 +24,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics import thermal
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.counted_speed import speed_quantum
-from drivesizer.physics.figures import Range
+from drivesizer.physics.figures import Alike, Range
 from drivesizer.physics.load_cycle import lasting_speeds, rms
 from drivesizer.physics.power_stage import of_the_source
 from drivesizer.results.check import Band, Check, Figure
@@ -49,7 +49,7 @@ _LOOP_FIGURES: tuple[tuple[str, str, tuple[str, str]], ...] = (  # of the veloci
 )
 
 
-def loop_figures(case: ClosedLoop) -> list[Figure]:
+def loop_figures(case: ClosedLoop) -> list[Alike]:
     """Figures of the velocity loop by linear analysis."""
     return [Figure(name=name, title=title, value=getattr(case.loops.velocity, name), kind=kind, unit=unit)
             for name, title, (kind, unit) in _LOOP_FIGURES]  # fmt: skip

@@ -92,7 +92,9 @@ def render(machine: MachineExport) -> bytes:
         raise InputError("--format: fmu needs PythonFMU; pip install 'drivesizer[fmu]'") from None
     if time.time() < _1980:
         raise InputError("--format: an FMU is a ZIP archive, which has no dates before 1980; set this machine's clock")
-    code = {name: Path(module.__file__).read_text("utf-8") for name, module in (("motor", fmu_motor), ("heat", heat))}
+    code = {
+        name: Path(str(module.__file__)).read_text("utf-8") for name, module in (("motor", fmu_motor), ("heat", heat))
+    }
     figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
     digest = hashlib.sha256("\0".join((_SLAVE, figures, said, *code.values())).encode()).hexdigest()[:_DIGITS]
     with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
