@@ -1,124 +1,20 @@
-"""Record of a robot description: links with their mass, joints with their limits; elements of an XML file."""
+"""Record of a robot description: links with their mass, joints with their limits and losses, whatever the format."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import NamedTuple
-from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.text import read_bytes
-
-# -- Elements of an XML file with their lines.
-#
-# expat parses; document types, and so entities, are refused, size and depth are bounded.
-
 
 Array = NDArray[np.float64]
-_LARGEST = 16_000_000  # bytes
-_DEEPEST = 60
-_MOST = 20_000  # elements
-_FARTHEST = 1e50  # of any figure: products of a few of them can still be computed with
-
-
-@dataclass(slots=True)
-class Node:
-    """An element with its line in the file."""
-
-    tag: str
-    line: int
-    attributes: dict[str, str]
-    children: list[Node] = field(default_factory=list)
-
-    def all(self, tag: str) -> Iterator[Node]:
-        """Children of a tag."""
-        return (child for child in self.children if child.tag == tag)
-
-    def first(self, tag: str) -> Node | None:
-        """First child of a tag; None without any."""
-        return next(self.all(tag), None)
-
-
-def read_tree(path: Path) -> Node:
-    """Root element of a file, without text between the elements."""
-    raw = read_bytes(path, _LARGEST)
-    top, open_, count = Node("", 0, {}), [], 0
-    open_.append(top)
-    parser = expat.ParserCreate()
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal count
-        count += 1
-        if len(open_) > _DEEPEST or count > _MOST:
-            raise InputError(f"{path}:{parser.CurrentLineNumber}: expected at most {_MOST} elements, {_DEEPEST} deep")
-        node = Node(tag, parser.CurrentLineNumber, attributes)
-        open_[-1].children.append(node)
-        open_.append(node)
-
-    def refuse(*_: object) -> None:
-        raise InputError(f"{path}:{parser.CurrentLineNumber}: a document type is not taken; expected plain XML")
-
-    parser.StartElementHandler, parser.EndElementHandler = start, lambda _: open_.pop()
-    parser.StartDoctypeDeclHandler, parser.EntityDeclHandler = refuse, refuse
-    try:
-        parser.Parse(raw, True)
-    except (expat.ExpatError, ValueError, LookupError) as error:
-        if isinstance(error, InputError):
-            raise
-        line, reason = getattr(error, "lineno", 1), expat.ErrorString(getattr(error, "code", 0)) or "unknown encoding"
-        raise InputError(f"{path}:{line}: this is no XML ({reason})") from None
-    return top.children[0]
-
-
-def name_of(node: Node, path: Path) -> str:
-    """Name of an element that must have one."""
-    name = node.attributes.get("name", "")
-    if not name:
-        raise InputError(f"{path}:{node.line}: <{node.tag}> has no name")
-    return name
-
-
-def figure(node: Node, name: str, path: Path, otherwise: float | None = None) -> float:
-    """Number in an attribute."""
-    written = node.attributes.get(name)
-    if written is None:
-        if otherwise is None:
-            raise InputError(f"{path}:{node.line}: <{node.tag}> has no {name}")
-        return otherwise
-    return _number(written, node, name, path)
-
-
-def _number(written: str, node: Node, name: str, path: Path) -> float:
-    try:
-        value = float(written)
-    except ValueError:
-        value = math.nan
-    plain = written.isascii() and "_" not in written  # float() takes digits of other scripts
-    if not (plain and abs(value) < _FARTHEST):  # written so that NaN fails too
-        raise InputError(f"{path}:{node.line}: <{node.tag}> {name}: {quoted(written)} is no number")
-    return value
-
-
-def figures(node: Node, name: str, path: Path) -> Array:
-    """Numbers in an attribute, separated by blanks; none where it is not there."""
-    return np.array([_number(part, node, name, path) for part in node.attributes.get(name, "").split()])
-
-
-def vector(node: Node, name: str, path: Path, otherwise: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Array:
-    """Three numbers in an attribute."""
-    written = node.attributes.get(name)
-    if written is None:
-        return np.array(otherwise)
-    parts = written.split()
-    if len(parts) != 3:
-        raise InputError(f"{path}:{node.line}: <{node.tag}> {name}: {quoted(written)} is no vector; expected 3 numbers")
-    return figures(node, name, path)
 
 
 # -- Mass, centre and inertia of solids of even density, and of several together.
@@ -191,10 +87,6 @@ def together(bodies: Sequence[Body]) -> Body:
 TURNING = ("revolute", "continuous")  # kinds of joints that turn; of prismatic ones effort is N, velocity m/s
 
 
-def _origin() -> Array:
-    return np.zeros(3)
-
-
 @dataclass(frozen=True, slots=True)
 class Link:
     """A body; mass 0 and inertia 0 where the file gives none."""
@@ -202,10 +94,8 @@ class Link:
     name: str
     line: int
     mass: float = 0.0  # kg
-    centre: Array = field(default_factory=_origin)  # m, of mass, in the link's frame
-    inertia: Array = field(
-        default_factory=lambda: np.zeros((3, 3))
-    )  # kg*m^2, about the centre of mass, along the link's axes
+    centre: Array = field(default_factory=lambda: np.zeros(3))  # m, of mass, in the link's frame
+    inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))  # kg*m^2, about its centre, along the link's axes
     radii: tuple[tuple[float, Array], ...] = ()  # m, of its cylinders and spheres; axis of each, zeros for a sphere
     lacking: str = ""  # reason why its mass is unknown, such as a mesh alone; empty where it is known
 
@@ -227,7 +117,7 @@ class Joint:
     lower: float = math.nan
     upper: float = math.nan
     limited: bool = False  # the file has a limit
-    anchor: Array = field(default_factory=_origin)  # m, a point of the axis in the child's frame
+    anchor: Array = field(default_factory=lambda: np.zeros(3))  # m, a point of the axis in the child's frame
     reference: float = 0.0  # position at which the child's frame is the joint's [rad or m]
     damping: float = 0.0  # N*m*s/rad, or N*s/m
     friction: float = 0.0  # N*m, or N, of Coulomb
@@ -273,29 +163,26 @@ class Robot:
 
 def robot_of(path: Path, name: str, links: Iterable[Link], joints: Iterable[Joint], notes: Iterable[str] = ()) -> Robot:
     """A robot, its names unique and its joints a tree."""
-    found: dict[str, Link] = {}
+    found, named, above = dict[str, Link](), dict[str, Joint](), dict[str, Joint]()
     for link in links:
         if found.setdefault(link.name, link) is not link:
             raise InputError(f"{path}:{link.line}: link {quoted(link.name)} is there twice")
-    named: dict[str, Joint] = {}
     for joint in joints:
         if named.setdefault(joint.name, joint) is not joint:
             raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)} is there twice")
-    above: dict[str, str] = {}
     for joint in named.values():
         for end in (joint.parent, joint.child):
             if end not in found:
                 raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)}: there is no link {quoted(end)}")
-    for joint in named.values():
-        if joint.child in above:
+        if above.setdefault(joint.child, joint) is not joint:
             raise InputError(f"{path}:{joint.line}: link {quoted(joint.child)} hangs on two joints")
-        above[joint.child] = joint.parent
-    for joint in named.values():
-        up, steps = joint.parent, 0
-        while up in above and steps <= len(above):
-            up, steps = above[up], steps + 1
-        if steps > len(above):
-            raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)} is part of a ring; expected a tree")
+    try:
+        TopologicalSorter({child: [joint.parent] for child, joint in above.items()}).prepare()
+    except CycleError as error:
+        joint = next(above[link] for link in error.args[1] if link in above)
+        raise InputError(
+            f"{path}:{joint.line}: joint {quoted(joint.name)} is part of a ring; expected a tree"
+        ) from None
     return Robot(str(path), name, found, named, tuple(notes))
 
 

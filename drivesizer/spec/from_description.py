@@ -22,8 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.xml_tree import read_tree
 from drivesizer.spec.description import read_description, read_urdf, urdf_of
-from drivesizer.spec.description_record import Joint, Robot, read_tree
+from drivesizer.spec.description_record import Joint, Robot
 
 Array = NDArray[np.float64]
 _ALIKE = 0.01  # share by which wheels that are driven alike may differ
@@ -54,7 +55,7 @@ def spec_of(path: Path, joint: str | None = None) -> str:
 def has_wheels(path: Path) -> bool:
     """Whether a file is a URDF with driven wheels."""
     root = read_tree(path)
-    return root.tag == "robot" and bool(_wheels(urdf_of(root, path)))
+    return root.tag == "robot" and bool(_wheels(urdf_of(root)))
 
 
 def _wheels(robot: Robot) -> list[tuple[Joint, float]]:
