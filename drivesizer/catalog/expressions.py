@@ -99,7 +99,8 @@ def _parabola(x: Numbers, at_0: Numbers, at_half: Numbers, at_1: Numbers) -> Num
 
 
 _FUNCTIONS: dict[str, Any] = {
-    "unknown": np.isnan, "known": _known, "nan": np.nan, "smaller": np.minimum, "larger": np.maximum, "abs": np.abs,
+    "unknown": np.isnan, "known": _known, "nan": np.nan, "infinite": np.inf,
+    "smaller": np.minimum, "larger": np.maximum, "abs": np.abs,
     "choose": np.where, "pi": np.pi, "median": _median, "parabola": _parabola, "leading_number": _leading_number,
     "least_of_a_stage_less": _of_a_stage_less(np.min), "greatest_of_a_stage_less": _of_a_stage_less(np.max),
     "pitch_of_profile": _pitch_of_profile, "nearest_full_steps": lambda steps: _nearest(steps, _FULL_STEPS),
