@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from drivesizer.catalog import parts
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, columns_of, singular
 from drivesizer.catalog.tolerances import MakerTolerance, join_maker_tolerances
 from drivesizer.errors import CatalogError, nearest, quoted, reason_of
-from drivesizer.files.cache import CacheWarning, arrays_kept, keep
+from drivesizer.files.cache import CacheWarning, cached_bytes, keep
 
 _KEPT = 256  # results of a catalogue for specs of late
 _BETWEEN = str.maketrans("", "", " \t-_")
@@ -352,6 +353,9 @@ def as_printed(catalog: Catalog) -> Catalog:
 # other; when the folder cannot be written, the program works without it.
 
 
+_OTHERWISE = (  # of a file that is not as this program writes it
+    ValueError, KeyError, TypeError, IndexError, AttributeError, EOFError, NotImplementedError, OSError, BadZipFile,
+)  # fmt: skip
 _PRINTED: dict[str, tuple[str, Any]] = {  # entries of tables of parts: their section, and those of a catalogue without
     "discharges": ("batteries", parts.NO_DISCHARGES), "pull_outs": ("steppers", parts.NO_PULL_OUTS),
 }  # fmt: skip
@@ -359,10 +363,10 @@ _PRINTED: dict[str, tuple[str, Any]] = {  # entries of tables of parts: their se
 
 def recall(path: Path) -> Catalog | None:
     """The compiled catalogue at a path, or None when there is none or it is damaged."""
-    arrays = arrays_kept(path)
+    body = cached_bytes(path)
     try:
-        return None if arrays is None else _unpacked(arrays)
-    except (ValueError, KeyError, TypeError, IndexError):
+        return None if body is None else _unpacked(body)
+    except _OTHERWISE:
         return None  # an intact file of another layout: compiled again
 
 
@@ -391,7 +395,9 @@ def store(path: Path, catalog: Catalog) -> None:
         warnings.warn(f"the compiled catalogue is not kept in {path.parent} ({reason})", CacheWarning, stacklevel=2)
 
 
-def _unpacked(arrays: dict[str, NDArray[Any]]) -> Catalog:
+def _unpacked(body: bytes) -> Catalog:
+    with np.load(io.BytesIO(body), allow_pickle=False) as kept:
+        arrays = {name: kept[name] for name in kept.files}
     texts = json.loads(arrays["texts"].tobytes())
     found: dict[str, Any] = {section: empty(section) for section in PARTS if section not in texts}
     for section in (section for section in PARTS if section in texts):

@@ -7,16 +7,12 @@ import hashlib
 import os
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 _HALF = ".compiling-"  # begins the name of a file that is being written
 _LONG_AGO = 600.0  # s, after which such a file is left over from a killed process
-_DIGEST = 32  # bytes of blake2b at the head of a compiled file
+_DIGEST = 32  # bytes of blake2b at the head of a file: a damaged one is not used
 
 
 class CacheWarning(UserWarning):
@@ -40,6 +36,17 @@ def digest_of(*parts: bytes) -> str:
     return mixed.hexdigest()
 
 
+def kept(name: str, make: Callable[[], bytes]) -> bytes:
+    """Bytes out of the cache folder, by a name with their digest; made where it has none, and kept if it can be."""
+    path = folder() / name
+    found = cached_bytes(path)
+    if found is None:
+        found = make()
+        with contextlib.suppress(OSError):  # a folder without write access was reported with the catalogue
+            keep(path, found)
+    return found
+
+
 def cached_bytes(path: Path) -> bytes | None:
     """Bytes kept under a path; None where there are none or they are damaged."""
     try:
@@ -50,25 +57,8 @@ def cached_bytes(path: Path) -> bytes | None:
     return body if hashlib.blake2b(body, digest_size=_DIGEST).digest() == raw[:_DIGEST] else None
 
 
-def arrays_kept(path: Path) -> dict[str, NDArray[Any]] | None:
-    """Arrays by name of an npz file kept under a path; None where there is none, or it is damaged or no such file."""
-    body = cached_bytes(path)
-    if body is None:
-        return None
-    import io
-    import zipfile
-
-    import numpy as np
-
-    try:
-        with np.load(io.BytesIO(body), allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
-    except (zipfile.BadZipFile, NotImplementedError, AttributeError, ValueError, KeyError, EOFError, OSError):
-        return None
-
-
 def keep(path: Path, body: bytes) -> None:
-    """Keep bytes under a path, whole or not at all; files of an older digest are removed."""
+    """Keep bytes under a path, whole or not at all; files of an older digest, and of killed processes, are removed."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=_HALF)
     try:
@@ -78,18 +68,9 @@ def keep(path: Path, body: bytes) -> None:
     except BaseException:  # Ctrl-C too leaves nothing behind
         Path(name).unlink(missing_ok=True)
         raise
-    _tidy(path)
-
-
-def _tidy(path: Path) -> None:
-    """Remove files of the same name with an older digest, and unfinished ones of killed processes."""
     for old in path.parent.iterdir():
         with contextlib.suppress(FileNotFoundError):  # another process removed it first
             left_over = old.name.startswith(_HALF) and abs(time.time() - old.stat().st_mtime) > _LONG_AGO
-            if left_over or (_subject(old) == _subject(path) and old != path):
+            same = old.suffix == path.suffix and old.stem.rpartition("-")[0] == path.stem.rpartition("-")[0]
+            if left_over or (same and old != path):
                 old.unlink()
-
-
-def _subject(path: Path) -> tuple[str, str]:
-    """Name of a file before its digest, and its suffix."""
-    return path.stem.rpartition("-")[0], path.suffix

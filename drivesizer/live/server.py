@@ -11,7 +11,7 @@ import signal
 import socket
 import stat
 from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from hashlib import blake2b
 from importlib import resources
@@ -29,7 +29,7 @@ from starlette.types import Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from drivesizer.errors import InputError, reason_of
-from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
+from drivesizer.files.cache import digest_of, kept
 from drivesizer.files.text import decoded
 from drivesizer.files.writing import write_files
 from drivesizer.files.yaml_source import YamlSource
@@ -131,9 +131,8 @@ def form_schema() -> str:
     """JSON with the schemas of spec and machine, along or about which axis a kind of load moves, and how one begins."""
     package = Path(__file__).resolve().parents[1]  # the program as it is: for those who change it, by its files' dates
     dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
-    path = folder() / f"schema-{digest_of(__version__.encode(), *(date.encode() for date in dates))}.json"
-    found = cached_bytes(path)
-    if found is None:
+
+    def made() -> bytes:
         from drivesizer.commands.setup import KINDS, starter
         from drivesizer.loads.kinds import AXES
         from drivesizer.spec.machine import machine_schema
@@ -142,11 +141,10 @@ def form_schema() -> str:
         axes = {**AXES, "recorded": None}  # which brings its own motion
         starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
         begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
-        made = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
-        found = json.dumps(made, ensure_ascii=False).encode()
-        with suppress(OSError):
-            keep(path, found)
-    return found.decode()
+        found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
+        return json.dumps(found, ensure_ascii=False).encode()
+
+    return kept(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", made).decode()
 
 
 # -- The file of the page: read, and written where the user saves it, unless another program has changed it.

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import BytecodeCache
 from jinja2.bccache import Bucket
 
-from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
+from drivesizer.files.cache import cached_bytes, digest_of, folder, keep, kept
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -47,13 +47,8 @@ def _place(bucket: Bucket) -> Path:
 
 def packed(script: str) -> bytes:
     """A script as zlib packs it best, which takes a quarter of a second for a plotting library."""
-    path = folder() / f"script-{digest_of(zlib.ZLIB_RUNTIME_VERSION.encode(), script.encode())}.z"
-    found = cached_bytes(path)
-    if found is None:
-        found = zlib.compress(script.encode(), 9)
-        with suppress(OSError):
-            keep(path, found)
-    return found
+    digest = digest_of(zlib.ZLIB_RUNTIME_VERSION.encode(), script.encode())
+    return kept(f"script-{digest}.z", lambda: zlib.compress(script.encode(), 9))
 
 
 # -- Typst mathematics as MathML, which browsers set themselves: it can be copied, read aloud, and follows the page.
