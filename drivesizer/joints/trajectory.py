@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import factors_of, refuse_impossible, rows_of, values_of
-from drivesizer.files.text import read_text
+from drivesizer.files.csv_columns import Sheet
 from drivesizer.joints.inverse_dynamics import Array, JointMotion
 from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
 from drivesizer.physics.load_cycle import places
@@ -44,19 +43,16 @@ _TINY = 1e-300  # instead of a largest speed of 0
 
 def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
     """Joints over time as a file has them."""
-    text = read_text(path)
-    rows = rows_of(path, text, 2)
-    line, cells = next(rows, (1, []))
-    joints = _joints(path, line, [cell.strip() for cell in cells], robot)
-    header = [cell.strip() for cell in cells]
+    sheet = Sheet(path, 2)
+    header = sheet.names
+    joints = _joints(path, sheet.line, header, robot)
     form = {_TIME: "time"} | {joint.name: "angle" if joint.turns else "length" for joint in joints}
-    factors = factors_of(path, header, form, next(rows, None))
-    values = values_of(path, rows, header, factors)
-    refuse_impossible(path, [*values.T], header, form, factors)
-    if len(values) < _FEWEST:
-        raise InputError(f"{path}: rows: {len(values)} found; expected at least {_FEWEST} below the units")
-    time = values[:, header.index(_TIME)]
-    position = np.array([values[:, header.index(joint.name)] for joint in joints])
+    factors = sheet.factors(header, form)
+    values = sheet.values(header, form, factors)
+    time = values[header.index(_TIME)]
+    if len(time) < _FEWEST:
+        raise InputError(f"{path}: rows: {len(time)} found; expected at least {_FEWEST} below the units")
+    position = np.array([values[header.index(joint.name)] for joint in joints])
     if not np.ptp(position, axis=1).any():
         raise InputError(f"{path}: rows: nothing moves; expected a trajectory, or poses as holds")
     quarter = float(time[-1] - time[0]) / _FEWEST

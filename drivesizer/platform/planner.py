@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
 from pathlib import Path
@@ -12,15 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.csv_columns import (
-    factors_of,
-    miscount,
-    number_of,
-    refuse_impossible,
-    rows_of,
-    values_of,
-)
-from drivesizer.files.text import read_text
+from drivesizer.files.csv_columns import Sheet
 from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import (
@@ -301,20 +293,19 @@ def read_track(
         One line that says where, what was found and what is expected.
     """
     file = Path(path)
-    text = read_text(file)
-    rows = rows_of(file, text, len(_TIMED))
-    header, factors = _head(file, rows)
+    sheet = Sheet(file, len(_TIMED))
+    header = _header(sheet)
+    factors = sheet.factors(header, _KINDS)
     if "time" not in header:
         if limits is None:
             raise InputError(f"{file}: waypoints have no times; expected limits to plan with, or a column t")
-        waypoints = _waypoints(file, rows, header, factors)
+        waypoints = _waypoints(sheet, header, factors)
         try:
             return plan(waypoints, limits)
         except InputError as error:
             raise InputError(f"{file}: {error}") from None
-    found = values_of(file, rows, header, factors)
-    refuse_impossible(file, [*found.T], header, _KINDS, factors)
-    time, *posture = (found[:, header.index(name)] for name in _KINDS if name in _TIMED)
+    found = sheet.values(header, _KINDS, factors)
+    time, *posture = (found[header.index(name)] for name in _KINDS if name in _TIMED)
     if len(time) < _FEWEST:
         raise InputError(f"{file}: rows: {len(time)} found; expected at least {_FEWEST} below the units")
     made = np.array([posture[0], posture[1], np.unwrap(posture[2])])
@@ -337,35 +328,31 @@ def read_track(
     return spline(time, made, smoothing)
 
 
-def _head(path: Path, rows: Iterator[tuple[int, list[str]]]) -> tuple[list[str], list[float]]:
-    """Names of the columns, and what brings them to SI."""
-    line, cells = next(rows, (1, []))
-    names = [_NAMES.get(cell.strip().lower(), cell.strip().lower()) for cell in cells]
+def _header(sheet: Sheet) -> list[str]:
+    """Names of the columns."""
+    names = [_NAMES.get(name.lower(), name.lower()) for name in sheet.names]
     known, single = set(names), len(set(names)) == len(names)
     if not single or not (known == _TIMED or {"x", "y"} <= known <= {"x", "y", "heading", "pause"}):
-        shown = quoted(",".join(cells)) if cells else "nothing"
-        raise InputError(f"{path}:{line}: header: {shown}; {_EXPECTED}")
-    return names, factors_of(path, names, _KINDS, next(rows, None))
+        shown = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
+        raise sheet.fault(sheet.line, "header", f"{shown}; {_EXPECTED}")
+    return names
 
 
-def _waypoints(
-    path: Path, rows: Iterator[tuple[int, list[str]]], header: list[str], factors: list[float]
-) -> list[Waypoint]:
+def _waypoints(sheet: Sheet, header: list[str], factors: list[float]) -> list[Waypoint]:
     found: list[Waypoint] = []
-    for line, cells in rows:
-        if len(cells) != len(header):
-            raise InputError(f"{path}:{line}: row: {miscount(cells, header)}")
+    for line, cells in sheet.rows:
+        sheet.refuse_miscount(line, cells, header)
         if len(found) == _MOST_WAYPOINTS:
-            raise InputError(f"{path}:{line}: row: more than {_MOST_WAYPOINTS} waypoints; expected fewer")
+            raise sheet.fault(line, "row", f"more than {_MOST_WAYPOINTS} waypoints; expected fewer")
         given = {
-            name: number_of(path, line, name, cell, factor)
+            name: sheet.number(line, name, cell, factor)
             for name, cell, factor in zip(header, cells, factors, strict=True)
             if cell.strip() or name in ("x", "y")
         }
         try:
             found.append(Waypoint(**given))
         except InputError as error:
-            raise InputError(f"{path}:{line}: {error}") from None
+            raise InputError(f"{sheet.path}:{line}: {error}") from None
     return found
 
 
