@@ -239,9 +239,8 @@ def _turned(kind: str, values: Array, settings: Settings) -> Array:
         if kind == "quat":
             w, v = values[0] / np.linalg.norm(values), values[1:] / np.linalg.norm(values)
             cross = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
-            turned = np.eye(3) + 2.0 * w * cross
-            turned += 2.0 * cross @ cross
-            return turned
+            by_quaternion: Array = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
+            return by_quaternion
         if kind == "axisangle":
             return about(values[:3] / np.linalg.norm(values[:3]), float(values[3]) * settings.degrees)
         if kind == "zaxis":

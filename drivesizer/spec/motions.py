@@ -61,7 +61,8 @@ class Trapezoid(_Repeated):
         if self.distance is not None and self.acceleration is not None:
             top = np.minimum(self.speed, np.sqrt(self.distance * self.acceleration))
             ramp = top / self.acceleration
-            return ramp, np.where(top < self.speed, 0.0, self.distance / top - ramp)[()], ramp, top
+            level: Any = np.where(top < self.speed, 0.0, self.distance / top - ramp)[()]
+            return ramp, level, ramp, top
         up, cruise = self.acceleration_time, self.cruise_time
         assert up is not None and cruise is not None  # refused above
         return up, cruise, up if self.deceleration_time is None else self.deceleration_time, self.speed
