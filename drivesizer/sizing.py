@@ -16,13 +16,13 @@ from drivesizer.results.sizing import Explanation, SizingResult
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.paper import vehicle
-from drivesizer.search.in_order import SearchResult
 from drivesizer.search.machine_filter import best_in_machine, weighing
-from drivesizer.search.ranking import Progress, title_of
+from drivesizer.search.passing import Progress
+from drivesizer.search.ranking import title_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
 from drivesizer.search.remarks import assumptions, nearest_figures, not_returning, warnings
-from drivesizer.search.search import other_checks
-from drivesizer.search.set_record import drive_parts, drive_set
+from drivesizer.search.search import SearchResult
+from drivesizer.search.set_record import drive_parts, drive_set, other_checks
 from drivesizer.search.shortlist import load_parts, pair_of, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.spec.drive import Choice, ControllerChoice, EncoderChoice, MotorChoice, Ranking

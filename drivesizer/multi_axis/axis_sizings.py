@@ -22,7 +22,7 @@ from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, objective_sum
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult, unknown_parts
-from drivesizer.search.ranking import Progress
+from drivesizer.search.passing import Progress
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import size
 from drivesizer.spec.drive import OBJECTIVES, Ranking

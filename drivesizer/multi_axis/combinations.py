@@ -28,10 +28,9 @@ from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
-from drivesizer.search.columns.offers import chosen
-from drivesizer.search.ranking import controlling_unknown, sifted, single
-from drivesizer.search.search import other_checks
-from drivesizer.search.set_record import drive_parts
+from drivesizer.search.passing import sifted
+from drivesizer.search.ranking import chosen, controlling_unknown, single
+from drivesizer.search.set_record import drive_parts, other_checks
 from drivesizer.search.shortlist import Shortlist, problem_with_drive_mass, shortlist
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
@@ -298,7 +297,7 @@ def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
         if kind_of(one) in rows:
             continue
         some = found.found.evaluation.on(np.array([row]))
-        bought = chosen(some.encoder, some.controller, some.brake, needs_encoder=not some.spec.steps)
+        bought = chosen(some, needs_encoder=not some.spec.steps)
         value, missing = _known(some.catalog, some.candidates, {**some.figures, **bought}, objective)
         cost = int(missing[0]), float(value[0]) * _drives_summed(objective, found.problem.machine)
         rows[kind_of(one)] = _Row(found, row, Choice(one.label, cost, riding_mass(found.problem, one)))

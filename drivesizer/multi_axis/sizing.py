@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from drivesizer.catalog import Catalog
 from drivesizer.results.machine import MachineSizing, of_one_axis
-from drivesizer.search.ranking import Progress
+from drivesizer.search.passing import Progress
 from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.sizing import size

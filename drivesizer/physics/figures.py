@@ -6,7 +6,7 @@ are computed once for each part, not for each candidate that has it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, NamedTuple, Protocol, TypeVar
 
@@ -70,6 +70,112 @@ def no_less(figure: Figure, known: NDArray[np.bool_] | np.bool_ | bool = False) 
     [2.0, nan]
     """
     return Range(figure, np.where(known, figure, np.nan))
+
+
+Record = TypeVar("Record")
+
+
+def on(record: Record, rows: Any) -> Record:
+    """Columns, and records of columns, at some of the candidates.
+
+    Parameters
+    ----------
+    record
+        A column, or records, lists and dictionaries of columns and of what has a method ``on`` itself.
+    rows
+        A mask, numbers or a slice.
+
+    Returns
+    -------
+    record
+        Of the same type; columns that are one and the same stay so.
+
+    Examples
+    --------
+    >>> on({"mass": np.array([1.0, 2.0, 3.0])}, np.array([2, 0]))["mass"].tolist()
+    [3.0, 1.0]
+    """
+    rows = np.flatnonzero(rows) if isinstance(rows, np.ndarray) and rows.dtype == bool else rows  # numbers are quicker
+    known: dict[int, Any] = {}
+
+    def taken(x: Any) -> Any:
+        if id(x) not in known:
+            if isinstance(x, np.ndarray):
+                known[id(x)] = x[rows] if isinstance(rows, slice) else x.take(rows, axis=0)
+            else:
+                known[id(x)] = x.on(rows) if hasattr(x, "on") else _each(taken, x)
+        return known[id(x)]
+
+    found: Record = taken(record)
+    return found
+
+
+def joined(several: Sequence[Record]) -> Record:
+    """Columns over several lists of candidates as those over all of them, one list after the other.
+
+    Parameters
+    ----------
+    several
+        Records of one type: at least one.
+
+    Returns
+    -------
+    record
+        Of the same type.
+
+    Examples
+    --------
+    >>> joined([Range(np.array([1.0]), np.array([2.0])), Range(np.array([5.0]), np.array([7.0]))]).high.tolist()
+    [2.0, 7.0]
+    """
+    every: Any = several
+    if len(several) == 1:
+        return several[0]
+    found: Record = np.concatenate(every) if isinstance(every[0], np.ndarray) else _each(lambda *x: joined(x), *every)
+    return found
+
+
+def put(record: Record, rows: Any, some: Record) -> Record:
+    """Columns, and records of columns, with those of some of the candidates replaced.
+
+    Parameters
+    ----------
+    record, some
+        Of all candidates and of these.
+    rows
+        Which these are: a mask or numbers.
+
+    Returns
+    -------
+    record
+        Of the same type.
+
+    Examples
+    --------
+    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
+    [7, 2, 8]
+    """
+    x: Any = record
+    if isinstance(x, np.ndarray):
+        x = x.copy()
+        x[rows] = some
+    elif hasattr(x, "with_rows"):
+        x = x.with_rows(rows, some)
+    else:
+        x = _each(lambda a, b: put(a, rows, b), x, some)
+    found: Record = x
+    return found
+
+
+def _each(make: Callable[..., Any], *records: Any) -> Any:
+    """Records of one type made part by part; None stays."""
+    first = records[0]
+    if first is None:
+        return None
+    if isinstance(first, dict):
+        return {name: make(*(one[name] for one in records)) for name in first}
+    parts = [make(*same) for same in zip(*records, strict=True)]
+    return first._make(parts) if hasattr(first, "_make") else type(first)(parts)
 
 
 def product(rows: Array, columns: Array) -> Array:

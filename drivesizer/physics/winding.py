@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,82 +32,6 @@ class Parts(NamedTuple):
     def on(self, rows: Any) -> Parts:
         """The parts of some of the candidates: by a mask, numbers or a slice."""
         return Parts._make(None if part is None else part.on(rows) for part in self)
-
-
-Record = TypeVar("Record", bound=tuple[Any, ...])
-
-
-def on(record: Record, rows: Any) -> Record:
-    """A record of columns, records among them, at some of the candidates.
-
-    Parameters
-    ----------
-    record
-        Columns, and records of columns.
-    rows
-        A mask, numbers or a slice.
-
-    Returns
-    -------
-    record
-        Of the same type.
-    """
-    if isinstance(rows, np.ndarray) and rows.dtype == bool:  # numbers are quicker, column by column
-        rows = np.flatnonzero(rows)
-    if isinstance(rows, slice):
-        return type(record)(*(on(x, rows) if isinstance(x, tuple) else x[rows] for x in record))
-    taken: dict[int, Any] = {}  # columns that are one and the same stay so
-    for x in record:
-        if id(x) not in taken:
-            taken[id(x)] = on(x, rows) if isinstance(x, tuple) else x.take(rows, axis=0)
-    return type(record)(*(taken[id(x)] for x in record))
-
-
-def put(column: NDArray[Any], rows: NDArray[Any], some: NDArray[Any]) -> NDArray[Any]:
-    """A column with some of its rows replaced.
-
-    Parameters
-    ----------
-    column
-        Shape (rows, ...).
-    rows
-        Row numbers or a mask.
-    some
-        New values of these rows.
-
-    Returns
-    -------
-    Array
-        A copy of the column.
-
-    >>> put(np.array([1, 2, 3]), np.array([True, False, True]), np.array([7, 8])).tolist()
-    [7, 2, 8]
-    """
-    changed = column.copy()
-    changed[rows] = some
-    return changed
-
-
-def replaced(record: Record, rows: NDArray[np.int64], some: Record) -> Record:
-    """A record of columns with those of some candidates replaced.
-
-    Parameters
-    ----------
-    record, some
-        Of all candidates and of these.
-    rows
-        Which they are.
-
-    Returns
-    -------
-    record
-        Of the same type; columns that are one and the same in both stay so.
-    """
-    made: dict[tuple[int, int], Array] = {}
-    for a, b in zip(record, some, strict=True):
-        if (id(a), id(b)) not in made:
-            made[id(a), id(b)] = put(a, rows, b)
-    return type(record)(*(made[id(a), id(b)] for a, b in zip(record, some, strict=True)))
 
 
 class Heat(NamedTuple):

@@ -28,9 +28,8 @@ from drivesizer.results.sizing import CRITERIA, Choice, Choices, used_share, wei
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
-from drivesizer.search.columns.offers import chosen
-from drivesizer.search.in_order import Judge, Passing
 from drivesizer.search.machine_filter import Weigh, least_power
+from drivesizer.search.search import Judge, SearchResult
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.drive import OBJECTIVES, Ranking, weights_of
 
@@ -52,19 +51,18 @@ def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
     return tuple(name for name in names if method == "physics" or name not in ranking.COUNTED)
 
 
-def choices(problem: Problem, every: Passing, most: int, *, judge: Judge | None, weigh: Weigh) -> Choices | None:
+def choices(problem: Problem, result: SearchResult, most: int, *, judge: Judge | None, weigh: Weigh) -> Choices | None:
     """Drives to choose from by weights, each with all its figures."""
-    if not len(every.best):
+    best, every = result.best, result.every.drives
+    if not len(best):
         return None
-    names, alike = (
-        criteria(problem.spec.select.objective, problem.spec.method),
-        every.certainty == every.certainty[every.best[0]],
-    )
-    best, alike = every.best[alike[every.best]], np.flatnonzero(alike)
+    names = criteria(problem.spec.select.objective, problem.spec.method)
+    as_sure = every.certainty == every.certainty[best[0]]
+    best, alike = best[as_sure[best]], np.flatnonzero(as_sure)
     sets, figures = every.sets.on(alike), {name: column[alike] for name, column in every.figures.items()}
     given = np.searchsorted(alike, best)  # the first of them is the best of all
     looked_at = picked(_cheap(problem, sets, figures, names), given, _affordable(problem)).rows
-    found, given = every.evaluated(alike[looked_at]), np.searchsorted(looked_at, given)
+    found, given = result.every.at(alike[looked_at]), np.searchsorted(looked_at, given)
     few = picked(_objectives(found, names), given, _JUDGED if judge else most)
     found, first = found.on(few.rows), int(np.searchsorted(few.rows, given[0]))
     passing = judge(found.candidates, found.on, len(few.rows)).best if judge else np.arange(len(few.rows))
@@ -95,7 +93,7 @@ def _margin_order(found: Evaluation, rows: list[int]) -> list[int]:
 
 def _counted_figures(found: Evaluation) -> dict[str, Array]:
     """Figures that objectives count beside those of the catalogue."""
-    parts = chosen(found.encoder, found.controller, found.brake, needs_encoder=not found.spec.steps)
+    parts = ranking.chosen(found, needs_encoder=not found.spec.steps)
     return {**found.figures, "margin": smallest_margin(found.checks), **parts}
 
 

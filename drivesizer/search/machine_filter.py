@@ -18,9 +18,7 @@ from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_re
 from drivesizer.machine.mass_budget import BELT, BY_PIECES, machine_mass, mass_columns
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.figures import no_less
-from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.winding import Parts, heat
 from drivesizer.results.check import Check, sentence_case, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.check_kinds import BATTERY_LASTING
@@ -28,15 +26,13 @@ from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
-from drivesizer.search.columns.offers import Offers, bought, chosen, offers
-from drivesizer.search.columns.stages import brakes_of, encoders_of, felt
-from drivesizer.search.columns.steppers import Draw
-from drivesizer.search.in_order import BudgetFilter, Evaluated, Judge, SearchResult
-from drivesizer.search.search import any_drive, search
+from drivesizer.search.columns.limits_over_time import Draw
+from drivesizer.search.columns.stages import in_motion, offers, parts_of
+from drivesizer.search.ranking import bought, chosen
+from drivesizer.search.search import BudgetFilter, Evaluated, Judge, SearchResult, any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.spec.drive import BOUGHT
-from drivesizer.spec.mounting import loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 
 # -- Drives that a battery certainly cannot feed for long enough, by a lower bound of their power without a waveform.
@@ -76,27 +72,14 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np
 
 def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
     """Lower bound of a motor's mean power over a load case [W]; NaN where the waveform's power is unknown."""
-    found, offered = np.empty(len(sets.motor)), offers(problem)
-    for belt in np.unique(sets.belt).tolist():
-        rows = np.flatnonzero(sets.belt == belt)
-        found[rows] = _behind(problem, offered, number, belt, sets.on(rows))
-    return found
-
-
-def _behind(problem: Problem, offered: Offers, number: int, belt: float, sets: Candidates) -> Array:
-    """The same of drives behind one belt."""
-    cycles = [case.at_belt.behind(belt) for case in problem.cases]
-    catalog, ambient = problem.catalog, problem.cases[number].spec.environment.ambient
+    catalog, case = problem.catalog, problem.cases[number]
+    cycles = [one.at_belt.behind(sets.belt) for one in problem.cases]
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
-    encoder = Rows(catalog.encoders, encoders_of(problem, offered, cycles, sets.motor, gearhead["ratio"]))
-    brake = brakes_of(problem, offered, cycles, Parts(motor, gearhead, encoder, None), sets.brake)
-    braked = felt(cycles[number], Parts(motor, gearhead, encoder, None, brake))
-    demand = demands(cycles[number], motor, gearhead, encoder, braked)
-    cold = np.asarray(resistance_at(resistance_25(motor), ambient))
+    parts = parts_of(problem, offers(problem), cycles, sets, motor, gearhead)
+    demand, heating = in_motion(case, cycles[number], parts)
+    cold = np.asarray(resistance_at(resistance_25(motor), case.spec.environment.ambient))
     turning = demand.total_ratio * cycles[number].mean_with(demand.coefficients, SPEED)
-    at_flange = loss_at_flange(problem.cases[number].spec, cycles[number], gearhead)
-    winding = heat(ambient, cycles[number], demand, motor, from_gearhead=at_flange).winding
-    known = demand.complete & np.isfinite(winding) & np.isfinite(motor["max_winding_temperature"])
+    known = demand.complete & np.isfinite(heating.winding) & np.isfinite(motor["max_winding_temperature"])
     return np.where(known, cold * demand.rms_current**2 + turning, np.nan)
 
 
@@ -132,7 +115,7 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
     if spec.budget is None or not spec.budget.weighs:
         return []
     catalog = whole.catalog.ends[0] if whole.catalog.ends else whole.catalog
-    parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
+    parts = chosen(whole, needs_encoder=spec.wants_encoder)
     of_drive = bought(catalog, sets, parts, "mass", BOUGHT, 1 if whole.catalog.ends else None)
     each = np.vstack([of_drive, _belts(whole.problem, sets)])
     battery = pack_of(spec.battery, catalog).mass if spec.battery else None
@@ -151,7 +134,7 @@ def _prices(whole: Evaluation) -> list[CheckColumn]:
     spec, sets = whole.spec, whole.candidates
     if spec.budget is None or spec.budget.price is None:
         return []
-    parts = chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=spec.wants_encoder)
+    parts = chosen(whole, needs_encoder=spec.wants_encoder)
     each = bought(whole.catalog, sets, parts, "price", BOUGHT)
     for name, least in reversed(BY_PIECES):
         if spec.load.motors >= least:

@@ -198,7 +198,7 @@ def drive_at_points(
     given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
     if brake >= 0:
         given = given._replace(brake=every)
-    return at_figures(replace(problem, catalog=varied), given, exact=False, each=names)
+    return at_figures(replace(problem, catalog=varied), given, "open", each=names)
 
 
 def _braked(catalog: Catalog, one: Candidates, every: NDArray[np.int64]) -> dict[str, Pairs]:

@@ -1,101 +1,86 @@
-"""The search over all candidates, by physics or by the paper's rule: drives that meet all limits in order."""
+"""The search over all candidates, by physics or by the paper's rule: drives that meet all limits in order.
+
+Few are computed in full: those that decide the order of what is shown, and the closest rejected. An evaluation of few
+drives costs about the same whatever their number, so that they go together.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table
-from drivesizer.results.check import Check
-from drivesizer.results.drive_set import Comparison, DriveParts
+from drivesizer.catalog import Catalog
+from drivesizer.physics.figures import joined
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
-from drivesizer.search.columns.candidates import candidates, pairs
-from drivesizer.search.columns.evaluation import by_physics, evaluate, smallest_margin
-from drivesizer.search.columns.offers import chosen
+from drivesizer.search.columns.candidates import Candidates, candidates, pairs
+from drivesizer.search.columns.evaluation import Evaluation, by_physics, evaluate, smallest_margin
 from drivesizer.search.columns.paper import FEW
-from drivesizer.search.in_order import (
-    Judge,
-    Passing,
-    SearchResult,
-    best_of_other_families,
-    but_for,
-    drives_by_margin,
-    failing_before,
-    margin_candidates,
-    ordered_in_machine,
-    without_rejected,
-)
-from drivesizer.search.ranking import (
+from drivesizer.search.passing import (
     UNKNOWN,
+    Passing,
     Progress,
     Rank,
     any_passes,
     better_but_unknown,
-    equals_of_the_last,
     ranked,
     sifted,
     waveforms,
 )
-from drivesizer.spec.drive import Choice, MotorChoice
 
+Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
+Evaluated = Callable[[Rows], Evaluation]  # some rows of the drives in full
 _QUICK = "mass"  # objective that needs no waveform
+_FIRST = 1 << 12  # drives that are judged in their machine at first
+_MOST = 1 << 16  # at a time
+_KEPT = 1 << 10  # drives in full that are not computed again
+_FEW = 32  # drives of the largest possible margins, that mostly decide which of many equals have the largest
+_ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 
 
-def search_by_paper(
-    problem: Problem, top: int, misses: int | None, pareto: tuple[str, ...], judge: Judge | None, others: int
-) -> SearchResult:
-    """Search by the paper's rule: it compares the reductions of a family, so that all candidates are at hand."""
-    catalog, belts = problem.catalog, tuple(problem.belt_ratios)
-    if len(pairs(problem).motor) * len(belts) > FEW:
-        sets = candidates(problem)
-    else:  # of few the same record again, which variants of a spec have in common
-        key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
-        sets = catalog.once(key, lambda: candidates(problem), of)
-    considered = len(sets.motor)
-    found = evaluate(problem, sets, rejected=misses is not None)  # of the rejected perhaps not all
-    sets, margin, failed, unknown = found.candidates, smallest_margin(found.checks), found.failed, found.unknown
-    each = np.array([check.failed for check in found.checks])
-    figures = {"margin": margin, **chosen(found.encoder, found.controller, found.brake, needs_encoder=True)}
-    value, missing = ranking.values(catalog, sets, figures, problem.spec.select.objective)
-    nearest = [np.where(failed, -margin, 0.0), np.where(failed, each.sum(axis=0), 0)]  # of those that fail
-    before = [np.where(failed, 2, unknown.astype(int)), *nearest]
-    order = ranking.order(catalog, sets, value, missing, margin=margin, before=before)
-    passes = ~failed if problem.spec.select.unknown == "allow" else ~failed & ~unknown
-    passing, rejected, rank = order[passes[order]], order[~passes[order]], Rank(unknown.astype(int), missing, value)
-    tally = {check.name: count for check, count in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if count}
-    counts = Counts(
-        considered=considered, feasible=len(passing), passing=int((~failed & ~unknown).sum()),
-        left_out=int(np.count_nonzero(~failed & ~passes)), failed_by=tally,
-    )  # fmt: skip
-    of_parts = found._replace(checks=[])  # budgets of the machine look at no other checks
-    kept = ordered_in_machine(judge, sets, of_parts.on, passing, len(sets.motor) if pareto else top)
-    best, short, on_front, unlike = kept.best[:top], kept.rejected[:top], kept.best[:0], kept.best[:0]
-    closest = top if not len(passing) else min(misses or 0, max(top - len(best), 0))
-    near = rejected[: 0 if misses is None else closest]
-    if pareto:
-        of_best = {name: column[kept.best] for name, column in figures.items()}
-        on_front = kept.best[ranking.front(catalog, sets.on(kept.best), of_best, pareto)]
-    if others:
-        unlike = best_of_other_families(judge, catalog, sets, found.on, passing, best[:1], others, rank.columns)
-    few = np.concatenate([best, near, but_for(on_front, best), short, but_for(unlike, best)])
-    places = {int(row): n for n, row in enumerate(few)}
-    front, below, beside = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
-    of_passing = {name: column[passing] for name, column in figures.items()}
-    every = Passing(
-        sets.on(passing), rank.precedence[passing] * UNKNOWN, of_passing,
-        np.flatnonzero(np.isin(passing, best)), lambda rows: found.on(passing[rows]),
-    )  # fmt: skip
-    return SearchResult(
-        found.on(few), len(best), without_rejected(counts, kept, ~unknown), front, below,
-        failing_before(kept, passing), others=beside, every=every,
-    )  # fmt: skip
+class BudgetFilter(NamedTuple):
+    """Of the drives that pass their own checks those that pass the machine's budgets, as far as they were examined."""
+
+    best: Rows  # which of them, in order
+    rejected: Rows  # which of them fail on a budget, in order
+    judged: int
+    by: Counter[str]  # how many by each budget
+
+
+Judge = Callable[[Candidates, Evaluated, int], BudgetFilter]  # drives in order, and how many that pass are wanted
+
+
+class InOrder(NamedTuple):
+    """All drives that pass their own checks, in order, and the closest rejected."""
+
+    drives: Passing
+    rank: Rank
+    order: Rows  # of the drives, from best to worst
+    at: Evaluated  # drives in full; the rejected are numbered behind those that pass
+    rejected: Callable[[int], Rows]  # so many of them, from the closest on
+
+
+class SearchResult(NamedTuple):
+    """The result of a search: drives in full, those that pass first and in order."""
+
+    evaluation: Evaluation
+    passing: int  # how many of the evaluation's rows pass
+    counts: Counts
+    front: tuple[int, ...]  # rows on the Pareto front, where one was required
+    short: tuple[int, ...]  # rows of the best that a budget of the machine rejects
+    better: int  # drives that fail on a budget before the first that passes
+    held_back: int | None  # row of the best that would be better than the first, did its checks not lack figures
+    others: tuple[int, ...]  # rows of the best of other motor families than the first one's, where required
+    every: InOrder  # all that pass their own checks
+    best: Rows  # which of these the first rows are
 
 
 def search(
@@ -109,55 +94,40 @@ def search(
     others: int = 0,
     margins: bool = False,
 ) -> SearchResult:
-    """Search all candidates in the order of the objective that the problem's spec has.
-
-    By physics they go through in chunks, behind some belts at a time: those that pass are kept as rows of a few
-    numbers, the rejected only while they are among the closest. So memory grows with the drives that pass, not with
-    the candidates. The drives that are shown are then computed in full.
-    """
-    if problem.spec.method == "paper":
-        return search_by_paper(problem, top, misses, pareto, judge, others)
-    catalog, several = problem.catalog, 4 * top if judge else top
-    kept, rejected, counts = sifted(
-        problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else several
-    )
-    rank = ranked(problem, kept, top)
-    order = rank.order(catalog, kept.sets)
-    tied, rest = np.split(order, [equals_of_the_last(problem, rank, order, top)])
-    # what may be shown and is not among the first: one that is held back, and drives of other motor families
-    beside = better_but_unknown(problem, kept, rank, order[:1])
-    if others:
-        alike = margin_candidates(catalog, kept.sets, order, len(tied), others, rank.columns)
-        beside = np.concatenate([but_for(beside, alike), alike])
-    beside = but_for(beside, tied)
-    if len(tied) + len(beside) > waveforms(problem):
-        beside = order[:0]
-    closest = 0 if misses is None else misses if len(tied) else top
-    alone = not (judge or pareto or others)  # then no more than the first are looked at
-    looked_at, tied = drives_by_margin(
-        problem, kept, rank, tied, beside, rejected, closest, top if alone else len(tied)
-    )
-    order = np.concatenate([tied, rest])
-    in_machine = ordered_in_machine(judge, kept.sets, looked_at.at, order, len(order) if pareto else top)
-    best, short, on_front = in_machine.best[:top], in_machine.rejected[:top], in_machine.best[:0]
-    closest = 0 if misses is None else misses if len(best) else top  # a budget of the machine may reject all
-    closest = min(closest, len(looked_at.nearest.motor))
+    """Search all candidates in the order of the objective that the problem's spec has."""
+    catalog, by_paper = problem.catalog, problem.spec.method == "paper"
+    if by_paper:
+        found, counts = _by_the_paper(problem, misses is not None)
+    else:
+        alone = not (judge or pareto or others)  # then no more than the first are looked at
+        found, counts = _by_physics(
+            problem, top, misses, pareto, progress, margins, others, 4 * top if judge else top, alone
+        )
+    drives, order, at = found.drives, found.order, found.at
+    kept = ordered_in_machine(judge, drives.sets, at, order, len(order) if pareto else top)
+    best, short, front = kept.best[:top], kept.rejected[:top], order[:0]
     if pareto:
-        of_best = {name: column[in_machine.best] for name, column in kept.figures.items()}
-        on_front = in_machine.best[ranking.front(catalog, kept.sets.on(in_machine.best), of_best, pareto)]
-    held = better_but_unknown(problem, kept, rank, best)
-    unlike = best_of_other_families(
-        judge, catalog, kept.sets, looked_at.at, order, best[:1], others, rank.columns,
-        None if waveforms(problem) else looked_at.by_bounds,
+        of_best = {name: column[kept.best] for name, column in drives.figures.items()}
+        front = kept.best[ranking.front(catalog, drives.sets.on(kept.best), of_best, pareto)]
+    closest = misses or 0
+    if misses is not None and not len(order if by_paper else best):  # a budget of the machine may reject all
+        closest = top
+    elif by_paper:
+        closest = min(closest, max(top - len(best), 0))
+    held = order[:0] if by_paper else better_but_unknown(problem, drives, found.rank, best)
+    unlike = _best_of_other_families(problem, judge, found, best[:1], others)
+    shown = [but_for(rows, best) for rows in (front, short, held, unlike)]
+    few = np.concatenate([best, found.rejected(closest), *shown])
+    places = {int(row): n for n, row in enumerate(few)}
+    front_, short_, held_, others_ = (tuple(places[int(row)] for row in rows) for rows in (front, short, held, unlike))
+    counts = replace(
+        counts, feasible=counts.feasible - len(kept.rejected), judged=kept.judged,
+        passing=counts.passing - int(drives.passes[kept.rejected].sum()),
+        failed_by_budget={name: count for name, count in kept.by.items() if count},
     )  # fmt: skip
-    extra = np.concatenate([but_for(on_front, best), short, but_for(held, best), but_for(unlike, best)])
-    places = {int(row): n for n, row in enumerate(best)}
-    places |= {int(row): len(best) + closest + n for n, row in enumerate(extra)}
-    front, below, alternatives = (tuple(places[int(row)] for row in rows) for rows in (on_front, short, unlike))
+    better = int(np.argmax(order == kept.best[0])) if len(kept.best) else len(kept.rejected)  # all before were judged
     return SearchResult(
-        looked_at.shown(best, closest, extra), len(best), without_rejected(counts, in_machine, kept.passes), front,
-        below, failing_before(in_machine, order), next((places[int(row)] for row in held), None), alternatives,
-        Passing(kept.sets, kept.certainty, kept.figures, best, looked_at.anew),
+        at(few), len(best), counts, front_, short_, better, next(iter(held_), None), others_, found, best
     )  # fmt: skip
 
 
@@ -165,69 +135,189 @@ def any_drive(problem: Problem, judge: Judge | None) -> bool:
     """Whether a search finds a drive, whatever ranks it: without waveforms of all, and no more examined than needed."""
     problem = problem.ranked_by(_QUICK)
     if problem.spec.method == "paper":
-        return search_by_paper(problem, 1, None, (), judge, 0).passing > 0
+        return search(problem, top=1, misses=None, judge=judge).passing > 0
     if judge is None:
         return any_passes(problem)
     kept, _, _ = sifted(problem)
     value = ranking.values(problem.catalog, kept.sets, kept.figures, _QUICK)
     order = ranking.order(problem.catalog, kept.sets, *value, before=[kept.certainty])
-    found = ordered_in_machine(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows), True), order, 1)
+    found = ordered_in_machine(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows)), order, 1)
     return len(found.best) > 0
 
 
-# -- The paper's method and the physics side by side, for drives that were found by one of them.
+def _by_the_paper(problem: Problem, rejected: bool) -> tuple[InOrder, Counts]:
+    """All candidates by the paper's rule: it compares the reductions of a family, so that all are at hand."""
+    catalog, belts, unknown_passes = problem.catalog, tuple(problem.belt_ratios), problem.spec.select.unknown == "allow"
+    if len(pairs(problem).motor) * len(belts) > FEW:
+        sets = candidates(problem)
+    else:  # of few the same record again, which variants of a spec have in common
+        key, of = ("candidates", problem.spec.is_direct, belts), (problem.spec.select,)
+        sets = catalog.once(key, lambda: candidates(problem), of)
+    found = evaluate(problem, sets, rejected=rejected)  # of the rejected perhaps not all
+    margin, failed, unknown = smallest_margin(found.checks), found.failed, found.unknown
+    each = np.array([check.failed for check in found.checks])
+    figures = {"margin": margin, **ranking.chosen(found, needs_encoder=True)}
+    value, missing = ranking.values(catalog, found.candidates, figures, problem.spec.select.objective)
+    before = [np.where(failed, 2, unknown), np.where(failed, -margin, 0.0), np.where(failed, each.sum(axis=0), 0)]
+    order = ranking.order(catalog, found.candidates, value, missing, margin=margin, before=before)
+    passes = ~failed if unknown_passes else ~failed & ~unknown
+    rows, count = np.concatenate([order[passes[order]], order[~passes[order]]]), int(passes.sum())
+    few, certainty = rows[:count], UNKNOWN * unknown[rows[:count]]
+    drives = Passing(
+        found.candidates.on(few), certainty, {name: x[few] for name, x in figures.items()}, certainty, margin[few],
+        ~unknown[few],
+    )  # fmt: skip
+    tally = {check.name: n for check, n in zip(found.checks, each.sum(axis=1).tolist(), strict=True) if n}
+    counts = Counts(
+        considered=len(sets.motor), feasible=count, passing=int((~failed & ~unknown).sum()),
+        left_out=int(np.count_nonzero(~failed & ~passes)), failed_by=tally,
+    )  # fmt: skip
+    rank, every = Rank(certainty, missing[few], value[few]), np.arange(len(rows))
+    at, closest = (lambda some: found.on(rows[some])), (lambda number: every[count:][:number])
+    return InOrder(drives, rank, every[:count], at, closest), counts
 
 
-# what the paper checks, what physics checks in its place, and why the two figures differ
-_PAIRS = (
-    ("gearhead_continuous_torque", "gearhead_continuous_torque",
-     "no bearing, efficiency and oversize factors; RMS while running"),
-    ("gearhead_intermittent_torque", "gearhead_intermittent_torque",
-     "no oversize and efficiency factors; the rotor is not behind the gearhead"),
-    ("gearhead_input_speed", "gearhead_continuous_speed",
-     "the wheel turns at speed over radius, no reserve of (1)"),
-    ("controller_continuous_current", "controller_continuous_current",
-     "rotor inertia through the ratio squared, braking by its direction of power, no factors"),
-    ("controller_peak_current", "controller_peak_current",
-     "rotor inertia through the ratio squared, no oversize factor"),
-)  # fmt: skip
-
-
-def compared(checks: Sequence[Check]) -> tuple[Comparison, ...]:
-    """The limits that both methods look at, among the checks of both."""
-    paper, physics = ({c.name: c for c in checks if c.method == method} for method in ("paper", "physics"))
-    both = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
-    return tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in both)
-
-
-def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
-    """The checks of a drive by the other method; none where the paper does not treat the load.
-
-    The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
-    """
-    if not problem.spec.paper_applies:
-        return ()
-    fixed = {
-        "motor": MotorChoice(part=[one.motor.part]),
-        "gearhead": Choice(family=[one.gearhead.family]),
-    }
-    method = "physics" if problem.spec.method == "paper" else "paper"
-    catalog = _with_only(problem.catalog, {"encoders": one.encoder, "controllers": one.controller})
-    narrowed = replace(problem, catalog=catalog).with_sections(
-        select=problem.spec.select.model_copy(update=fixed), method=method
+def _by_physics(
+    problem: Problem, top: int, misses: int | None, pareto: Sequence[str], progress: Progress | None, margins: bool,
+    others: int, wanted: int, alone: bool,
+) -> tuple[InOrder, Counts]:  # fmt: skip
+    """All candidates by physics; of the drives that are equal to the last shown margins decide."""
+    kept, rejected, counts = sifted(
+        problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else wanted
     )
-    rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
-    offered = candidates(narrowed, also=rows)
-    evaluation = evaluate(narrowed, offered)
-    found = (offered.motor == rows[0]) & (offered.gearhead == rows[1]) & (offered.belt == one.belt_ratio)
-    return evaluation.checks_of(int(np.flatnonzero(found)[0]))
+    catalog, rank, count = problem.catalog, ranked(problem, kept, top), len(kept.passes)
+    order = rank.order(catalog, kept.sets)
+    failing = count + np.arange(len(rejected.motor))
+    in_full = InFull(problem, joined([kept.sets, rejected]))
+
+    def closest(number: int) -> Rows:
+        """The rejected in order of their smallest margin, then of the number of failed checks."""
+        if not number or not len(failing):
+            return failing[:0]
+        found, none = in_full.at(failing), np.zeros(len(failing))
+        fails = np.sum([check.failed for check in found.checks if not check.advice], axis=0)
+        before = [ranking.rounded(-smallest_margin(found.checks)), fails]
+        return failing[ranking.order(catalog, found.candidates, none, none.astype(np.int64), before=before)][:number]
+
+    if len(order):
+        columns = rank.columns[:, order]
+        same = (columns == columns[:, [min(top, len(order)) - 1]]).all(axis=0)
+        tied, rest = np.split(order, [min(int(np.flatnonzero(same)[-1]) + 1, max(waveforms(problem), top))])
+        # what may be shown and is not among the first: one that is held back, and drives of other motor families
+        beside = [better_but_unknown(problem, kept, rank, order[:1])]
+        if others:
+            family = family_of(catalog, kept.sets.motor[order])
+            beside += [_alike(order, family, n, columns) for n in family_firsts(family)[: others + 1].tolist()]
+        also = but_for(np.unique(np.concatenate(beside)), tied)
+        also = also if len(tied) + len(also) <= waveforms(problem) else order[:0]
+        near = failing if (misses is not None and misses > 0) else failing[:0]
+        tied = in_full.by_margin(kept, rank, tied, top if alone else len(tied), np.concatenate([also, near]))
+        order = np.concatenate([tied, rest])
+    return InOrder(kept, rank, order, in_full.at, closest), counts
 
 
-def _with_only(catalog: Catalog, kept: dict[str, Any]) -> Catalog:
-    """The catalogue in which of some sections one part alone may be chosen; where none is named, any."""
-    tables: dict[str, Table[Any]] = {}
-    for section, part in kept.items():
-        if part is not None:
-            table = catalog.table(section)
-            tables[section] = Table(section, table.columns, table.source, table["part"] != part.part)
-    return catalog.with_tables(tables, {})
+class InFull:
+    """Drives in full, each of few computed once."""
+
+    def __init__(self, problem: Problem, sets: Candidates) -> None:
+        self.problem, self.sets = problem, sets
+        self.known: list[tuple[dict[int, int], Evaluation]] = []
+
+    def at(self, rows: Rows) -> Evaluation:
+        """Some drives, out of an evaluation where all of them are in it."""
+        wanted = rows.tolist()
+        for places, found in self.known:
+            if len(wanted) <= len(places) and all(row in places for row in wanted):
+                return found.on(np.array([places[row] for row in wanted], np.int64))
+        found = by_physics(self.problem, self.sets.on(rows))
+        if len(wanted) <= _KEPT:
+            self.known.append(({row: n for n, row in enumerate(wanted)}, found))
+        return found
+
+    def by_margin(self, kept: Passing, rank: Rank, rows: Rows, top: int, also: Rows) -> Rows:
+        """Drives in order of their margins too, as far as the first need it; others are computed with them."""
+        catalog, size = self.problem.catalog, max(_FEW, 2 * top)
+        rows = rows[rank.order(catalog, kept.sets, rows, kept.most[rows])]  # the largest possible margins first
+        while True:
+            margin, some = kept.most[rows], rows[:size]
+            margin[:size] = smallest_margin(self.at(np.concatenate([some, also])).checks)[: len(some)]
+            order = rank.order(catalog, kept.sets, rows, margin)
+            if size >= len(rows) or (order[:top] < size).all():
+                return rows[order]
+            size = len(rows)
+
+
+# -- Drives in order through the budgets of their machine, as many as are wanted.
+
+
+def ordered_in_machine(
+    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: Rows, wanted: int
+) -> BudgetFilter:
+    """The drives in order that pass the machine's budgets, until so many are found or none is left."""
+    if judge is None:
+        return BudgetFilter(order, order[:0], 0, Counter())
+    best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
+    while start < len(order) and sum(map(len, best)) < wanted:
+        rows = order[start : start + size]
+        found = judge(sets.on(rows), partial(_some, evaluated, rows), wanted - sum(map(len, best)))
+        best.append(rows[found.best])
+        rejected.append(rows[found.rejected])
+        by.update(found.by)
+        start, size = start + found.judged, min(16 * size, _MOST)
+    return BudgetFilter(np.concatenate(best), np.concatenate(rejected), start, by)
+
+
+def _some(evaluated: Evaluated, rows: Rows, few: Rows) -> Evaluation:
+    return evaluated(rows[few])
+
+
+def but_for(rows: Rows, others: Rows) -> Rows:
+    """Some rows without others."""
+    return rows[~np.isin(rows, others)] if len(rows) else rows
+
+
+# -- Motor families among drives in order: alternatives that differ from the best, not its other windings.
+
+
+def family_of(catalog: Catalog, motor: Rows) -> Rows:
+    """The motor family of drives, as a number."""
+
+    def numbers() -> Rows:
+        return np.unique(catalog.motors["family"].astype(str), return_inverse=True)[1]
+
+    found: Rows = catalog.once("motor families", numbers)[motor]
+    return found
+
+
+def family_firsts(family: Rows) -> Rows:
+    """Places of the first drive of each family, rising.
+
+    >>> family_firsts(np.array([7, 2, 7, 7, 0, 2])).tolist()
+    [0, 1, 4]
+    """
+    return np.sort(np.unique(family, return_index=True)[1])
+
+
+def _alike(order: Rows, family: Rows, place: int, columns: Array) -> Rows:
+    """The drives of the family of one in order that rank as it does, the first of them."""
+    same = (family == family[place]) & (columns == columns[:, [place]]).all(axis=0)
+    found: Rows = order[same][:_ALIKE]
+    return found
+
+
+def _best_of_other_families(problem: Problem, judge: Judge | None, found: InOrder, best: Rows, wanted: int) -> Rows:
+    """The best drive of each other motor family than that of the best; of those that rank alike the largest margin."""
+    if not wanted or not len(best):
+        return best[:0]
+    sets, motors = found.drives.sets, found.drives.sets.motor
+    by_margin = problem.spec.method == "paper" or waveforms(problem) > 0
+    order = found.order[family_of(problem.catalog, motors[found.order]) != family_of(problem.catalog, motors[best])]
+    family, columns = family_of(problem.catalog, motors[order]), found.rank.columns[:, order]
+    firsts = ordered_in_machine(judge, sets, found.at, order[family_firsts(family)], wanted).best[:wanted]
+    for n, row in enumerate(firsts):
+        alike = _alike(order, family, int(np.flatnonzero(order == row)[0]), columns)
+        if by_margin and len(alike) > 1:
+            margin = ranking.rounded(smallest_margin(found.at(alike).checks))
+            alike = alike[np.argsort(-margin, kind="stable")]
+            firsts[n] = ordered_in_machine(judge, sets, found.at, alike, 1).best[0]
+    return firsts

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor
+from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor, Table
 from drivesizer.catalog.parts import one_row
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
@@ -25,17 +24,17 @@ from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict
 from drivesizer.results.check_kinds import with_origins
-from drivesizer.results.drive_set import BrakingBudget, DriveParts, DriveSet, MotorPiece, Relaxation
+from drivesizer.results.drive_set import BrakingBudget, Comparison, DriveParts, DriveSet, MotorPiece, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search import ranking
 from drivesizer.search.columns.brakes import stops
+from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.controllers import none_suits
-from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
-from drivesizer.search.columns.offers import CONTROLLING, bought, chosen
+from drivesizer.search.columns.evaluation import Evaluation, evaluate, smallest_margin
 from drivesizer.search.columns.shaft_limits import life_of_gearheads, shaft_loads
 from drivesizer.search.open_checks import estimated, resolved_checks
-from drivesizer.search.search import compared
-from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.search.ranking import CONTROLLING, bought, chosen
+from drivesizer.spec.drive import OBJECTIVES, Choice, MotorChoice
 
 # -- Figures of a stepper with its load that have no limit of their own.
 
@@ -237,18 +236,13 @@ def _summed(evaluation: Evaluation, index: int, one: DriveParts, objective: str)
     """The sum of what is known, and of which parts; unknown where it is of neither motor nor gearhead."""
     declared, row = OBJECTIVES[objective], evaluation.on(np.array([index]))
     end = 0 if evaluation.catalog.ends else None
-    every = bought(evaluation.catalog, row.candidates, _chosen(row), declared.figure, declared.over, end)[:, 0]
+    parts = chosen(row, needs_encoder=not row.spec.steps)
+    every = bought(evaluation.catalog, row.candidates, parts, declared.figure, declared.over, end)[:, 0]
     values = dict(zip(declared.over, every.tolist(), strict=True))
     if one.actuator:  # the figures of a motor inside are those of the whole
         values["actuator"] = values.pop("motor")
     known = {role: values[role] for role in one.parts if role in values and not math.isnan(values[role])}
     return (sum(known.values()), tuple(known)) if known.keys() - set(CONTROLLING) else (math.nan, ())
-
-
-def _chosen(evaluation: Evaluation) -> dict[str, NDArray[np.float64]]:
-    """The parts that go with the candidates, as objectives count them."""
-    needs_encoder = not evaluation.spec.steps
-    return chosen(evaluation.encoder, evaluation.controller, evaluation.brake, needs_encoder=needs_encoder)
 
 
 def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[float, tuple[str, ...]]:
@@ -259,7 +253,7 @@ def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[f
         return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)
     if not isinstance(objective, str):
         figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
-        figures |= _chosen(evaluation)
+        figures |= chosen(evaluation, needs_encoder=not evaluation.spec.steps)
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
         lacking = f", {missing[index]} figures unknown" if missing[index] else ""
         return math.nan if missing[index] else float(value[index]), (
@@ -413,3 +407,58 @@ def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, c
         )
         for name, start in starts.items()
     ]  # fmt: skip
+
+
+# -- The paper's method and the physics side by side, for drives that were found by one of them.
+
+
+# what the paper checks, what physics checks in its place, and why the two figures differ
+_PAIRS = (
+    ("gearhead_continuous_torque", "gearhead_continuous_torque",
+     "no bearing, efficiency and oversize factors; RMS while running"),
+    ("gearhead_intermittent_torque", "gearhead_intermittent_torque",
+     "no oversize and efficiency factors; the rotor is not behind the gearhead"),
+    ("gearhead_input_speed", "gearhead_continuous_speed",
+     "the wheel turns at speed over radius, no reserve of (1)"),
+    ("controller_continuous_current", "controller_continuous_current",
+     "rotor inertia through the ratio squared, braking by its direction of power, no factors"),
+    ("controller_peak_current", "controller_peak_current",
+     "rotor inertia through the ratio squared, no oversize factor"),
+)  # fmt: skip
+
+
+def compared(checks: Sequence[Check]) -> tuple[Comparison, ...]:
+    """The limits that both methods look at, among the checks of both."""
+    paper, physics = ({c.name: c for c in checks if c.method == method} for method in ("paper", "physics"))
+    both = [(a, b, why) for a, b, why in _PAIRS if a in paper and b in physics]
+    return tuple(Comparison(paper=paper[a], physics=physics[b], why=why) for a, b, why in both)
+
+
+def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
+    """The checks of a drive by the other method; none where the paper does not treat the load.
+
+    The gearhead's whole family comes along, as the paper's rule looks at the other reductions too.
+    """
+    if not problem.spec.paper_applies:
+        return ()
+    fixed = {
+        "motor": MotorChoice(part=[one.motor.part]),
+        "gearhead": Choice(family=[one.gearhead.family]),
+    }
+    method = "physics" if problem.spec.method == "paper" else "paper"
+    catalog = problem.catalog
+    tables: dict[str, Table[Any]] = {  # in which these parts alone may be chosen
+        name: replace(table, excluded=table["part"] != part.part)
+        for name, table, part in (
+            ("encoders", catalog.encoders, one.encoder), ("controllers", catalog.controllers, one.controller),
+        )
+        if part is not None
+    }  # fmt: skip
+    narrowed = replace(problem, catalog=catalog.with_tables(tables, {})).with_sections(
+        select=problem.spec.select.model_copy(update=fixed), method=method
+    )
+    rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
+    offered = candidates(narrowed, also=rows)
+    evaluation = evaluate(narrowed, offered)
+    found = (offered.motor == rows[0]) & (offered.gearhead == rows[1]) & (offered.belt == one.belt_ratio)
+    return evaluation.checks_of(int(np.flatnonzero(found)[0]))

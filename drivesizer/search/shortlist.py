@@ -43,11 +43,11 @@ from drivesizer.results.sizing import Choices, objective_figure
 from drivesizer.search.columns.controllers import matching, offered_buses, offers
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.columns.limits import own_limit
-from drivesizer.search.in_order import Judge, SearchResult, family_firsts, family_of
 from drivesizer.search.machine_filter import Weigh, best_in_machine, divided, machine_filter, weighing
-from drivesizer.search.ranking import COUNTED, Progress
-from drivesizer.search.search import other_checks, search
-from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set
+from drivesizer.search.passing import Progress
+from drivesizer.search.ranking import COUNTED
+from drivesizer.search.search import Judge, SearchResult, family_firsts, family_of, search
+from drivesizer.search.set_record import drive_in_brief, drive_parts, drive_set, other_checks
 from drivesizer.search.uncertainty.options import FINALISTS, POOL, Sampling, sampling_of
 from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
@@ -458,11 +458,11 @@ def shortlist(
 
 def _choices(problem: Problem, found: SearchResult, most: int, judge: Judge | None, weigh: Weigh) -> Choices | None:
     """Drives to choose from by weights, where any are wanted."""
-    if not most or not found.every:
+    if not most:
         return None
     from drivesizer.search.choices import choices  # only a report needs them
 
-    return choices(problem, found.every, most, judge=judge, weigh=weigh)
+    return choices(problem, found, most, judge=judge, weigh=weigh)
 
 
 def _family_alternatives(found: SearchResult, best: list[int]) -> list[int]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import EDGES, Brake, Catalog, Encoder, Table, lines
+from drivesizer.catalog import EDGES, Catalog, lines
 from drivesizer.catalog.view.mounted import OWN
 from drivesizer.physics.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
@@ -19,9 +19,8 @@ from drivesizer.physics.winding import Parts
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
-from drivesizer.search.columns.candidates import FREE
-from drivesizer.search.columns.controllers import LAST, figure_order, parts_share, selected
-from drivesizer.spec.drive import EncoderChoice
+from drivesizer.search.columns.candidates import FREE, Rows
+from drivesizer.search.columns.controllers import LAST, figure_order, selected, summed_share
 from drivesizer.spec.robot import RobotSpec
 
 # -- An encoder for every candidate at once: of those that meet the requirements one whose own limits are known to hold.
@@ -55,39 +54,37 @@ def angle_per_edge(counts: Any, reduction: Any) -> Any:
 def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
     """The encoders that fit each motor and that the spec allows."""
     choice, needed = spec.select.encoder, spec.needs.encoder_counts
-    key, weights = ("encoders", repr(choice), needed, repr(spec.select.objective)), spec.select.weights
-    least = float(max(needed or 0, choice.min_counts or 0))
-    offered: EncoderOffers = catalog.once(key, lambda: _encoder_offers(catalog, choice, least, weights))
+
+    def made() -> EncoderOffers:
+        table, counted = catalog.encoders, lines(catalog.encoders)
+        listed = np.zeros((len(catalog.motors), len(table)), bool)
+        listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
+        row = _first_of_each(listed & selected(table, choice), figure_order(table, counted))
+        number = (row >= 0).sum(axis=1)
+        last = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
+        by_frequency = table["max_frequency"] * 2 * np.pi / counted
+        known = ~np.isnan(table["max_speed"] + by_frequency)
+        fastest = np.nan_to_num(np.fmin(table["max_speed"], by_frequency), nan=np.inf)
+        worth = summed_share(spec, table, catalog)
+        figures = (counted, np.nan), (fastest, np.nan), (known, False), (worth, np.inf)
+        inertia = np.nan_to_num(np.append(table["inertia"], 0.0))[row]
+        least = float(max(needed or 0, choice.min_counts or 0))
+        return EncoderOffers(row, *(np.append(column, none)[row] for column, none in figures), inertia, last, least)
+
+    offered: EncoderOffers = catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
     return offered
 
 
-def _encoder_offers(
-    catalog: Catalog, choice: EncoderChoice, least: float, weights: Mapping[str, float]
-) -> EncoderOffers:
-    table = catalog.encoders
-    counted = lines(table)
-    listed = np.zeros((len(catalog.motors), len(table)), bool)
-    listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
-    order = figure_order(table, counted)
-    fitting = (listed & selected(table, choice))[:, order]
+def _first_of_each(fitting: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows of the parts that fit each motor, in an order of all or of each: where there are fewer, -1 at the end."""
+    if not fitting.size:
+        return np.full((len(fitting), 1), -1)
+    order = np.broadcast_to(order, fitting.shape)
+    in_order = np.take_along_axis(fitting, order, axis=1)
     number = fitting.sum(axis=1)
-    place = np.argsort(~fitting, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
+    place = np.argsort(~in_order, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
     there = np.arange(place.shape[1]) < number[:, None]
-    row = np.where(there, order[place], -1) if len(order) else np.full((len(listed), 1), -1)
-    fastest, known = _fastest(table, counted)
-    end = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
-    worth = sum(weight * parts_share(name, table, catalog, alone=len(weights) == 1) for name, weight in weights.items())
-    return EncoderOffers(
-        row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row],
-        np.append(worth, np.inf)[row], np.nan_to_num(np.append(table["inertia"], 0.0))[row], end, least,
-    )  # fmt: skip
-
-
-def _fastest(table: Table[Encoder], counted: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Highest speed that neither an encoder's own limit nor its frequency forbids, and whether both are known."""
-    by_frequency = table["max_frequency"] * 2 * np.pi / counted
-    lowest = np.fmin(table["max_speed"], by_frequency)
-    return np.where(np.isnan(lowest), np.inf, lowest), ~np.isnan(table["max_speed"] + by_frequency)
+    return np.where(there, np.take_along_axis(order, place, axis=1), -1)
 
 
 def encoders_for(
@@ -191,28 +188,23 @@ def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
     """The brakes that go with each motor and that the spec allows; None where it wants none."""
     if not spec.wants_brake:
         return None
-    table, motors = catalog.brakes, len(catalog.motors)
-    listed = np.zeros((motors, len(table)), bool)
+    table = catalog.brakes
+    own, strong = table["family"] == OWN, ~np.isnan(table["static_torque"])
+    listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_brake.left, catalog.motor_brake.right] = True
-    own = table["family"] == OWN
     listed |= own
-    named = own if spec.brake else selected(table, spec.select.brake) & ~own
-    strong = ~np.isnan(table["static_torque"])
-    apart = named & strong & (catalog.motors["inside"] == "")[:, None]
+    allowed = own if spec.brake else selected(table, spec.select.brake) & ~own
+    apart = allowed & strong & (catalog.motors["inside"] == "")[:, None]
     if not spec.select.brake.named:
         apart &= table["mounting"] == FLANGE
-    fitting = (listed & named & strong) | apart
-    place = _in_order(catalog, spec, listed)
-    ordered = np.take_along_axis(fitting, place, axis=1)
-    number = fitting.sum(axis=1)
-    first = np.argsort(~ordered, axis=1, kind="stable")[:, : max(int(number.max(initial=0)), 1)]
+    fitting = (listed & allowed & strong) | apart
+    smallest = np.lexsort((table["part"], table["static_torque"], table["mass"], summed_share(spec, table, catalog)))
+    row = _first_of_each(fitting, smallest[np.argsort(~listed[:, smallest], axis=1, kind="stable")])
     if not len(table):
-        return OfferedBrakes(np.full((motors, 1), -1), listed, np.full(motors, -1))
-    there = np.arange(first.shape[1]) < number[:, None]
-    row = np.where(there, np.take_along_axis(place, first, axis=1), -1)
-    allowed = fitting if spec.select.brake.named else fitting & listed
-    strongest = np.where(allowed, table["static_torque"], -1.0).argmax(axis=1)
-    return OfferedBrakes(row, listed, np.where(allowed.any(axis=1), strongest, -1))
+        return OfferedBrakes(row, listed, np.full(len(listed), -1))
+    nearest = fitting if spec.select.brake.named else fitting & listed
+    strongest = np.where(nearest, table["static_torque"], -1.0).argmax(axis=1)
+    return OfferedBrakes(row, listed, np.where(nearest.any(axis=1), strongest, -1))
 
 
 def is_listed(catalog: Catalog, motor: int, brake: int) -> bool:
@@ -222,107 +214,68 @@ def is_listed(catalog: Catalog, motor: int, brake: int) -> bool:
     return brake >= 0 and (listed or catalog.brakes["family"][brake] == OWN)
 
 
-def _in_order(catalog: Catalog, spec: RobotSpec, listed: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Brakes of each motor, those that are listed before the others, then by the objective: (motors, brakes)."""
-    table = catalog.brakes
-    worth = np.zeros(len(table))
-    for name, weight in spec.select.weights.items():
-        worth += weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)
-    order = np.lexsort((table["part"], table["static_torque"], table["mass"], worth))
-    behind = np.argsort(~listed[:, order], axis=1, kind="stable")
-    found: NDArray[np.int64] = order[behind]
-    return found
-
-
 def own_figure(brake: Figures, name: str) -> Any:
     """A figure of brakes that is 0 where there is none; NaN unknown."""
     return np.where(brake["part"] == "", 0.0, brake[name])
 
 
+def brake_inertia(parts: Parts, belt: Any) -> Any:
+    """Inertia of brakes at the motor's shaft [kg*m^2]; 0 where there is none, NaN unknown."""
+    brake = parts.brake
+    return 0.0 if brake is None else own_figure(brake, "inertia") / _turns(brake, parts.gearhead["ratio"] * belt) ** 2
+
+
+def _turns(brake: Figures, total: Any) -> Any:
+    """Turns of the motor for one of the brake's shaft."""
+    return np.where(brake["shaft"] == "load", total, 1.0)
+
+
 def brakes_for(
-    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Sequence[Any], given: Any = None
+    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Parts, given: Any = None
 ) -> NDArray[np.int64]:
     """Row of each candidate's brake, -1 where it has none."""
-    motor, gearhead, encoder = parts
-    spec, table = problem.spec, problem.catalog.brakes
-    option = offered.row[motor.rows]
-    found = np.full(len(option), -1)
-    every, last = np.arange(len(option)), offered.last[motor.rows]
-    if option.size and len(table):
-        shown = _Options(table, option)
-        passing, failing, margin = _suits(problem, cycles, (_Wide(motor), _Wide(gearhead), _Wide(encoder)), shown)
+    spec, catalog = problem.spec, problem.catalog
+    option, found = offered.row[parts.motor.rows], np.full(len(parts.motor.rows), -1)
+    if option.size and len(catalog.brakes):  # figures of candidates are columns (rows, 1), of brakes (rows, brakes)
+        tables = zip((catalog.motors, catalog.gearheads, catalog.encoders), parts[:3], strict=True)
+        each = (Rows(table, part.rows[:, None]) for table, part in tables)
+        belts = [cycle.base.behind(np.asarray(cycle.belt)[..., None]) for cycle in cycles]
+        checks = _of_options(problem, belts, Parts(*each, None, Rows(catalog.brakes, option)))
+        passing, failing, margin = option >= 0, option < 0, np.full(option.shape, np.inf)
+        for check in checks:
+            passing, failing = passing & check.passed, failing | check.failed
+            margin = np.minimum(margin, check.tightness)
         worth = -margin if spec.select.objective == "margin" else np.zeros(option.shape)
-        found = last
-        for good in (~failing & (option >= 0), passing & (option >= 0)):  # the second is better than the first
+        found = offered.last[parts.motor.rows]
+        for good in (~failing, passing):  # the second is better than the first
             place = np.where(good, worth, np.inf).argmin(axis=1)  # of equals the first
-            found = np.where(good.any(axis=1), option[every, place], found)
-    if not spec.names_brake:
-        found = np.where(_needless(problem, cycles, motor, gearhead), -1, found)
+            found = np.where(good.any(axis=1), option[np.arange(len(option)), place], found)
+    if not spec.names_brake:  # none where every load case holds itself, or friction that counts holds it
+        if spec.needs.holding_friction == "ignored":
+            needless: Any = all(cycle.base.scalars.held == 0.0 for cycle in cycles)
+        else:
+            cases = zip(problem.cases, cycles, strict=True)
+            needless = np.logical_and.reduce(
+                [_by_friction(case.spec, cycle, parts.motor, parts.gearhead) for case, cycle in cases]
+            )
+        found = np.where(needless, -1, found)
     return found if given is None else np.where(given == FREE, found, given)
 
 
-class _Wide:
-    """Columns of candidates, as such beside brakes: shape (rows, 1)."""
-
-    def __init__(self, part: Any) -> None:
-        self.part = part
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        found: NDArray[Any] = self.part[name][:, None]
-        return found
-
-
-class _Options:
-    """Figures of several brakes of each candidate: shape (rows, brakes)."""
-
-    def __init__(self, table: Table[Brake], rows: NDArray[np.int64]) -> None:
-        self.table, self.rows = table, rows
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        found: NDArray[Any] = self.table[name][self.rows]
-        return found
-
-
-def _needless(problem: Problem, cycles: Sequence[AtGearhead], motor: Figures, gearhead: Figures) -> Any:
-    """Whether every load case holds itself, or is held by friction that is to be counted: of all, or of each."""
-    if problem.spec.needs.holding_friction == "ignored":
-        return all(cycle.held == 0.0 for cycle in cycles)
-    cases = zip(problem.cases, cycles, strict=True)
-    return np.logical_and.reduce([_by_friction(case.spec, cycle, motor, gearhead) for case, cycle in cases])
-
-
-def _suits(
-    problem: Problem, cycles: Sequence[AtGearhead], parts: Sequence[Any], brake: Figures
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Array]:
-    """Whether brakes are known to hold and stop the load in all cases, or known not to; their smallest margin."""
-    passing: NDArray[np.bool_] = np.ones(brake["static_torque"].shape, bool)
-    failing, margin = ~passing, np.full(passing.shape, np.inf)
-    motor, gearhead, encoder = parts
+def _of_options(problem: Problem, cycles: Sequence[AtGearhead], parts: Parts) -> list[CheckColumn]:
+    """Whether brakes hold and stop the load, in every load case."""
+    found, brake, gearhead = list[CheckColumn](), parts.brake, parts.gearhead
+    assert brake is not None
     for case, cycle in zip(problem.cases, cycles, strict=True):
-        spec, checks = case.spec, list[CheckColumn]()
+        spec = case.spec
         if spec.needs.hold_unpowered:
-            checks = [_holding(spec, cycle, motor, gearhead, brake)]
+            found.append(_holding(spec, cycle, parts.motor, gearhead, brake))
         if spec.needs.emergency_stops:
-            braking = at_motor(brake, "inertia", gearhead["ratio"] * cycle.belt)
-            inertia = drive_inertia(motor, gearhead, encoder, braking)
-            checks += _stop_limits(spec, cycle, gearhead, brake, inertia)
+            inertia = drive_inertia(parts.motor, gearhead, parts.encoder, brake_inertia(parts, cycle.belt))
+            found += _stop_limits(spec, cycle, gearhead, brake, inertia)
         if spec.supply.brakes is not None:
-            checks.append(coil_voltage(brake, spec.supply))
-        for check in checks:
-            passing &= check.passed
-            failing |= check.failed
-            margin = np.minimum(margin, check.tightness)
-    return passing, failing, margin
-
-
-def at_motor(brake: Figures, name: str, total: Any) -> Any:
-    """Inertia of brakes as the motor's shaft feels it; 0 where there is none, NaN unknown."""
-    return own_figure(brake, name) / _shaft(brake, total) ** 2
-
-
-def _shaft(brake: Figures, total: Any) -> Any:
-    """Turns of the motor for one of the brake's shaft."""
-    return np.where(brake["shaft"] == "load", total, 1.0)
+            found.append(coil_voltage(brake, spec.supply))
+    return found
 
 
 def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures, brake: Figures) -> CheckColumn:
@@ -365,7 +318,7 @@ def brake_limits(
         torque = cycle.held / spec.belt_efficiency
         found.append(at_most("gearhead_holding", torque, carried, needed=spec.margins.torque))
     fastest = np.where(np.isnan(brake["max_speed"]), np.inf, brake["max_speed"])
-    turning = demand.peak_speed / _shaft(brake, demand.total_ratio * cycle.belt)
+    turning = demand.peak_speed / _turns(brake, demand.total_ratio * cycle.belt)
     found.append(coil_voltage(brake, spec.supply))
     found.append(at_most("brake_speed", turning, fastest, needed=spec.margins.speed))
     if needs.emergency_stops:
@@ -381,18 +334,14 @@ _ACCELERATION = 3
 def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any) -> tuple[Stop, Stop]:
     """An emergency stop from the highest speed, as the weight pulls most: with a strong brake and with a weak one."""
     total = gearhead["ratio"] * cycle.belt
-    shaft = _shaft(brake, total)
+    shaft = _turns(brake, total)
     whole = (inertia + cycle.load_cycle.inertia / total**2) * shaft**2
     weight = cycle.held * cycle.belt / spec.belt_efficiency / total * shaft
     speed = cycle.peak_speed * gearhead["ratio"] / shaft
-    found = (stop(whole, speed, _slipping(brake, share), weight, brake["engage_time"]) for share in reversed(SLIPPING))
-    strong, weak = found
+    slips = (np.where(np.isnan(brake["dynamic_torque"]), share * brake["static_torque"], brake["dynamic_torque"])
+             for share in reversed(SLIPPING))  # fmt: skip
+    strong, weak = (stop(whole, speed, torque, weight, brake["engage_time"]) for torque in slips)
     return strong, weak
-
-
-def _slipping(brake: Figures, share: float) -> Any:
-    """Torque of slipping brakes as printed, else a share of their static one [N*m]."""
-    return np.where(np.isnan(brake["dynamic_torque"]), share * brake["static_torque"], brake["dynamic_torque"])
 
 
 def _stop_limits(

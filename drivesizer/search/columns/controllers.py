@@ -19,7 +19,7 @@ from drivesizer.catalog import Catalog, Table
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES
-from drivesizer.results.check_columns import CheckColumn, at_most, fits
+from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.drive import ASSUMABLE, Choice, ControllerChoice
 from drivesizer.spec.robot import RobotSpec
@@ -34,14 +34,6 @@ HANGING = (
 )  # fmt: skip
 
 
-class ChosenPart(NamedTuple):
-    """For each candidate the row of the chosen part (-1: none), and the checks that it brings."""
-
-    row: NDArray[np.int64]
-    checks: list[CheckColumn]
-    ranks: Ranks
-
-
 class Ranks(NamedTuple):
     """Ranks of the usable controllers for candidates: columns of shape (controllers, candidates)."""
 
@@ -54,41 +46,37 @@ class Ranks(NamedTuple):
 
     def on(self, rows: NDArray[np.int64]) -> Ranks:
         """Of some of the candidates."""
-        taken: dict[str, Any] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
-        return self._replace(**{name: x[:, rows] for name, x in taken.items() if x.shape[1] > 1})
+        return self._replace(**{
+            name: column[:, rows] for name, column in zip(self._fields[:-1], self[:-1], strict=True)
+            if column.shape[1] > 1
+        })  # fmt: skip
+
+    def at(self, figure: NDArray[Any], place: NDArray[np.int64]) -> NDArray[Any]:
+        """A figure of one controller of each candidate."""
+        found: NDArray[Any] = figure[place, 0 if figure.shape[1] == 1 else np.arange(len(place))]
+        return found
 
     def best(
         self, most: NDArray[np.float64] | float = np.inf, barred: NDArray[np.bool_] | None = None
     ) -> NDArray[np.float64]:
         """Of each candidate number of unknown checks, worth, unprinted figures and place of its best controller.
 
-        The less of the first the better, then of the second. ``most``: margin of all other checks.
+        The less of the first the better, then of the second: the share of the objective, in digits without rounding.
+        ``most``: margin of all other checks.
         """
-        unknown = np.minimum(self.lacking + self.hanging, LOST)
+        unknown, worth = np.minimum(self.lacking + self.hanging, LOST), self.share
         if barred is not None:
             unknown[barred] = LOST
-        fewest, worth = unknown.min(axis=0), self.worth(most)
-        rank: Any = worth
+        if self.weight:
+            worth = worth + self.weight / (1.0 + np.maximum(np.minimum(self.margin, most), -0.999))
+        rank: Any = np.round(worth, 9)
+        worth, fewest, last = rank, unknown.min(axis=0), np.inf
         if worth.shape[1] == 1:  # the same order for all
             rank = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)
-        last = np.int16(len(worth)) if worth.shape[1] == 1 else np.inf
+            last = np.int16(len(worth))
         own = np.where(unknown == fewest, rank, last)
         place = np.where(own == own.min(axis=0), self.unprinted, LOST).argmin(axis=0)
-        return np.array([fewest, *(_at(x, place) for x in (worth, self.unprinted)), place], float)
-
-    def worth(self, most: NDArray[np.float64] | float = np.inf) -> NDArray[np.float64]:
-        """Share of the objective, less is better, in digits without rounding."""
-        if not self.weight:
-            return np.round(self.share, 9)
-        left = np.maximum(np.minimum(self.margin, most), -0.999)
-        found: NDArray[np.float64] = np.round(self.share + self.weight / (1.0 + left), 9)
-        return found
-
-
-def _at(figure: NDArray[Any], place: NDArray[np.int64]) -> NDArray[Any]:
-    """A figure of one controller of each candidate."""
-    found: NDArray[Any] = figure[place, 0 if figure.shape[1] == 1 else np.arange(len(place))]
-    return found
+        return np.array([fewest, self.at(worth, place), self.at(self.unprinted, place), place], float)
 
 
 class Required(NamedTuple):
@@ -197,8 +185,11 @@ def controllers(
     motor: NDArray[Any],
     required: Required,
     usable: Usable | None = None,
-) -> ChosenPart:
-    """The controller of each candidate, as far as that is known before the limits that hang on the cycle are."""
+) -> tuple[NDArray[np.int64], Ranks]:
+    """The controller of each candidate, as far as that is known before the limits that hang on the cycle are.
+
+    -1 where there is none; and the ranks of all.
+    """
     table, usable = catalog.controllers, usable or usable_controllers(spec, catalog)
     order, lowest, rms = usable.order, usable.lowest, required.rms
     lasting = controller_current(table, usable.ambient)
@@ -234,16 +225,10 @@ def controllers(
         otherwise = np.where(volts > lowest, usable.largest[motor], otherwise)
     shares, weight = _shares(spec, catalog, order, rms), weights.get("margin", 0.0)
     ranks = Ranks(lacking, hanging, shares, margin, unprinted, weight)
-    row = otherwise
-    if len(order):
-        unknown, _, _, place = ranks.best()
-        row = np.where(unknown < LOST, order[place.astype(np.int64)], otherwise)
-    continuous, peak = (np.append(column, np.nan)[row] for column in (lasting, table["peak_current"]))
-    return ChosenPart(row, [
-        usable.available(motor, row),
-        at_most("controller_continuous_current", rms, continuous),
-        at_most("controller_peak_current", required.peak, peak),
-    ], ranks)  # fmt: skip
+    if not len(order):
+        return otherwise, ranks
+    unknown, _, _, place = ranks.best()
+    return np.where(unknown < LOST, order[place.astype(np.int64)], otherwise), ranks
 
 
 def _shares(
@@ -264,6 +249,14 @@ def _shares(
             found = (
                 found + weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)[order][:, None]
             )
+    return found
+
+
+def summed_share(spec: RobotSpec, table: Table[Any], catalog: Catalog) -> NDArray[np.float64]:
+    """Share of parts in what the objective of a spec sums, less is better."""
+    found = np.zeros(len(table))
+    for name, weight in spec.select.weights.items():
+        found += weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)
     return found
 
 

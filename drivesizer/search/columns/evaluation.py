@@ -10,23 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
+from drivesizer.physics.figures import joined, on
 from drivesizer.results.check import Check, Status
-from drivesizer.results.check_columns import CheckColumn, fits, over_ends, together
+from drivesizer.results.check_columns import CheckColumn, at_most, fits, over_ends, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import Requirement
 from drivesizer.results.problem import Problem
+from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns import paper as paper_rule
 from drivesizer.search.columns.brakes import counts_check, encoders_for, offered_brakes, offered_encoders
 from drivesizer.search.columns.candidates import FREE, Candidates, Rows
-from drivesizer.search.columns.controllers import Required, controllers
-from drivesizer.search.columns.limits_over_time import Exactly, Wanted
-from drivesizer.search.columns.offers import placed
+from drivesizer.search.columns.controllers import Required, controllers, usable_controllers
+from drivesizer.search.columns.limits_over_time import Waveform
 from drivesizer.search.columns.paper import motor_requirements, vehicle
-from drivesizer.search.columns.stages import examine
+from drivesizer.search.columns.stages import Drives, amount_of, examine
 from drivesizer.spec.robot import RobotSpec
-
-# -- Candidates with figures that are estimated: which they are, and the problem at both ends of the bands.
-
 
 # sizes and masses: whether a drive moves its load does not hang on them
 _NEEDED = {"length": "length", "mass": "mass", "diameter": "diameter", "backlash": "backlash_at_load"}
@@ -123,16 +121,7 @@ class Evaluation(NamedTuple):
 
     def on(self, rows: NDArray[np.int64]) -> Evaluation:
         """Of some of the candidates."""
-        return self._replace(
-            candidates=self.candidates.on(rows),
-            wheel={name: one.on(rows) for name, one in self.wheel.items()},
-            shaft={name: one.on(rows) for name, one in self.shaft.items()},
-            checks=[check.on(rows) for check in self.checks],
-            encoder=self.encoder[rows],
-            brake=self.brake[rows],
-            controller=self.controller[rows],
-            figures={name: column[rows] for name, column in self.figures.items()},
-        )
+        return Evaluation(self.problem, *on(self[1:], rows))
 
     def fails(self, index: int) -> bool:
         """Whether one candidate fails a check that is not mere advice."""
@@ -165,13 +154,13 @@ class Evaluation(NamedTuple):
         return check.at(index, self.spec.method, cases=tuple(case.name for case in self.problem.cases))
 
 
-def evaluate(problem: Problem, candidates: Candidates, *, exact: bool = True, rejected: bool = True) -> Evaluation:
+def evaluate(problem: Problem, candidates: Candidates, *, rejected: bool = True) -> Evaluation:
     """Every candidate's checks by the spec's method; by the paper's, with its requirements."""
     if problem.spec.method == "physics":
-        return by_physics(problem, candidates, exact)
+        return by_physics(problem, candidates)
     few = len(candidates.motor) <= paper_rule.FEW
     if rejected or few or len(estimated(problem, candidates, "paper")):  # at one end of a band one may pass
-        return _over_bands(lambda at, some, _: _by_the_paper(at, some), problem, candidates, "paper")
+        return _over_bands(_by_the_paper, problem, candidates, "paper")
     given = candidates.motor, candidates.gearhead, candidates.belt
     left = np.flatnonzero(~paper_rule.hopeless(problem.spec, problem.catalog, *given))
     return _by_the_paper(problem, candidates.on(left), rejected=False)
@@ -195,61 +184,63 @@ def _by_the_paper(problem: Problem, candidates: Candidates, rejected: bool = Tru
     motor = Rows(catalog.motors, sets.motor)
     torques = found.shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(found.shaft)
     currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
-    controller = controllers(spec, catalog, sets.motor, Required(*currents))
+    rms, peak = currents
+    controller, _ = controllers(spec, catalog, sets.motor, Required(rms, peak))
+    usable, of_controller = usable_controllers(spec, catalog), Rows(catalog.controllers, controller)
     total = catalog.gearheads["ratio"].take(sets.gearhead) * sets.belt
     speed = found.wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
     encoder = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)
-    checks = [*found.checks, *controller.checks, *counts_check(spec, catalog, encoder)]
-    return found._replace(checks=checks, controller=controller.row, encoder=encoder)
+    checks = [
+        *found.checks,
+        usable.available(sets.motor, controller),
+        at_most("controller_continuous_current", rms, controller_current(of_controller, usable.ambient)),
+        at_most("controller_peak_current", peak, of_controller["peak_current"]),
+        *counts_check(spec, catalog, encoder),
+    ]
+    return found._replace(checks=checks, controller=controller, encoder=encoder)
 
 
-def by_physics(problem: Problem, candidates: Candidates, exact: bool | NDArray[np.bool_]) -> Evaluation:
+def by_physics(problem: Problem, candidates: Candidates, waveform: Waveform = "all") -> Evaluation:
     """Every limit against the whole load cycle, whatever the spec's method."""
-
-    def at(given: Problem, some: Candidates, rows: Any) -> Evaluation:
-        return at_figures(given, some, exact if isinstance(exact, bool) else exact[rows])
-
-    return _over_bands(at, problem, candidates, "physics")
+    return _over_bands(lambda at, some: at_figures(at, some, waveform), problem, candidates, "physics")
 
 
 def _over_bands(
-    at: Callable[[Problem, Candidates, Any], Evaluation], problem: Problem, candidates: Candidates, method: str
+    at: Callable[[Problem, Candidates], Evaluation], problem: Problem, candidates: Candidates, method: str
 ) -> Evaluation:
     """Candidates at the middle of the bands of their estimated figures; each check holds what it is at both ends.
 
-    Controller and brake are those of the unfavourable end: one drive is judged, not three. ``at`` evaluates some of
-    them, given which rows these are.
+    Controller and brake are those of the unfavourable end: one drive is judged, not three.
     """
-    rows, every = estimated(problem, candidates, method), slice(None)
+    rows = estimated(problem, candidates, method)
     if not len(rows):
-        return at(problem, candidates, every)
+        return at(problem, candidates)
     some, (favourable, unfavourable) = candidates.on(rows), at_ends(problem)
-    hard = at(unfavourable, some, rows)
-    easy = at(favourable, some._replace(controller=hard.controller, brake=hard.brake), rows)
+    hard = at(unfavourable, some)
+    easy = at(favourable, some._replace(controller=hard.controller, brake=hard.brake))
     if (easy.failed | easy.unknown).any():
-        hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some, rows)
-    middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake), every)
+        hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some)
+    middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake))
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
     checks = [over_ends(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
     return middle._replace(candidates=candidates, checks=checks)
 
 
 def _with_others(
-    at: Callable[[Problem, Candidates, Any], Evaluation],
+    at: Callable[[Problem, Candidates], Evaluation],
     hard: tuple[Problem, Evaluation],
     easy: tuple[Problem, Evaluation],
     some: Candidates,
-    rows: NDArray[np.int64],
 ) -> tuple[Evaluation, Evaluation]:
     """Both ends of a band, with the controller of the favourable one of candidates of which less then is undecided."""
-    free = at(easy[0], some._replace(controller=np.full(len(rows), FREE), brake=hard[1].brake), rows)
+    free = at(easy[0], some._replace(controller=np.full(len(some.motor), FREE), brake=hard[1].brake))
     if (free.controller == hard[1].controller).all():
         return hard[1], easy[1]
     given = some._replace(controller=free.controller, brake=hard[1].brake)
-    other = at(hard[0], given, rows)
+    other = at(hard[0], given)
     better = _undecided(other) + _undecided(free) < _undecided(hard[1]) + _undecided(easy[1])
     given = given._replace(controller=np.where(better, free.controller, hard[1].controller))
-    return at(hard[0], given, rows), at(easy[0], given, rows)
+    return at(hard[0], given), at(easy[0], given)
 
 
 def _undecided(found: Evaluation) -> NDArray[np.int64]:
@@ -269,44 +260,38 @@ def _with_parts(
 
 
 def figures_by_physics(
-    problem: Problem, candidates: Candidates, exact: Wanted | bool = True
+    problem: Problem, candidates: Candidates, waveform: Waveform = "all"
 ) -> Mapping[str, NDArray[np.float64]]:
     """The figures of :func:`by_physics` alone, which take no checks at the favourable end of a band."""
     rows = estimated(problem, candidates)
     if len(rows):
-        _, hard = _by_belt(at_ends(problem)[1], candidates.on(rows), exact, ())
-        candidates = _with_parts(candidates, rows, hard["controller"], hard["brake"])
-    return _by_belt(problem, candidates, exact, ())[1]
+        _, hard = _in_order_of_belts(at_ends(problem)[1], candidates.on(rows), waveform)
+        candidates = _with_parts(candidates, rows, hard.controller, hard.brake)
+    return _in_order_of_belts(problem, candidates, waveform)[1].figures
 
 
-def at_figures(
-    problem: Problem, candidates: Candidates, exact: bool | NDArray[np.bool_], each: Collection[str] = ()
-) -> Evaluation:
+def at_figures(problem: Problem, candidates: Candidates, waveform: Waveform, each: Collection[str] = ()) -> Evaluation:
     """Every limit at the figures of the problem's catalogue, as they are."""
-    found, columns = _by_belt(problem, candidates, exact, each)
-    controller, encoder, brake = (columns.pop(name) for name in _PARTS)
+    checks, drives = _in_order_of_belts(problem, candidates, waveform, each)
     order = list(CHECKS["physics"])  # in which people read them
-    found.sort(key=lambda check: order.index(check.name))
-    return Evaluation(problem, candidates, {}, {}, found, encoder, controller, brake, columns)
+    checks.sort(key=lambda check: order.index(check.name))
+    columns = drives.encoder, drives.controller, drives.brake, drives.figures
+    return Evaluation(problem, candidates, {}, {}, checks, *columns)
 
 
-_PARTS = ("controller", "encoder", "brake")
-
-
-def _by_belt(
-    problem: Problem, candidates: Candidates, exact: Exactly, each: Collection[str]
-) -> tuple[list[CheckColumn], dict[str, NDArray[Any]]]:
+def _in_order_of_belts(
+    problem: Problem, candidates: Candidates, waveform: Waveform, each: Collection[str] = ()
+) -> tuple[list[CheckColumn], Drives]:
     """Checks of candidates, which are examined belt by belt, and their parts and figures as columns."""
-    count = len(candidates.motor)
     order = np.argsort(candidates.belt, kind="stable")
-    exact = exact[order] if isinstance(exact, np.ndarray) else exact
-    examined = examine(problem, candidates.on(order), exact=exact, each=each)
-    found = [(order[one.rows], one) for one in examined]
-    names = found[0][1].figures if found else {}
-    columns = {name: placed([(rows, one.figures[name]) for rows, one in found], count) for name in names}
-    for name in _PARTS:
-        columns[name] = placed([(rows, getattr(one, name)) for rows, one in found], count, np.int64)
-    return together([(rows, one.checks) for rows, one in found], count), columns
+    examined = list(examine(problem, candidates.on(order), waveform=waveform, each=each))
+    if not examined:
+        none = np.zeros(0, np.int64)
+        return [], Drives(none, amount_of((), 0), none, none, none, {})
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    checks = together([(order[one.drives.rows], one.checks) for one in examined], len(order))
+    return checks, on(joined([one.drives for one in examined]), place)
 
 
 def smallest_margin(checks: list[CheckColumn]) -> NDArray[np.float64]:

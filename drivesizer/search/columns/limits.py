@@ -8,6 +8,8 @@ those of the catalogues; no factor of the paper enters, the spec's ``margins`` d
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,7 +22,9 @@ from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.physics.winding import Heat, Parts, Stress
-from drivesizer.results.check_columns import CheckColumn, at_least, at_most
+from drivesizer.results.check_columns import CheckColumn, at_least, at_most, worst_case
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import (
     ASSUMED,
     ambient_range,
@@ -32,7 +36,7 @@ from drivesizer.results.ratings import (
     short_limit,
     supply_voltage_limit,
 )
-from drivesizer.search.columns.brakes import at_motor, counting_limits, own_figure
+from drivesizer.search.columns.brakes import brake_inertia, counting_limits, own_figure
 from drivesizer.search.columns.shaft_limits import THRUST, life_of_gearheads, shock_limits
 from drivesizer.spec.drive import ASSUMABLE, BeltStage
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
@@ -43,6 +47,22 @@ Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
 _NO_SHORT = "the limit at least: none for a short time is printed"
 _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
+
+
+def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
+    """The worst load case of each check, of what a function gives for each number of a case."""
+    found: dict[str, list[tuple[int, CheckColumn]]] = {}
+    for number in range(len(problem.cases)):
+        for check in checks(number):
+            found.setdefault(check.name, []).append((number, check))
+    return [worst_case(same) for same in found.values()]
+
+
+def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:
+    """The checks; with an unknown inertia those that hang on it may fail but not pass."""
+    if known.all():
+        return checks
+    return [c.where_known(known) if CHECKS["physics"][c.name].on_inertia else c for c in checks]
 
 
 def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
@@ -161,8 +181,12 @@ def moving_limits(
         *nominal_torque_limit(demand.rms_torque, mean, motor, ambient, torque),
         winding_limit(spec, heating.winding, motor),
     ]  # fmt: skip
-    if not cycle.acts[SPEED]:
-        found.append(_hottest_phase(spec, demand, motor))
+    if not cycle.acts[SPEED]:  # the hottest phase of a motor that never turns, were none of its heat led to the others
+        R_th1, R_th2 = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+        hottest = steady_winding_temperature(ambient, resistance_25(motor), _UNEVEN * R_th1, R_th2, demand.rms_current)
+        limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
+        found.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
+                             advice=True, note=_UNEVEN_NOTE))  # fmt: skip
     return found + inertia_limits(spec, cycle, demand, parts)
 
 
@@ -183,23 +207,11 @@ _UNEVEN = 2.0  # largest loss of a phase at rest over the mean of three, by the 
 _UNEVEN_NOTE = "at rest the hottest phase of a brushless motor has 1.5 to 2 times the mean heat: informational"
 
 
-def _hottest_phase(spec: RobotSpec, demand: Demands, motor: Figures) -> CheckColumn:
-    """The hottest phase of a motor that never turns, were none of its heat led to the others; advice."""
-    R_th1, R_th2 = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
-    ambient, R_25 = spec.environment.ambient, resistance_25(motor)
-    found = np.asarray(steady_winding_temperature(ambient, R_25, _UNEVEN * R_th1, R_th2, demand.rms_current))
-    limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
-    return at_most(
-        "hottest_phase", found, limit, zero=ambient, needed=rise_needed(spec), advice=True, note=_UNEVEN_NOTE
-    )
-
-
 def inertia_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Inertia ratio and first resonance, which hang on no current: motor and load on the belt's stiffness."""
     needs, found = spec.needs, []
     total = demand.total_ratio * cycle.belt
-    braking = 0.0 if parts.brake is None else at_motor(parts.brake, "inertia", total)
-    own = drive_inertia(parts.motor, parts.gearhead, parts.encoder, braking) * total**2
+    own = drive_inertia(parts.motor, parts.gearhead, parts.encoder, brake_inertia(parts, cycle.belt)) * total**2
     if needs.inertia_ratio is not None:
         found.append(at_most("inertia_ratio", cycle.load_cycle.inertia / own, needs.inertia_ratio))
     if needs.resonance is not None:
@@ -208,34 +220,30 @@ def inertia_limits(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: P
     return found
 
 
-def _peak_torque(stresses: Stress, motor: Figures, volts: float, needed: float) -> CheckColumn:
-    """The motor's torque against its permitted peak, where the maker limits it beside heat and speed.
-
-    Else against its torque at stall, where the winding's figures are unknown by which the voltage limits it.
-    """
-    torque, peak = stresses.torque, motor["peak_torque"]
-    stall = motor["stall_torque"] * np.fmax(volts / motor["nominal_voltage"], 1.0)
-    unknown = np.isnan(motor["resistance"] * motor["torque_constant"]) & ~np.isnan(stall)
-    limit = np.where(np.isnan(peak), np.where(unknown, stall, np.inf), peak)
-    time = stresses.current.time
-    return at_most("motor_peak_torque", torque, limit, needed=needed, time=time)
-
-
 def electrical_limits(
     spec: RobotSpec, cycle: AtGearhead, demand: Demands, stresses: Stress, parts: Parts
 ) -> list[CheckColumn]:
-    """Limits of controller and encoder by current and speed."""
-    controller, torque = parts.controller, spec.margins.torque
+    """Limits of motor, controller and encoder by current and speed.
+
+    The motor's torque is held against its permitted peak, where the maker limits it beside heat and speed; else
+    against its torque at stall, where the winding's figures are unknown by which the voltage limits it.
+    """
+    motor, controller, needed = parts.motor, parts.controller, spec.margins.torque
     lasting, printed = controller_current(controller, spec.environment.ambient), controller["continuous_current"]
+    stall = motor["stall_torque"] * np.fmax(spec.supply.highest / motor["nominal_voltage"], 1.0)
+    of_stall = np.isnan(motor["resistance"] * motor["torque_constant"]) & ~np.isnan(stall)
+    peak = np.where(np.isnan(motor["peak_torque"]), np.where(of_stall, stall, np.inf), motor["peak_torque"])
+    commutated = np.where(motor["kind"] == "brushed", np.inf, controller["max_speed_sine"])
+    time = stresses.current.time
     return [
-        _peak_torque(stresses, parts.motor, spec.supply.highest, torque),
+        at_most("motor_peak_torque", stresses.torque, peak, needed=needed, time=time),
         at_most("controller_continuous_current", demand.rms_current,
                 Range(lasting, lasting if lasting is printed else np.fmin(lasting, printed)),
                 needed=controller_needed(spec)),
-        at_most("controller_peak_current", stresses.current.value, controller["peak_current"],
-                needed=torque, time=stresses.current.time),
+        at_most("controller_peak_current", stresses.current.value, controller["peak_current"], needed=needed,
+                time=time),
         *counting_limits(spec, cycle.belt, demand, parts),
-        *_commutation(spec, demand, parts),
+        at_most("controller_speed", electrical_speed(demand, motor), commutated, needed=spec.margins.speed),
     ]  # fmt: skip
 
 
@@ -243,11 +251,3 @@ def electrical_speed(demand: Demands, motor: Figures) -> Array:
     """Speed times pole pairs, where the controller commutates; 0 of a brushed motor, which does so itself."""
     turns = (motor["kind"] != "brushed") & (demand.peak_speed != 0.0)
     return np.where(turns, demand.peak_speed * motor["pole_pairs"], 0.0)
-
-
-def _commutation(spec: RobotSpec, demand: Demands, parts: Parts) -> list[CheckColumn]:
-    """Electrical speed against what the controller commutates."""
-    brushed = parts.motor["kind"] == "brushed"
-    electrical = electrical_speed(demand, parts.motor)
-    limit = np.where(brushed, np.inf, parts.controller["max_speed_sine"])
-    return [at_most("controller_speed", electrical, limit, needed=spec.margins.speed)]

@@ -1,8 +1,15 @@
-"""Limits that need the winding or the current of each moment: by bounds where they decide, else exactly."""
+"""Limits that need the winding or the current of each moment: by bounds where they decide, else exactly.
+
+The winding is as warm as it is at each moment of the cycle in periodic steady state (``kernel``); its voltage is
+checked cold, as it starts, too. Where a figure is missing that this needs, the winding is between the coldest and
+the warmest that it may be, so that less data never looks better. Before the waveform come safe bounds from moments and
+extremes alone: a winding in the long run at its RMS current and at its largest one. What they leave open is computed,
+as is everything that is shown. Symbols: R resistance [ohm], I current [A], T temperature [K].
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -13,37 +20,25 @@ from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
-from drivesizer.physics.figures import Range
+from drivesizer.physics.figures import Range, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.winding import (
-    Heat,
-    Parts,
-    Stress,
-    on,
-    replaced,
-    temperature_at_most,
-    volts_of,
-)
+from drivesizer.physics.winding import Heat, Parts, Stress, temperature_at_most, volts_of
 from drivesizer.results.check_columns import CheckColumn, at_most
+from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current, controller_power_limit
 from drivesizer.search.columns.limits import waived, winding_limit
 from drivesizer.spec.robot import RobotSpec
 
-# -- Limits that need the winding or the current of each moment: temperature, voltage, supply, bus, time of overload.
-#
-# The winding is as warm as it is at each moment of the cycle in periodic steady state (``kernel``); its voltage is
-# checked cold, as it starts, too. Where a figure is missing that this needs, the winding is between the coldest and
-# the warmest that it may be, so that less data never looks better. Before the
-# waveform come safe bounds from moments and extremes alone (``waveform_bounds``). Symbols: R resistance [ohm], I
-# current [A], T temperature [K].
-
-
 Array = NDArray[np.float64]
+# what is computed from the waveform: nothing, what bounds leave open, peaks and heat of all drives, energies too
+Waveform = Literal["bounds", "open", "limits", "all"]
 _STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
 _NOT_PRINTED = "the limit at least: what the controller takes of the supply's voltage is not printed"
 _HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
+_ROUNDING = 1e-9  # of a figure
+_SOME = 1e-100  # s, more than nothing, of a time that is not known yet
 
 
 class Moments(NamedTuple):
@@ -68,14 +63,25 @@ class Moments(NamedTuple):
         return Moments(*(np.where(a == b, a, np.nan) for a, b in zip(self, other, strict=True)))
 
 
-WAVEFORM_LIMITS = (
-    "winding_temperature", "supply_voltage", "controller_peak_time", "bus_voltage", "common_bus_voltage",
-    "controller_power", "supply_current", "supply_power",
-)  # fmt: skip
-Wanted = Literal["limits", "all"]
-# what is computed from the waveform whatever bounds decide, or of which rows; ``bounds``: not even what they leave open
-Exactly = Wanted | Literal["bounds"] | bool | NDArray[np.bool_]
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
+
+
+class Draw(NamedTuple):
+    """Energy out of the source and returned over a cycle [J], and peak power [W]: columns."""
+
+    drawn: Any
+    returned: Any
+    peak: Any
+
+
+def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> dict[str, Array]:
+    """Figures for objectives and records: energy of the first case, power in the hardest one, and others."""
+    alike, machines = [case.spec.load.alike for case in problem.cases], problem.machine_cases
+    drawn = np.sum([alike[i] * draws[i].drawn for i in machines[0]], 0)
+    returned = np.sum([alike[i] * draws[i].returned for i in machines[0]], 0)
+    power = [np.sum([alike[i] * draws[i].peak for i in wheels], 0) for wheels in machines]
+    energy = drawn - problem.spec.supply.regeneration * returned
+    return {"energy": energy, "returned": returned, "power": np.maximum.reduce(power), **others}
 
 
 def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
@@ -152,19 +158,10 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Range:
                  np.where(found.stored == 0.0, supply.highest, bound))  # fmt: skip
 
 
-# -- Bounds over the waveform, from moments and extremes alone: a winding in the long run at its RMS current and at its
-# largest one. What they leave open is computed from the waveform itself (``exact``), as is everything that is shown.
-
-
-_ROUNDING = 1e-9  # of a figure
-_SOME = 1e-100  # s, more than nothing, of a time that is not known yet
-
-
 def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
     """Lower and upper bounds over the waveform; upper ones of windings that pass."""
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
-    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
-    hot = np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
+    warmest, hot = _warmest(ambient, cycle, heating, stresses, motor)
     low = lowest(spec, cycle, demand, heating, stresses, parts)
     k_t, current = motor["torque_constant"], stresses.current.value
     at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, low.voltage)
@@ -182,6 +179,12 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
         stored=_most_kept(spec, cycle, demand, motor),
     )  # fmt: skip
     return low, high
+
+
+def _warmest(ambient: Any, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> tuple[Array, Array]:
+    """Temperature that no winding exceeds, and its resistance so warm, or as warm as it fails by its heat."""
+    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
+    return warmest, np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
 
 
 def lowest(
@@ -211,9 +214,8 @@ def _least_kept(
     share, found = _kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
     if not share > 0.0 or not cycle.base.hardest_braking:
         return found
-    motor, ambient, stage = parts.motor, spec.environment.ambient, spec.feed(parts.controller).stage
-    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
-    hot = np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
+    motor, stage = parts.motor, spec.feed(parts.controller).stage
+    _, hot = _warmest(spec.environment.ambient, cycle, heating, stresses, motor)
     c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
     apart = np.abs(demand.surplus(motor["torque_constant"])) * cycle.belt
     for together, against, total in cycle.base.hardest_braking:
@@ -247,11 +249,6 @@ def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) 
     return np.where(draws, share * returned * (1.0 + _ROUNDING), np.inf)
 
 
-# -- Peaks and heat over the waveform of candidates, from current and winding at each moment.
-#
-# Where no more is wanted than which limits are met, of candidates that bounds leave open.
-
-
 def exact(
     spec: RobotSpec,
     cycle: AtGearhead,
@@ -259,7 +256,7 @@ def exact(
     heating: Heat,
     stresses: Stress,
     parts: Parts,
-    what: Wanted = "all",
+    what: Waveform = "all",
     error: float = 1e-3,
 ) -> Pair:
     """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own.
@@ -291,28 +288,25 @@ def exact(
     return low, high
 
 
-def decided(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
-    parts: Parts,
-    alive: NDArray[np.bool_],
-    each: Collection[str] = (),
-) -> Pair:
-    """By bounds, and computed where these leave a limit open."""
-    low, high = bounds(spec, cycle, demand, heating, stresses, parts)
-    left = left_open(spec, (low, high), parts) & alive
-    limits = waveform_limits(spec, high, high, parts)
-    if {check.name for check in limits} & {*each}:
-        left |= np.logical_or.reduce([~check.passed for check in limits])
-    rows = np.flatnonzero(left & demand.complete)  # else it stays unknown whatever the waveform says
-    if not len(rows):
-        return low, high
-    columns = on(demand, rows), on(heating, rows), on(stresses, rows), parts.on(rows)
-    few = exact(spec, cycle.on(rows), *columns, "limits")
-    return replaced(low, rows, few[0]), replaced(high, rows, few[1])
+def over_waveform(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts,
+    what: Waveform, alive: NDArray[np.bool_], each: Collection[str] = (),
+) -> Pair:  # fmt: skip
+    """Peaks and heat over the waveform, of what is ``alive``: by bounds, and as far as that is wanted computed."""
+    if what in ("limits", "all"):
+        found = exact(spec, cycle, demand, heating, stresses, parts, what)
+        return least(found, demand, heating, stresses)
+    found = bounds(spec, cycle, demand, heating, stresses, parts)
+    if what == "open":
+        left = left_open(spec, found, parts) & alive
+        limits = waveform_limits(spec, found[1], found[1], parts)
+        if {check.name for check in limits} & {*each}:
+            left |= np.logical_or.reduce([~check.passed for check in limits])
+        rows = np.flatnonzero(left & demand.complete)  # else it stays unknown whatever the waveform says
+        if len(rows):
+            few = on((cycle, demand, heating, stresses, parts), rows)
+            found = put(found, rows, exact(spec, *few, "limits"))
+    return least(found, demand, heating, stresses)
 
 
 def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:

@@ -34,9 +34,10 @@ from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import Required, controllers
-from drivesizer.search.columns.limits_over_time import bus_limit
-from drivesizer.search.columns.offers import Offers, unknown_where_doubtful, worst_of_all
+from drivesizer.search.columns.controllers import Required, Usable, controllers
+from drivesizer.search.columns.limits import unknown_where_doubtful, worst_of_all
+from drivesizer.search.columns.limits_over_time import Draw, bus_limit, cycle_figures
+from drivesizer.search.columns.powered import UNDECIDED, Powered
 from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
@@ -69,14 +70,6 @@ class Frictionless:
         return self.motor[name]
 
 
-class Draw(NamedTuple):
-    """Energy out of the source and returned over a cycle [J], and peak power [W]: columns."""
-
-    drawn: Any
-    returned: Any
-    peak: Any
-
-
 class PullOut(NamedTuple):
     """Pull-out torque of motors: by printed curves, or by the model, times a factor of its tolerance."""
 
@@ -94,39 +87,25 @@ class PullOut(NamedTuple):
         return found
 
 
-class Stepped(NamedTuple):
-    """Candidates with their drivers."""
-
-    controller: NDArray[np.int64]  # row of each
-    checks: list[CheckColumn]
-    figures: dict[str, Array]
-
-
 def stepped(
     problem: Problem,
-    offered: Offers,
+    usable: Usable,
     cycles: Sequence[AtGearhead],
     demand: Sequence[Demands],
     parts: Parts,
     *,
     staged: bool,
-) -> Stepped:
+) -> Powered:
     """Drivers, and every check of steppers that hangs on the load cycle."""
-    catalog, motor = problem.catalog, parts.motor
+    catalog, motor, given = problem.catalog, parts.motor, parts.controller
     current = motor["nominal_current"]
     thin = max(controller_needed(case.spec, 0.0) for case in problem.cases)
-    required = Required(current, amplitude(current), lasting=thin)
-    chosen = controllers(problem.spec, catalog, motor.rows, required, offered.controllers)
-    given = None if parts.controller is None else parts.controller.rows
-    row = chosen.row if given is None else np.where(given == FREE, chosen.row, given)
+    row, _ = controllers(problem.spec, catalog, motor.rows, Required(current, amplitude(current), lasting=thin), usable)
+    row = row if given is None else np.where(given.rows == FREE, row, given.rows)
     parts = parts._replace(controller=Rows(catalog.controllers, row))
-    of_driver = [
-        offered.controllers.available(motor.rows, row),
-        *driver_limits(current, parts.controller, thin, offered.controllers.ambient),
-    ]
+    of_driver = [usable.available(motor.rows, row), *driver_limits(current, parts.controller, thin, usable.ambient)]
     if problem.spec.control.phase_current is not None:
         of_driver.append(at_most("motor_nominal_current", current, catalog.steppers["phase_current"][motor[STEPPER]]))
-
     pull_out = PullOut(motor, catalog.pull_outs)
 
     def moving(k: int) -> list[CheckColumn]:
@@ -141,7 +120,13 @@ def stepped(
     draws = [drawn(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
     printed = catalog.steppers["supply_max"][motor[STEPPER]]
     last = worst_of_all(problem, lambda k: supply_limits(problem.cases[k].spec, draws[k], parts, printed))
-    return Stepped(row, [*first, *of_driver, *last], _figures(problem, draws, motor))
+    idle = problem.spec.control.idle_current
+    heat = max(float(idle_loss(at.cycle.speed, idle) @ at.cycle.duration) / at.cycle.total for at in problem.cases)
+    figures = cycle_figures(
+        problem, draws, joule_heat=heat * copper_loss(current, motor["resistance"]), peak_current=amplitude(current),
+        winding_temperature=np.full(len(current), np.nan),
+    )  # fmt: skip
+    return Powered(row, [*first, *of_driver, *last], figures | {UNDECIDED: np.zeros(len(current))})
 
 
 def driver_limits(current: Array, controller: Figures, needed: float, ambient: Any) -> list[CheckColumn]:
@@ -170,7 +155,7 @@ def torque_limits(
         held = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
         found.append(at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed))
     if spec.needs.start_speed is not None:  # against the largest torque at constant speed
-        changes = np.abs(cycle.base.functions[..., ACCELERATION] if _is_one(cycle) else
+        changes = np.abs(cycle.base.functions[..., ACCELERATION] if cycle.base.functions.ndim == 3 else
                          np.moveaxis(cycle.base.functions[ACCELERATION], -1, 0))  # fmt: skip
         steady = np.broadcast_to(changes <= _LEVEL * changes.max(axis=(-2, -1), keepdims=True), torque.shape)
         load = np.where(steady, torque, -1.0).max(axis=(1, 2))
@@ -198,15 +183,10 @@ def _at_each_speed(spec: RobotSpec, cycle: AtGearhead, demand: Demands, pull_out
     return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=time)
 
 
-def _is_one(cycle: AtGearhead) -> bool:
-    """Whether all motors have one load cycle, and not each sample its own."""
-    return bool(cycle.base.functions.ndim == 3)
-
-
 def ends_of(cycle: AtGearhead, demand: Demands, rows: Any = slice(None)) -> tuple[Array, Array]:
     """Torque and speed of motors at both ends of each segment, with their signs: shape (rows, segments, 2)."""
     functions, ratio = cycle.base.functions, demand.total_ratio * cycle.belt
-    if _is_one(cycle):
+    if cycle.base.functions.ndim == 3:
         c = (demand.coefficients * cycle.scale)[rows]
         return np.einsum("nk,sek->nse", c, functions), functions[None, :, :, SPEED] * ratio[rows, None, None]
     torque = np.moveaxis(np.asarray(cycle.line(demand.coefficients)), -1, 0)
@@ -221,7 +201,7 @@ def _moments(cycle: AtGearhead, demand: Demands) -> Iterator[tuple[slice, Array,
     the slower end has the larger torque, where the speed passes a level.
     """
     count = len(demand.total_ratio)
-    if _is_one(cycle):
+    if cycle.base.functions.ndim == 3:
         points, when = _points(cycle)
         c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
         for rows in _slices(count, max(_CELLS // len(points), 1)):
@@ -317,7 +297,7 @@ def drawn(
     """Energy and power out of the supply of the drives that are wanted, with the standby power of their drivers."""
     count, functions = len(demand.total_ratio), cycle.base.functions
     rows = np.arange(count) if wanted is None else np.flatnonzero(wanted)
-    speed = functions[:, :, SPEED] if _is_one(cycle) else functions[SPEED] * cycle.belt
+    speed = functions[:, :, SPEED] if cycle.base.functions.ndim == 3 else functions[SPEED] * cycle.belt
     share = idle_loss(speed, spec.control.idle_current).T
     duration, columns = np.asarray(cycle.load_cycle.duration).T, np.full((3, count), np.nan)
     loss = np.broadcast_to(copper_loss(parts.motor["nominal_current"], parts.motor["resistance"]), count)
@@ -347,26 +327,6 @@ def supply_limits(spec: RobotSpec, draw: Draw, parts: Parts, printed: Array) -> 
     if supply.power is not None:
         found.append(at_most("supply_power", power, supply.power, needed=torque))
     return found
-
-
-def _figures(problem: Problem, draws: Sequence[Draw], motor: Figures) -> dict[str, Array]:
-    """Figures for objectives and records, as ``powered`` has them of other motors."""
-    loads, share = [case.spec.load for case in problem.cases], problem.spec.supply.regeneration
-    machines, cycles = problem.machine_cases, [case.cycle for case in problem.cases]
-    idle = problem.spec.control.idle_current
-    heat = max(float(idle_loss(cycle.speed, idle) @ cycle.duration) / cycle.total for cycle in cycles)
-    power = [np.sum([loads[i].alike * draws[i].peak for i in wheels], 0) for wheels in machines]
-    drawn, returned = (
-        np.sum([loads[i].alike * getattr(draws[i], name) for i in machines[0]], 0) for name in ("drawn", "returned")
-    )
-    return {
-        "energy": drawn - share * returned,
-        "returned": returned,
-        "power": np.maximum.reduce(power),
-        "joule_heat": heat * copper_loss(motor["nominal_current"], motor["resistance"]),
-        "peak_current": amplitude(motor["nominal_current"]),
-        "winding_temperature": np.full(len(motor["nominal_current"]), np.nan),
-    }
 
 
 def _slices(count: int, size: int) -> Iterator[slice]:

@@ -17,7 +17,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import Pack, drawn_columns, load_of, pack_of
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
-from drivesizer.search.columns.steppers import Draw
+from drivesizer.search.columns.limits_over_time import Draw
 from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:

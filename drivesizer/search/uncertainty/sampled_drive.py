@@ -36,13 +36,12 @@ from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns import limits, steppers
-from drivesizer.search.columns.brakes import brake_limits, is_listed
+from drivesizer.search.columns.brakes import brake_inertia, brake_limits, is_listed
 from drivesizer.search.columns.candidates import Rows
-from drivesizer.search.columns.limits_over_time import Pair, exact, least, waveform_limits
-from drivesizer.search.columns.offers import unknown_where_doubtful
+from drivesizer.search.columns.limits import unknown_where_doubtful
+from drivesizer.search.columns.limits_over_time import Draw, Pair, exact, least, waveform_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
-from drivesizer.search.columns.stages import felt
-from drivesizer.search.columns.steppers import Draw, Frictionless, PullOut
+from drivesizer.search.columns.steppers import Frictionless, PullOut
 from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths, enters_checks, holding
@@ -502,7 +501,7 @@ class _Loaded(NamedTuple):
 def _loaded(spec: Any, at: AtSamples, drive: _Drive, *, energies: bool) -> _Loaded:
     """Demands, heat and waveform of a drive in one load case."""
     parts, ambient = drive.parts, spec.environment.ambient
-    required = demands(at, parts.motor, parts.gearhead, parts.encoder, felt(at, parts))
+    required = demands(at, parts.motor, parts.gearhead, parts.encoder, brake_inertia(parts, at.belt))
     brushed = drive.printed["kind"][0] == "brushed"
     motor, factor = parts.motor, 1.0 if brushed else drive.factors.get("friction", 1.0)
     if not brushed:  # in the iron by the printed figures, times the factor of friction
@@ -534,7 +533,13 @@ def _stepper_checks(spec: Any, at: AtSamples, drive: _Drive, _: bool) -> tuple[l
     """The same of a stepper."""
     parts = drive.parts
     assert drive.pull_out is not None
-    required = demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, felt(at, parts))
+    required = demands(
+        at,
+        Frictionless(parts.motor),
+        parts.gearhead,
+        parts.encoder,
+        brake_inertia(parts, at.belt),
+    )
     found = steppers.torque_limits(spec, at, required, parts, drive.pull_out)
     found += limits.inertia_limits(spec, at, required, parts)
     if parts.brake is not None:
@@ -597,7 +602,13 @@ def _stepper_figures(spec: Any, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     """Figures of a stepper in one load case."""
     parts, pull_out = drive.parts, drive.pull_out
     assert pull_out is not None
-    required = demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, felt(at, parts))
+    required = demands(
+        at,
+        Frictionless(parts.motor),
+        parts.gearhead,
+        parts.encoder,
+        brake_inertia(parts, at.belt),
+    )
     torque, speed = (np.abs(x).max(axis=(1, 2)) for x in steppers.ends_of(at, required))
     at_rest, at_speed = (
         pull_out.torque(w[:, None], spec.supply.lowest)[:, 0] for w in (np.zeros_like(speed), speed)

@@ -1,0 +1,375 @@
+"""Of all candidates those that pass or may pass, and the closest rejected; how sure the former are before they rank.
+
+Candidates are examined in chunks, behind some belts at a time: those that pass are kept as rows of a few numbers, the
+rejected only while they are among the closest, so that memory grows with the drives that pass. All are examined at the
+favourable end of the bands of estimated figures; those that have any once more at the other end: a drive passes where
+it passes at both, is open where at one, and fails where at none. Over long cycles no more waveforms are computed than
+it takes, in the order of the objective, until enough pass.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog import Catalog
+from drivesizer.physics.figures import joined, on
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import Counts
+from drivesizer.search import ranking
+from drivesizer.search.columns.candidates import Candidates, Crossed, pairs
+from drivesizer.search.columns.evaluation import at_ends, by_physics, estimated, figures_by_physics
+from drivesizer.search.columns.limits_over_time import Waveform
+from drivesizer.search.columns.powered import UNDECIDED
+from drivesizer.search.columns.stages import Drives, Examined, amount_of, belts_together, examine, offers
+from drivesizer.search.open_checks import passing
+from drivesizer.search.ranking import COUNTED, chosen, order, rounded
+from drivesizer.spec.drive import OBJECTIVES
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+Progress = Callable[[int, int], None]  # drives examined, drives in all
+PASSES, OPEN, UNKNOWN = range(3)  # certainty
+_WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
+_CHUNK = 1 << 20  # drives at a time
+_NEAREST = 32  # of the rejected, kept until all are known
+_SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
+_LONG = 1 << 14  # segments of a cycle, up to which all drives that bounds leave open are computed
+_CELLS = 50_000_000  # drives times segments that are computed before none is said to pass but for what all lack
+_FIRST, _SEEN = 32, 200  # drives that are computed at first, and at least before that is said
+_NAMED = 8  # of those that lack figures, at first
+_ALIKE = 1e-7  # share of a margin within which rounding makes others equal
+
+
+class Passing(NamedTuple):
+    """Candidates that pass or may pass, as rows of a few numbers."""
+
+    sets: Candidates
+    certainty: NDArray[np.int64]  # PASSES, OPEN by estimated figures, or UNKNOWN by one that has no band
+    figures: dict[str, Array]  # that objectives count
+    # checks that are unknown, but for those that are so of all, and doublings up to their demands; 1 if any is open
+    lacking: NDArray[np.int64]
+    most: Array  # what the smallest margin of each is at most; infinite where that is not known
+    passes: Mask  # none of its checks is unknown or open
+
+
+class _Found(NamedTuple):
+    """Candidates that came through all stages."""
+
+    sets: Candidates
+    drives: Drives
+    opened: Mask  # by estimated figures
+
+
+class _Rejected(NamedTuple):
+    """Candidates that failed."""
+
+    sets: Candidates
+    bound: Array  # the smallest margin of each is no better
+
+
+def sifted(
+    problem: Problem,
+    *,
+    pareto: Sequence[str] = (),
+    progress: Progress | None = None,
+    margins: bool = False,
+    wanted: int = 0,
+) -> tuple[Passing, Candidates, Counts]:
+    """The drives that pass or may pass, the closest rejected, and the counts.
+
+    ``wanted``: so many of a long cycle are enough, in the order of the objective; 0 all.
+    """
+    every, names = pairs(problem), {*problem.spec.select.weights, *pareto}
+    waveform: Waveform = "all" if "energy" in names else "limits" if names & _WAVEFORM else "open"
+    lazy = waveform == "open" and wanted > 0 and not margins and _is_long(problem)
+    margins = margins or waveform != "open"
+    total, done, undecided = len(every.motor) * len(problem.belt_ratios), 0, 0
+    failed_by, kept = Counter[str](), list[_Found]()
+    rejected = _Rejected(every.on(slice(0, 0)), np.zeros(0))
+    for some, one, opened in _examined(problem, every, "bounds" if lazy else waveform, margins):
+        failed_by.update(one.failed_by)
+        kept.append(_Found(some.on(one.drives.rows), one.drives, opened))
+        near = _closest(one.bound)
+        rejected = _nearest(problem, rejected, _Rejected(some.on(one.rejected[near]), one.bound[near]))
+        done += len(some.pairs.motor) * len(some.belts)
+        if progress:
+            progress(done, total)
+    left_out = 0
+    if kept:
+        found = joined(kept)
+        figures = found.drives.figures | chosen(found.drives, needs_encoder=not problem.spec.steps)
+        figures["margin"] = found.drives.amount.margin if margins else np.full(len(found.opened), np.inf)
+        found = found._replace(drives=found.drives._replace(figures=figures))
+        if lazy:
+            found, out, by, undecided = _computed_in_order(problem, found, wanted)
+            failed_by.update(by)
+            rejected = _nearest(problem, rejected, out)
+        drives = _known_of(problem, found, margins, "open" if lazy else waveform, names)
+        left_out = len(found.opened) - len(drives.passes)
+    else:
+        none = np.zeros(0, np.int64)
+        figures = dict.fromkeys((*COUNTED, "margin", "encoder", "controller", "brake"), np.zeros(0))
+        drives = Passing(every.on(none), none, figures, none, np.zeros(0), none == 0)
+    counts = Counts(
+        considered=total, feasible=len(drives.passes), passing=int(np.count_nonzero(drives.passes)), left_out=left_out,
+        open=int(np.count_nonzero(drives.certainty == OPEN)), undecided=undecided,
+        failed_by={name: count for name, count in failed_by.items() if count},
+    )  # fmt: skip
+    return drives, rejected.sets, counts
+
+
+def any_passes(problem: Problem) -> bool:
+    """Whether any candidate passes or may pass: no more of them are examined than answer that."""
+    every = pairs(problem)
+    if problem.spec.select.unknown == "reject":
+        found = (one.drives.amount.unknown for _, one, _ in _examined(problem, every, "open", False))
+        return any((~unknown.any(axis=1)).any() for unknown in found)
+    uncertain = every.on(estimated(problem, every))
+    favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
+    for side, sets in ((favourable, every), (unfavourable, uncertain)):
+        for some, _ in _chunks(problem, sets):
+            if any(len(one.drives.rows) for one in examine(side, some, waveform="open")):
+                return True
+    return False
+
+
+def _examined(
+    problem: Problem, every: Candidates, waveform: Waveform, margins: bool
+) -> Iterator[tuple[Crossed, Examined, Mask]]:
+    """Some of them after the other: all at the favourable end of the bands, those that hang on one at the other too.
+
+    With each which of what came through is open.
+    """
+    uncertain = np.zeros(len(every.motor), bool)
+    uncertain[estimated(problem, every)] = True
+    favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
+    offered = offers(favourable), offers(unfavourable) if uncertain.any() else None
+    for some, rows in _chunks(problem, every):
+        easy = _together(examine(favourable, some, waveform=waveform, margins=margins, offered=offered[0]))
+        few = np.flatnonzero(uncertain[rows])
+        if not len(few):
+            yield some, easy, np.zeros(len(easy.drives.rows), bool)
+            continue
+        again = Crossed(some.pairs.on(few), some.belts)
+        hard = _together(examine(unfavourable, again, waveform=waveform, margins=margins, offered=offered[1]))
+        belt, row = np.divmod(hard.drives.rows, len(few))
+        hard = hard._replace(drives=hard.drives._replace(rows=belt * len(some.pairs.motor) + few[row]))
+        yield some, *_at_both(easy, hard, np.isin(easy.drives.rows % len(some.pairs.motor), few))
+
+
+def _together(found: Iterable[Examined]) -> Examined:
+    """Candidates that were examined some at a time, put together; there is at least one."""
+    drives, _, failed_by, rejected, bound = zip(*found, strict=True)
+    return Examined(
+        joined(drives), [], sum(failed_by, Counter[str]()), np.concatenate(rejected), np.concatenate(bound)
+    )  # fmt: skip
+
+
+def _at_both(easy: Examined, hard: Examined, opened: Mask) -> tuple[Examined, Mask]:
+    """Candidates that fail at one end of the bands at most, as at the unfavourable one where they do not fail there.
+
+    Those that fail at neither, and lack the same figures at both, are not open.
+    """
+    at, end = easy.drives, hard.drives
+    _, here, there = np.intersect1d(at.rows, end.rows, assume_unique=True, return_indices=True)
+    differs = np.ones(len(end.rows), bool)
+    differs[there] = (at.amount.unknown[here] != end.amount.unknown[there]).any(axis=1)
+    end.amount.unknown[there] &= at.amount.unknown[here]
+    end.amount.doublings[there] = at.amount.doublings[here]
+    end.figures[UNDECIDED][there] = np.maximum(end.figures[UNDECIDED][there], at.figures[UNDECIDED][here])
+    alone, still = np.setdiff1d(np.arange(len(at.rows)), here), ~np.isin(easy.rejected, end.rows)
+    whole = joined([on(at, alone), end])
+    in_order = np.argsort(whole.rows)
+    found = easy._replace(drives=on(whole, in_order), rejected=easy.rejected[still], bound=easy.bound[still])
+    return found, np.concatenate([opened[alone], differs])[in_order]
+
+
+def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slice]]:
+    """The candidates belt by belt, some at a time, and which pairs these are."""
+    belts = problem.belt_ratios
+    most = min(max(_CHUNK // max(len(every.motor), 1), 1), belts_together(problem))
+    for some in np.array_split(np.array(belts), -(-len(belts) // most)):  # alike many at a time
+        for start in range(0, len(every.motor), _CHUNK):
+            rows = slice(start, start + _CHUNK)
+            yield Crossed(every.on(rows), some.tolist()), rows
+
+
+def _closest(bound: Array) -> Rows:
+    """Rows that are as near to their limits as the nearest, as many as are kept and their equals."""
+    if len(bound) <= _NEAREST:
+        return np.arange(len(bound))
+    farthest = -np.partition(-bound[-_SOME:], _NEAREST - 1)[_NEAREST - 1]  # of all the last is no farther
+    last = -np.partition(-bound[bound >= farthest], _NEAREST - 1)[_NEAREST - 1]
+    few = np.flatnonzero(bound >= last - _ALIKE * abs(last))  # rounding makes equals of no others
+    far = rounded(-bound[few])
+    near: Rows = few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
+    return near
+
+
+def _nearest(problem: Problem, one: _Rejected, other: _Rejected) -> _Rejected:
+    """The nearest of the rejected of two; of those that are equally far the first by part number."""
+    both = joined([one, other])
+    rows = order(problem.catalog, both.sets, -both.bound, np.zeros(len(both.bound), np.int64))[:_NEAREST]
+    return on(both, rows)
+
+
+def _is_long(problem: Problem) -> bool:
+    """Whether a cycle has so many segments that no more drives are computed than are shown."""
+    return max(len(case.at_belt.load_cycle.duration) for case in problem.cases) > _LONG
+
+
+def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_Found, _Rejected, Counter[str], int]:
+    """Drives that bounds leave open computed in the order of an objective, until so many before the next one pass.
+
+    The rest of them is left out, and counted. Where no drive passes because of what all lack, a look at some says so.
+    """
+    catalog, objective, sets, drives = problem.catalog, problem.spec.select.objective, found.sets, found.drives
+    undecided, failed, opened = drives.figures[UNDECIDED] > 0.0, np.zeros(len(found.opened), bool), found.opened.copy()
+    lacks = drives.figures[UNDECIDED] > 1.0  # none of these passes, whatever the waveform says
+    lacks &= not lacks[undecided].all()  # but for what all lack
+    amount = drives.amount._replace(**{name: x.copy() for name, x in drives.amount._asdict().items()})
+    figures = {name: x.copy() for name, x in drives.figures.items()}
+    segments = max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
+    enough, seen, size = max(_CELLS // segments, _SEEN, 4 * wanted), 0, max(2 * wanted, _FIRST)
+    failed_by = Counter[str]()
+    while undecided.any():
+        # anew, for with its waveform a drive may need a heavier controller
+        value, missing = ranking.values(catalog, sets, figures, objective)
+        of_all: Any = np.uint64(0)
+        if seen >= enough:
+            of_all = np.bitwise_and.reduce(amount.unknown[~(undecided | failed)], axis=0)
+        passes = ~(undecided | failed | opened | (amount.unknown & ~of_all).any(axis=1))
+        rank, value = order(catalog, sets, value, missing, before=[lacks]), rounded(value)
+        some = rank[undecided[rank]][:size]
+        first = some[0]
+        better = (missing < missing[first]) | ((missing == missing[first]) & (value < value[first]))
+        if np.count_nonzero(passes & (better | lacks[first])) >= wanted:
+            break
+        if not seen:  # the best of those is named beside the first that passes
+            others = np.flatnonzero(undecided & lacks)
+            few = order(catalog, sets.on(others), value[others], missing[others])[:_NAMED]
+            some = np.union1d(some, others[few])
+        one = by_physics(problem, sets.on(some), "open")
+        checks = [check for check in one.checks if not check.advice]
+        failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
+        known = [replace(c, passed=c.passed | c.opened) for c in checks]
+        opened[some] = np.any([np.broadcast_to(c.opened, len(some)) for c in checks], axis=0)
+        failed[some], undecided[some] = one.failed, False
+        new = amount_of(known, len(some), False)
+        for column, computed in zip(amount, new._replace(margin=amount_of(checks, len(some)).margin), strict=True):
+            column[some] = computed
+        for name, x in chosen(one, needs_encoder=not problem.spec.steps).items():
+            figures[name][some] = x
+        seen, size = seen + len(some), 2 * size
+    left, out = np.flatnonzero(~(failed | undecided)), np.flatnonzero(failed)
+    found = _Found(sets, drives._replace(amount=amount, figures=figures), opened)
+    return on(found, left), _Rejected(sets.on(out), amount.margin[out]), failed_by, int(np.count_nonzero(undecided))
+
+
+def _known_of(problem: Problem, found: _Found, margins: bool, waveform: Waveform, names: set[str]) -> Passing:
+    """All that pass or may pass; of estimated figures those that objectives count are at the middle of the band."""
+    sets, (_, amount, *_, figures), opened = found
+    rows = estimated(problem, sets)
+    if names & set(COUNTED) and len(rows):
+        middle = figures_by_physics(problem, sets.on(rows), "all" if waveform == "open" else waveform)
+        for name in COUNTED:
+            figures[name][rows] = middle[name]
+    most = np.full(len(opened), np.inf) if margins else amount.margin
+    known, nothing = ~amount.unknown.any(axis=1), np.zeros(len(opened), np.int64)
+    if problem.spec.select.unknown == "reject":
+        return on(Passing(sets, opened * OPEN, figures, nothing, most, ~opened), np.flatnonzero(known))
+    own = amount.unknown & ~np.bitwise_and.reduce(amount.unknown, axis=0)  # what all lack sets none back
+    lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
+    lacking += amount.doublings + (opened & (lacking > 0))  # some checks of these are open besides
+    certainty = np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES))
+    return Passing(sets, certainty, figures, lacking, most, known & ~opened)
+
+
+# -- Order of drives before their margins count.
+#
+# Before the objective goes the certainty that a drive passes: of open ones how probable it is, of unknown ones how
+# few checks are undecided and how few times a known limit must be doubled for them.
+
+
+_CELLS_OF_RANK = 50_000  # drives times pieces of the load cycle, of which margins are computed to order equals
+_SAMPLED = 32  # open drives at most
+_HARDLY = 4  # unknown checks behind which one stands that passes in less than a tenth of its band ...
+_ONCE = 0.02  # ... and behind so many more one that passes hardly once in it
+_TENTHS = 12  # places for tenths of a probability, and for what is not sampled
+
+
+class Rank(NamedTuple):
+    """Columns over drives that pass or may pass: less is better, the first one first."""
+
+    precedence: NDArray[np.int64]  # certainty; of open drives how probable it is that none fails, of unknown how few
+    missing: NDArray[np.int64]  # parts of which the objective is unknown
+    value: Array  # of the objective
+
+    @property
+    def columns(self) -> Array:
+        """All of them, where rounding makes no difference: shape (3, drives)."""
+        return np.stack([self.precedence, self.missing, rounded(self.value)])
+
+    def order(self, catalog: Catalog, sets: Candidates, rows: Any = slice(None), margin: Array | None = None) -> Rows:
+        """Some drives from best to worst, by their places among these."""
+        before = [self.precedence[rows]]
+        return order(catalog, sets.on(rows), self.value[rows], self.missing[rows], before=before, margin=margin)
+
+
+def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
+    """Columns that order the drives that pass or may pass.
+
+    Of open checks as many drives are sampled as an order of those shown needs. An open drive is placed by tenths of the
+    probability that it passes, an unknown one whose open checks hardly pass behind one of which more is unknown.
+    """
+    value, missing = ranking.values(problem.catalog, kept.sets, kept.figures, problem.spec.select.objective)
+    precedence = _TENTHS * kept.certainty + kept.lacking
+    opened = kept.certainty == OPEN
+    precedence[opened] += _TENTHS - 1
+    count = max(min(_SAMPLED, waveforms(problem)), top)
+    ahead = np.count_nonzero(kept.certainty == PASSES)
+    for rows in (np.flatnonzero(opened), np.flatnonzero(kept.certainty == UNKNOWN)):
+        if len(rows) > 1 and ahead < top:
+            before = [precedence[rows]]
+            best = rows[order(problem.catalog, kept.sets.on(rows), value[rows], missing[rows], before=before)][:count]
+            probable = _probabilities(problem, kept.sets.on(best))
+            tenths = (10.0 * probable).astype(np.int64)
+            hardly = np.where(opened[best], _TENTHS * UNKNOWN, precedence[best]) + _HARDLY
+            likely = np.where(opened[best], _TENTHS * (OPEN + 1) - 1 - tenths, precedence[best])
+            precedence[best] = np.where(tenths == 0, hardly + _HARDLY * (probable < _ONCE), likely)
+        ahead += len(rows)
+    return Rank(precedence, missing, value)
+
+
+def _probabilities(problem: Problem, sets: Candidates) -> Array:
+    """Probability that the open checks of each drive pass together; 1 of drives without any."""
+    few, found = by_physics(problem, sets, "open"), np.ones(len(sets.motor))
+    for place in range(len(found)):
+        if names := few.open_checks(place):
+            one = few.candidates.on(np.array([place]))
+            one = one._replace(controller=few.controller[[place]], brake=few.brake[[place]])
+            found[place] = passing(problem, one, names, each=False)[""]
+    return found
+
+
+def waveforms(problem: Problem) -> int:
+    """Number of drives whose waveforms may be computed to order them."""
+    return _CELLS_OF_RANK // max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
+
+
+def better_but_unknown(problem: Problem, kept: Passing, rank: Rank, best: Rows) -> Rows:
+    """The best of those that are better than the first shown and only stand behind it for a figure that is missing."""
+    if not len(best) or kept.certainty[best[0]] != PASSES:
+        return best[:0]
+    first, shown = rounded(rank.value), best[0]
+    better = (rank.missing <= rank.missing[shown]) & (first < first[shown])
+    rows = np.flatnonzero((kept.certainty != PASSES) & better)
+    least = [kept.certainty[rows], kept.lacking[rows]]
+    return rows[order(problem.catalog, kept.sets.on(rows), rank.value[rows], rank.missing[rows], before=least)[:1]]
