@@ -34,7 +34,7 @@ from drivesizer.results.sizing import SizingResult
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.open_checks import estimated
-from drivesizer.search.ranking import sifted
+from drivesizer.search.passing import sifted
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -105,7 +105,7 @@ def served(machine: Machine) -> bool:
     """Whether the catalogues have a drive for a machine, with estimates."""
     try:
         both, specs = sides(machine)
-        return len(sifted(problem(specs[1], both[1]), {"mass"}, None)[0].sets.motor) > 0
+        return len(sifted(problem(specs[1], both[1]), pareto=("mass",))[0].sets.motor) > 0
     except DrivesizerError:
         return False
 
@@ -234,7 +234,7 @@ def same_drives(
     off: SizingResult, on: SizingResult, rng: np.random.Generator
 ) -> tuple[Counter[Any], Counter[str], Counter[str], list[str]]:
     """Drives that pass or may pass in either sizing: status in both, missing figures, checks left, what is odd."""
-    kept = [sifted(found.problem, {"mass"}, None)[0] for found in (off, on)]
+    kept = [sifted(found.problem, pareto=("mass",))[0] for found in (off, on)]
     key = [list(zip(*(k.sets[n].tolist() for n in range(3)), strict=True)) for k in kept]
     certain = [dict(zip(k, one.certainty.tolist(), strict=True)) for k, one in zip(key, kept, strict=True)]
     every = sorted(set().union(*key))
@@ -244,7 +244,7 @@ def same_drives(
         every = [every[n] for n in sorted(rng.choice(len(every), SAME, replace=False).tolist())]
     motor, gearhead, belt = (np.array(side) for side in zip(*every, strict=True))
     sets = Candidates(motor, gearhead, belt.astype(float), np.ones(len(every), bool))
-    both = Both(*(evaluate(found.problem, sets, exact=False) for found in (off, on)))
+    both = Both(*(evaluate(found.problem, sets) for found in (off, on)))
     status, missing, left, odd = Counter[Any](), Counter[str](), Counter[str](), list[str]()
     for row, drive in enumerate(every):
         before, after = (one.status(row) for one in both)

@@ -131,7 +131,8 @@ def joined(several: Sequence[Record]) -> Record:
     every: Any = several
     if len(several) == 1:
         return several[0]
-    found: Record = np.concatenate(every) if isinstance(every[0], np.ndarray) else _each(lambda *x: joined(x), *every)
+    whole: Any = np.concatenate(every) if isinstance(every[0], np.ndarray) else _each(lambda *x: joined(x), *every)
+    found: Record = whole
     return found
 
 

@@ -23,7 +23,7 @@ from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.stepper import PULL_OUT_SHARE
 from drivesizer.physics.winding import Parts
-from drivesizer.search.columns.brakes import at_motor, brake_limits
+from drivesizer.search.columns.brakes import brake_inertia, brake_limits
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.shaft_limits import shock_limits
@@ -167,9 +167,8 @@ def test_emergency_stops_of_random_drives() -> None:
         cycle = CycleAtBelt(load_cycle(lift.spec), 0.9).behind(lift.belt)
         motor, gearhead, brake = (columns(*pair) for pair in ((Motor, motors), (Gearhead, gears), (Brake, brakes)))
         encoder = columns(Encoder, [{}] * 30)
-        felt = at_motor(brake, "inertia", gearhead["ratio"] * lift.belt)
-        demand = demands(cycle, motor, gearhead, encoder, felt)
         parts = Parts(motor, gearhead, encoder, None, brake)
+        demand = demands(cycle, motor, gearhead, encoder, brake_inertia(parts, lift.belt))
         checks = {one.name: one for one in brake_limits(lift.spec, cycle, parts, demand, np.ones(30, bool))}
         for n, three in enumerate(zip(motors, gears, brakes, strict=True)):
             for name, expected in stop_verdicts(lift, *three).items():

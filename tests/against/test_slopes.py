@@ -8,7 +8,7 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
-from drivesizer.search.search import other_checks
+from drivesizer.search.set_record import other_checks
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
 

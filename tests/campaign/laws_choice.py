@@ -19,7 +19,7 @@ from drivesizer.machine.problem import problem
 from drivesizer.results.drive_set import Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search import ranking
-from drivesizer.search.ranking import Sifted, sifted
+from drivesizer.search.passing import Passing, sifted
 from drivesizer.search.relaxations import changes_for, relaxations
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import size
@@ -28,7 +28,7 @@ from drivesizer.spec.robot import RobotSpec
 
 __all__ = ["more_to_choose_from", "one_part", "proposals"]
 
-_Search = tuple[Problem, Sifted, list[tuple[str, str, float]]]
+_Search = tuple[Problem, Passing, list[tuple[str, str, float]]]
 _CONTROLLERS = ("technosoft", "odrive", "mjbots", "roboteq", "granite_devices", "vesc", "amc", "cytron", "trinamic")
 
 
@@ -95,7 +95,7 @@ def _lost(one: _Search, other: _Search, objective: str) -> Iterator[str]:
             yield f"best {objective} {value:.9g} ({missing} unknown) / {worse:.9g} ({lacks} unknown)"
 
 
-def _best(problem_: Problem, found: Sifted, objective: str) -> tuple[int, float]:
+def _best(problem_: Problem, found: Passing, objective: str) -> tuple[int, float]:
     """The least of an objective among the drives that pass, and how many figures of it are unknown."""
     value, missing = ranking.values(problem_.catalog, found.sets, found.figures, objective)
     some = zip(missing[found.passes].tolist(), value[found.passes].tolist(), strict=True)

@@ -14,7 +14,6 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.sizing import used_share, weighted_order
 from drivesizer.search import ranking
 from drivesizer.search.choices import choices
-from drivesizer.search.columns import offers
 from drivesizer.search.columns.evaluation import smallest_margin
 from drivesizer.search.search import search
 from drivesizer.search.shortlist import load_parts, problem_with_drive_mass
@@ -85,9 +84,10 @@ def belt_axis(tmp_path_factory, catalog):
     """A belt axis, all drives that pass with all their figures, and those to choose from."""
     spec = starter("belt_axis", tmp_path_factory.mktemp("belt"))
     problem, _ = problem_with_drive_mass(spec, load_parts(spec, catalog))
-    every = search(problem, top=5, margins=True).every
-    whole = every.evaluated(np.flatnonzero(every.certainty == every.certainty[every.best[0]]))
-    parts = offers.chosen(whole.encoder, whole.controller, whole.brake, needs_encoder=True)
+    every = search(problem, top=5, margins=True)
+    certainty = every.every.drives.certainty
+    whole = every.every.at(np.flatnonzero(certainty == certainty[every.best[0]]))
+    parts = ranking.chosen(whole, needs_encoder=True)
     figures = {**whole.figures, "margin": smallest_margin(whole.checks), **parts}
     columns = {}
     for name in NAMES:
@@ -132,7 +132,7 @@ def test_the_search_ranks_by_weights_as_the_page_does(belt_axis, text):
     problem, every, _, _ = belt_axis
     ranked = problem.ranked_by(ranking.objective_of(text))
     result = search(ranked, top=1, margins=True)
-    found, by_mass = chosen(ranked, result.every), chosen(problem, every)
+    found, by_mass = chosen(ranked, result), chosen(problem, every)
     drives = [*found.drives, *by_mass.drives]
     columns = {name: np.array([one.figures[name] for one in drives]) for name in NAMES}
     columns["margin"] = used_share(columns["margin"])

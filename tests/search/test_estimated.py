@@ -20,7 +20,7 @@ from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.view.search_view import search_view
 from drivesizer.machine.problem import problem
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.search.ranking import OPEN, sifted
+from drivesizer.search.passing import OPEN, sifted
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.uncertain_figures import holding_of_a_set
 from drivesizer.sizing import explain, explained, size

@@ -7,6 +7,7 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
+from drivesizer.physics.figures import joined
 from drivesizer.search.columns.candidates import Crossed, pairs
 from drivesizer.search.columns.stages import examine
 from drivesizer.spec.robot import read_spec
@@ -47,12 +48,13 @@ select: {PARTS}
 
 
 def whole(found, name):
-    return np.concatenate([getattr(one, name) for one in found])
+    drives = joined([one.drives for one in found])
+    return drives.amount.unknown if name == "unknown" else getattr(drives, name)
 
 
 def test_what_bounds_pass_the_waveform_passes_and_nothing_else(given):
     crossed = Crossed(pairs(given), BELTS)
-    by_waveform, by_bounds = (list(examine(given, crossed, exact=exact)) for exact in (True, False))
+    by_waveform, by_bounds = (list(examine(given, crossed, waveform=waveform)) for waveform in ("all", "open"))
     assert 20 < len(whole(by_waveform, "rows")) < 0.2 * len(crossed.pairs.motor) * len(BELTS)
     for name in ("rows", "unknown", "controller"):
         np.testing.assert_array_equal(whole(by_bounds, name), whole(by_waveform, name), name)

@@ -12,7 +12,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.document.candidates import probability_table
 from drivesizer.output.json.documents import plain
 from drivesizer.results.check_columns import at_most
-from drivesizer.search.columns.offers import unknown_where_doubtful
+from drivesizer.search.columns.limits import unknown_where_doubtful
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.simulate import validate
 from drivesizer.sizing import explained

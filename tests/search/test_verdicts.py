@@ -375,7 +375,7 @@ def test_laws_of_verdicts(of, estimates, start):
     given_ = problem(hoist(of, estimates), catalog)
     every = pairs(given_)
     some = every.on(np.arange(start, len(every.motor), EVERY))
-    found = by_physics(given_, some, False)
+    found = by_physics(given_, some, "open")
     for check in found.checks:
         over = check.passed & (check.demand > check.limit * (1.0 + 1e-9))
         assert not over.any(), (check.name, check.demand[over][0], check.limit[over][0])

@@ -12,7 +12,7 @@ from drivesizer.output.tables import not_enough
 from drivesizer.output.terminal.sizing import explained
 from drivesizer.results.sizing import Explanation, ranked_by
 from drivesizer.search import ranking
-from drivesizer.search.ranking import sifted
+from drivesizer.search.passing import sifted
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explain, size
 from drivesizer.spec.drive import BOUGHT, OBJECTIVES

@@ -66,10 +66,12 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
         known = ~np.isnan(table["max_speed"] + by_frequency)
         fastest = np.nan_to_num(np.fmin(table["max_speed"], by_frequency), nan=np.inf)
         worth = summed_share(spec, table, catalog)
-        figures = (counted, np.nan), (fastest, np.nan), (known, False), (worth, np.inf)
         inertia = np.nan_to_num(np.append(table["inertia"], 0.0))[row]
         least = float(max(needed or 0, choice.min_counts or 0))
-        return EncoderOffers(row, *(np.append(column, none)[row] for column, none in figures), inertia, last, least)
+        return EncoderOffers(
+            row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row],
+            np.append(worth, np.inf)[row], inertia, last, least,
+        )  # fmt: skip
 
     offered: EncoderOffers = catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
     return offered
@@ -237,10 +239,10 @@ def brakes_for(
     spec, catalog = problem.spec, problem.catalog
     option, found = offered.row[parts.motor.rows], np.full(len(parts.motor.rows), -1)
     if option.size and len(catalog.brakes):  # figures of candidates are columns (rows, 1), of brakes (rows, brakes)
-        tables = zip((catalog.motors, catalog.gearheads, catalog.encoders), parts[:3], strict=True)
-        each = (Rows(table, part.rows[:, None]) for table, part in tables)
+        tables: Any = zip((catalog.motors, catalog.gearheads, catalog.encoders), parts[:3], strict=True)
+        motor, gearhead, encoder = (Rows(table, part.rows[:, None]) for table, part in tables)
         belts = [cycle.base.behind(np.asarray(cycle.belt)[..., None]) for cycle in cycles]
-        checks = _of_options(problem, belts, Parts(*each, None, Rows(catalog.brakes, option)))
+        checks = _of_options(problem, belts, Parts(motor, gearhead, encoder, None, Rows(catalog.brakes, option)))
         passing, failing, margin = option >= 0, option < 0, np.full(option.shape, np.inf)
         for check in checks:
             passing, failing = passing & check.passed, failing | check.failed

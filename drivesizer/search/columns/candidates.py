@@ -27,7 +27,7 @@ class Candidates(NamedTuple):
 
     def on(self, rows: NDArray[Any] | slice) -> Candidates:
         """Some of them."""
-        return Candidates(*(None if column is None else column[rows] for column in self))
+        return Candidates._make(None if column is None else column[rows] for column in self)
 
 
 class Crossed(NamedTuple):

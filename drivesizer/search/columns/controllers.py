@@ -46,10 +46,8 @@ class Ranks(NamedTuple):
 
     def on(self, rows: NDArray[np.int64]) -> Ranks:
         """Of some of the candidates."""
-        return self._replace(**{
-            name: column[:, rows] for name, column in zip(self._fields[:-1], self[:-1], strict=True)
-            if column.shape[1] > 1
-        })  # fmt: skip
+        taken: dict[str, Any] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
+        return self._replace(**{name: x[:, rows] for name, x in taken.items() if x.shape[1] > 1})
 
     def at(self, figure: NDArray[Any], place: NDArray[np.int64]) -> NDArray[Any]:
         """A figure of one controller of each candidate."""
@@ -70,10 +68,10 @@ class Ranks(NamedTuple):
         if self.weight:
             worth = worth + self.weight / (1.0 + np.maximum(np.minimum(self.margin, most), -0.999))
         rank: Any = np.round(worth, 9)
-        worth, fewest, last = rank, unknown.min(axis=0), np.inf
+        worth, fewest, last = rank, unknown.min(axis=0), float("inf")
         if worth.shape[1] == 1:  # the same order for all
             rank = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)
-            last = np.int16(len(worth))
+            last = len(worth)
         own = np.where(unknown == fewest, rank, last)
         place = np.where(own == own.min(axis=0), self.unprinted, LOST).argmin(axis=0)
         return np.array([fewest, self.at(worth, place), self.at(self.unprinted, place), place], float)

@@ -69,11 +69,7 @@ class Amount(NamedTuple):
     doublings: NDArray[np.int64]  # of known limits up to the demands, over the checks that are undecided
     margin: Array  # the smallest, -1 where a check fails that has none; infinite where margins are not computed
 
-    def at(self, rows: NDArray[np.int64]) -> Amount:
-        """Of some rows."""
-        return Amount(*(column.take(rows, axis=0) for column in self))
-
-    def with_(self, other: Amount) -> Amount:
+    def plus(self, other: Amount) -> Amount:
         """Together with further checks of the same rows."""
         return Amount(
             self.failed | other.failed, self.unknown | other.unknown, self.doublings + other.doublings,
@@ -153,11 +149,11 @@ class _Sieve:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
         found = amount_of(checks, len(self.rows), self.margins)
         if not found.failed.any():
-            self.amount = self.amount.with_(found)
+            self.amount = self.amount.plus(found)
             return kept
         out, left = np.flatnonzero(found.failed), np.flatnonzero(~found.failed)
         self.rejected.append((self.rows[out], _least_margin([check.on(out) for check in checks], len(out))))
-        self.rows, self.amount = self.rows[left], self.amount.at(left).with_(found.at(left))
+        self.rows, self.amount = self.rows[left], on(self.amount, left).plus(on(found, left))
         return left
 
 
@@ -172,8 +168,10 @@ def examine(
 ) -> Iterator[Examined]:
     """Candidates against every limit: pairs behind several belts in stages, a list of candidates all the way."""
     offered = offered or offers(problem)
-    crossed = isinstance(sets, Crossed)
-    started = _by_parts(problem, offered, sets, margins) if crossed else _all_the_way(problem, offered, sets)
+    if isinstance(sets, Crossed):
+        started = _by_parts(problem, offered, sets, margins)
+    else:
+        started = _all_the_way(problem, offered, sets)
     for sieve, some in started:
         yield from _combined(problem, offered, sieve, some, waveform, each)
 
@@ -224,7 +222,7 @@ def _by_parts(
     for some in _together([len(rows) for rows in left], belts):
         b, r = belt[some], row[some]
         sets = pairs.on(r)._replace(belt=np.array(crossed.belts)[b])
-        amount = gear.at(b * count + sets.gearhead).with_(motor.at(sets.motor)).with_(load.at(b))
+        amount = on(gear, b * count + sets.gearhead).plus(on(motor, sets.motor)).plus(on(load, b))
         sieve = _Sieve(b * len(pairs.motor) + r, amount, margins=margins)
         sieve.failed_by, sieve.rejected = failed_by, rejected
         yield sieve, sets
@@ -405,4 +403,4 @@ def _computed_together(cycles: Sequence[AtGearhead], count: int, steps: bool) ->
             found[-1] = slice(start, rows.stop)
         else:
             found.append(rows)
-    return found
+    return found if len(found) > 1 else [slice(None)]
