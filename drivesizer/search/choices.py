@@ -57,8 +57,8 @@ def choices(problem: Problem, result: SearchResult, most: int, *, judge: Judge |
     if not len(best):
         return None
     names = criteria(problem.spec.select.objective, problem.spec.method)
-    as_sure = every.certainty == every.certainty[best[0]]
-    best, alike = best[as_sure[best]], np.flatnonzero(as_sure)
+    alike_certain = every.certainty == every.certainty[best[0]]
+    best, alike = best[alike_certain[best]], np.flatnonzero(alike_certain)
     sets, figures = every.sets.on(alike), {name: column[alike] for name, column in every.figures.items()}
     given = np.searchsorted(alike, best)  # the first of them is the best of all
     looked_at = picked(_cheap(problem, sets, figures, names), given, _affordable(problem)).rows

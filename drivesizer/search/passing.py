@@ -1,4 +1,4 @@
-"""Of all candidates those that pass or may pass, and the closest rejected; how sure the former are before they rank.
+"""Of all candidates those that pass or may pass, and the closest rejected; how certain it is, before they rank.
 
 Candidates are examined in chunks, behind some belts at a time: those that pass are kept as rows of a few numbers, the
 rejected only while they are among the closest, so that memory grows with the drives that pass. All are examined at the
