@@ -1,13 +1,19 @@
-"""Import of another program's table: CSV with a header and a row of units, to the text of a catalogue file."""
+"""Import of parts as people have them: a shop's table, a workbook, a data sheet, to the text of a catalogue file.
+
+Numbers are copied as printed; a cell with a unit of its own is brought to that of its column. Which column a head means
+is guessed by the words of ``headers.yaml``, and only where its unit fits; a map says it instead. The resulting text is
+read as a catalogue before anything is written.
+"""
 
 from __future__ import annotations
 
-import csv
 import difflib
-import io
+import json
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+import unicodedata
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,79 +21,117 @@ from drivesizer.catalog.catalog_file import RATIO, parse
 from drivesizer.catalog.exporting import plain
 from drivesizer.catalog.parts import PARTS, Column, columns_of
 from drivesizer.catalog.schema import SCHEMA
-from drivesizer.catalog.tables import CONFIDENCE
+from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
+from drivesizer.files.sheets import Sheet
 from drivesizer.files.yaml_source import Path_, YamlSource, read
-from drivesizer.units import number, scale
+from drivesizer.units import kind_of_unit, number, scale
 
-# -- Map of a table to import: its columns, and figures that all parts have in common.
-#
-# manufacturer: Anymaker
-# family: M 20                       # where no column gives it
-# source: {name: sheet, document: "data sheet, page 3", confidence: quoted, date: "2024-05", url: "https://..."}
-# unknown: ["-", n/a]                # further cells that mean unknown, besides an empty one and ~
-# common: {kind: brushed, diameter: 20 mm}
-# columns:
-#   Order no.: part
-#   Nominal voltage: nominal_voltage
-#   Remark: ~                        # not imported
-
-
-_KEYS = ("manufacturer", "family", "source", "unknown", "common", "columns")
+_KEYS = ("manufacturer", "family", "source", "unknown", "common", "units", "columns")
 _SOURCE = ("name", "document", "confidence", "date", "url")
+_UNKNOWN = ("", "-", "–", "—", "~")
+_NO_FIGURE = ("n/a", "na", "n.a.", "tbd", "k.a.", "none", "null", "nan")  # further ones, where a number is due
+_SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
+_NEAR = 0.86  # likeness of a head to a word, from which on it counts
+_GENERAL = frozenset(
+    {"part", "family", "manufacturer", "mass", "length", "diameter", "price", "kind", "shaft_diameter"}
+)
+_TEXTS = ("text", "ratio")
+_COLUMNS = {name: column for part in PARTS for name, column in columns_of(part).items()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """Map and options combined."""
+    """What the user says of a table, by a map and by options.
 
+    A map is YAML: ``manufacturer``, ``family``, ``source: {name, document, confidence, date, url}``, ``unknown: [n/a]``
+    for further cells that mean unknown, ``common: {kind: brushed}``, ``units: {Weight: g}`` where the table has none,
+    ``columns: {Order no.: part, Remark: ~}``.
+    """
+
+    section: str = ""  # empty: the one that fits best
+    columns: Mapping[str, str | None] | None = None  # head -> column, None: not imported; without a map guessed
+    units: Mapping[str, str] = field(default_factory=dict)
+    manufacturer: str = ""
+    family: str = ""
+    source_name: str = ""
+    source: Mapping[str, str] = field(default_factory=dict)  # document, confidence, date, url
+    unknown: tuple[str, ...] = ()
+    common: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Head(NamedTuple):
+    """One head of a table, what it means and in which unit."""
+
+    theirs: str
+    unit: str
+    line: int
+    column: str = ""  # of the catalogue; two, where a cell has a range; empty: not understood
+    lacks: str = ""  # why it is not imported
+
+
+class Imported(NamedTuple):
+    """Result of an import: the text of the catalogue file, and what was understood."""
+
+    text: str
+    catalog: Catalog
     section: str
-    columns: Mapping[str, str | None]  # header in the table -> column of the catalogue, None: not imported
-    manufacturer: str
-    family: str
-    source_name: str
-    source: Mapping[str, str]  # document, confidence, date, url
-    unknown: tuple[str, ...]
-    common: Mapping[str, Any]
+    families: dict[str, int]
+    heads: list[Head]
+    examples: list[str]  # the first known cell below each head
+    assumed: tuple[str, ...]  # what the table does not say
+    cells: tuple[str, ...]  # that are not understood, and are unknown
+    skipped: tuple[str, ...]  # rows, each with its reason
+    empty: tuple[str, ...]  # columns without any value
 
 
-def plan(section: str, path: Path | None, options: Mapping[str, str | None]) -> Plan:
+# -- What the user says.
+
+
+def plan(section: str, path: Path | None, options: Mapping[str, str | None], common: Sequence[str] = ()) -> Plan:
     """Plan of an import from a map file and options; an option takes precedence over the map."""
-    if section not in PARTS:
+    if section and section not in PARTS:
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
-    file, known = read(path) if path else YamlSource("{}", ""), columns_of(section)
+    file = read(path) if path else YamlSource("{}", "")
     given = _mapping(file, file.data, (), _KEYS)
     source = _mapping(file, given.get("source"), ("source",), _SOURCE)
     stated = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
     stated |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
     stated |= {key: value for key, value in options.items() if value}
-    if not stated["document"]:
-        raise InputError("--document: the source of the figures is missing; expected e.g. 'data sheet, 2024-05'")
-    if stated["confidence"] not in CONFIDENCE:
+    if stated["confidence"] and stated["confidence"] not in CONFIDENCE:
         raise InputError(f"--confidence: {quoted(stated['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
-    columns = _mapping(file, given.get("columns"), ("columns",))
-    for theirs, ours in columns.items():
+    known = columns_of(section) if section else _COLUMNS
+    columns = _mapping(file, given["columns"], ("columns",)) if "columns" in given else None
+    for theirs, ours in (columns or {}).items():
         if ours is not None and (not isinstance(ours, str) or ours not in known):
             hint = nearest(str(ours), known) or f"; expected one such as {', '.join(list(known)[:4])}"
-            raise InputError(f"{file.where(('columns', theirs))}: {section} have no column {quoted(ours)}{hint}")
+            what = section or "parts"
+            raise InputError(f"{file.where(('columns', theirs))}: {what} have no column {quoted(ours)}{hint}")
     unknown = given.get("unknown")
     if unknown is not None and not isinstance(unknown, list):
         raise InputError(f'{file.where(("unknown",))}: expected a list, e.g. ["-", n/a]')
-    common = _mapping(file, given.get("common"), ("common",))
-    for name, figure in common.items():
+    shared = _mapping(file, given.get("common"), ("common",))
+    for entry in common:
+        name, sign, value = entry.partition("=")
+        if not sign or name.strip() not in known:
+            raise InputError(f"--set: {quoted(entry)}; expected a column and its figure, e.g. kind=brushed")
+        shared |= {name.strip(): value.strip()}
+    for name, figure in shared.items():
         if name not in known or name in ("part", "family", "manufacturer"):
             raise InputError(f"{file.where(('common', name))}: not a figure that parts have in common")
         if isinstance(figure, dict | list | bool):
             raise InputError(f"{file.where(('common', name))}: expected a figure with its unit, or text")
+    units = _mapping(file, given.get("units"), ("units",))
     return Plan(
         section=section,
         columns=columns,
+        units={theirs: _text(file, unit, ("units", theirs)) for theirs, unit in units.items()},
         manufacturer=stated["manufacturer"],
         family=stated["family"],
-        source_name=stated["name"] or "table",
+        source_name=stated["name"],
         source={key: stated[key] for key in ("document", "date", "confidence", "url")},
         unknown=tuple(_text(file, cell, ("unknown", place)) for place, cell in enumerate(unknown or [])),
-        common=common,
+        common=shared,
     )
 
 
@@ -110,105 +154,352 @@ def _text(file: YamlSource, value: Any, path: Path_) -> str:
     return str(value)
 
 
-# -- Prices of a table in their currency: euros, francs, or any other, kept as it is.
+# -- How a table lies: a part in each row below a header, or a part in each column beside its figures' names.
 
 
-_SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
+class Layout(NamedTuple):
+    """Heads of a table, and the cells of each part with their lines."""
+
+    heads: list[Head]
+    parts: list[tuple[int, list[str]]]
+    lying: bool = False
 
 
-def currency_of(unit: str) -> str:
+def _split(head: str) -> tuple[str, str]:
+    """A head without its unit, and the unit.
+
+    >>> _split("Nominal voltage [V]"), _split("free_speed_rpm"), _split("Max. torque, Nm"), _split("Kt (N.m/A)")
+    (('Nominal voltage', 'V'), ('free speed', 'rpm'), ('Max. torque', 'Nm'), ('Kt', 'N*m/A'))
+    """
+    text = " ".join(head.split())
+    if text in _COLUMNS:
+        return text, ""
+    for pattern in (r"(.+?)\s*\[([^\]]+)\]\W*", r"(.+?)\s*\(([^()]+(?:\([^()]*\))?)\)\W*", r"(.+?),\s*(\S+)",
+                    r"(.+?)\s+/\s+(\S+)", r"(.+?)\s+in\s+(\S+)", r"(.+)[_ ]([^_\s]+)"):  # fmt: skip
+        match = re.fullmatch(pattern, text)
+        if match and (unit := _unit(match.group(2), small="_" in text)):
+            return match.group(1).replace("_", " ") if "_" in match.group(1) else match.group(1), unit
+    return text, ""
+
+
+def _unit(text: str, small: bool = False) -> str:
+    """A unit in the reader's spelling, empty where it is none; letters of a name such as ``torque_nm`` are small."""
+    text = text.strip()
+    for one in (text, _words()["units"].get(text, ""), re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", text)):
+        if one and (kind_of_unit(one) is not None or _currency(one)):
+            return one
+    return {"nm": "N*m", "v": "V", "a": "A", "w": "W", "ma": "mA"}.get(text, "") if small else ""
+
+
+def _currency(unit: str) -> str:
     """Code of a currency, of its sign or of the code itself; empty where a unit is none."""
-    return _SIGNS.get(unit, unit if re.fullmatch(r"[A-Z]{3}", unit) else "")
+    return _SIGNS.get(
+        unit, unit if re.fullmatch(r"USD|EUR|CHF|GBP|JPY|CNY|CAD|AUD|SEK|DKK|NOK|PLN|CZK|KRW|INR", unit) else ""
+    )
 
 
-def foreign_prices(
-    units: Sequence[str], plan: Plan, taken: Mapping[str, int]
-) -> tuple[list[str], Plan, dict[str, int]]:
-    """Prices in another currency than euros, in the columns for them; nothing is converted."""
-    place = taken.get("price", taken.get("foreign_price", len(units)))
-    unit = currency_of(units[place]) if place < len(units) else ""
-    if not unit or unit == "EUR":
-        return list(units), plan, dict(taken)
-    francs = unit == "CHF" and "list_price" in columns_of(plan.section)
-    own = "list_price" if francs else "foreign_price"
-    renamed = {own if at == place else name: at for name, at in taken.items()}
-    cleared = [*units[:place], "CHF" if francs else "", *units[place + 1 :]]
-    stated = {} if francs or "currency" in taken else {"currency": unit}
-    return cleared, replace(plan, common={**stated, **plan.common}), renamed
+def _layouts(sheet: Sheet, units: Mapping[str, str]) -> Iterator[Layout]:
+    rows = [(line, cells) for line, cells in sheet.rows if any(cells)]
+    for place, (line, cells) in enumerate(rows[:15]):  # upright
+        named = [cell for cell in cells if cell and not re.fullmatch(r"[\d.,\s+-]+", cell)]
+        if len(named) < 2 or place + 1 == len(rows):
+            continue
+        below = rows[place + 1][1]
+        own = [_unit(cell) or ("1" if cell == "1" else "") for cell in below]
+        has_units = any(own) and not any(cell and not unit for cell, unit in zip(below, own, strict=True))
+        heads = [
+            _head(cell, own[at] if has_units and at < len(own) else "", line, units) for at, cell in enumerate(cells)
+        ]
+        start = place + 1 + (has_units or not any(below))
+        yield Layout(heads, rows[start:])
+    width = max((len(cells) for _, cells in rows), default=0)
+    if width < 2 or len(rows) < 2:
+        return
+    full = [(line, [*cells, *[""] * (width - len(cells))]) for line, cells in rows]
+    shares = [sum(bool(_unit(cells[at])) for _, cells in full) / len(full) for at in range(width)]
+    unit_at = max(range(1, width), key=lambda at: shares[at])
+    unit_at = unit_at if shares[unit_at] > 0.3 else 0
+    values = [at for at in range(1, width) if at != unit_at
+              and sum(bool(re.search(r"\d", cells[at])) for _, cells in full) > len(full) // 4]  # fmt: skip
+    heads = [_head(cells[0], _unit(cells[unit_at]) if unit_at else "", line, units) for line, cells in full]
+    if values:  # what a line of a data sheet says once it says of all parts
+        alone = {place: cells[at] for place, (_, cells) in enumerate(full)
+                 if sheet.separator == " " and len(some := [at for at in values if cells[at]]) == 1
+                 for at in some}  # fmt: skip
+        shared = [[alone.get(place) or cells[at] for place, (_, cells) in enumerate(full)] for at in values]
+        yield Layout(heads, [(0, cells) for cells in shared], lying=True)
 
 
-# -- Columns of another program's table, guessed by their headers and units, and the map that says so.
-#
-# A guess is by the words of ``headers.yaml``, and only where the unit fits the kind of the column: it is shown and
-# written as a map, for a person to look at.
+def _head(cell: str, unit: str, line: int, units: Mapping[str, str]) -> Head:
+    theirs, own = _split(cell)
+    return Head(cell, units.get(cell, units.get(theirs, unit or own)), line)
 
 
-_NEAR = 0.82  # likeness of a header to a name, from which on it counts
+# -- What a head means.
 
 
-def guessed(header: Sequence[str], units: Sequence[str], section: str) -> dict[str, str]:
-    """The column that each header of a table means, by its words and its unit."""
-    columns, words_of = columns_of(section), read(Path(__file__).with_name("headers.yaml")).data
-    own = {name for name in header if name in columns}
-    found: list[tuple[float, int, str, str]] = []
-    for place, theirs in enumerate(header):
-        unit = units[place] if place < len(units) else ""
-        for name, column in columns.items() if theirs not in own else ():
-            words = [name.replace("_", " "), *words_of.get(name, "").split("; ")]
-            ratios = (difflib.SequenceMatcher(None, _plain(theirs), word).ratio() for word in words if word)
-            near = max(ratios, default=0.0)
-            if near >= _NEAR and name not in own and _fits(unit, column):
-                found.append((-near, place, theirs, name))
-    chosen: dict[str, str] = {}
-    for _, _, theirs, name in sorted(found):
-        if theirs not in chosen and name not in chosen.values():
-            chosen[theirs] = name
-    return {theirs: chosen[theirs] for theirs in header if theirs in chosen}
+@cache
+def _words() -> dict[str, Any]:
+    found: dict[str, Any] = read(Path(__file__).with_name("headers.yaml")).data
+    return found
+
+
+@cache
+def _meanings(section: str) -> dict[str, list[str]]:
+    """Columns of a section by the words that mean them."""
+    own, found = columns_of(section), dict[str, list[str]]()
+    lists = {name: text for name, text in _words()["words"].items() if name in own}
+    lists |= {name: text for name, text in _words()["ranges"].items() if any(one in own for one in name.split())}
+    for name, text in {**dict.fromkeys(own, ""), **lists}.items():
+        for word in (*([name.replace("_", " ")] if name in own else []), *text.split("; ")):
+            if word and name not in found.setdefault(word, []):
+                found[word].append(name)
+    for name, text in _words()["per_turn"].items():
+        for word in text.split("; ") if name in own else ():
+            found.setdefault(word, []).append(name)
+    return found
 
 
 def _plain(text: str) -> str:
-    """A header in small letters, without marks and without what is in brackets.
+    """A head in small letters, without accents and marks, without what stands in brackets and the row's number.
 
-    >>> _plain("Max. continuous torque [mNm]"), _plain("Order no.")
-    ('max continuous torque', 'order no')
+    >>> _plain("Max. continuous torque [mNm]"), _plain("3 Trägheitsmoment"), _plain("No load speed @ 12V")
+    ('max continuous torque', 'tragheitsmoment', 'no load speed')
     """
-    bare = re.sub(r"[\[(][^\])]*[\])]", "", text.lower())
-    return " ".join(re.sub(r"[^a-z0-9]+", " ", bare).split())
+    bare = re.sub(r"[\[(][^\])]*[\])]|\s(@|at|bei)\s.*|^\s*\d{1,2}\s+(?=\D)", "", text.casefold())
+    ascii_only = unicodedata.normalize("NFKD", bare).encode("ascii", "ignore").decode()
+    return (
+        " ".join(re.sub(r"[^a-z0-9]+", " ", ascii_only).split())
+        .replace("maximum ", "max ")
+        .replace("maximale ", "max ")
+    )
 
 
-def _fits(unit: str, column: Column) -> bool:
-    """Whether a unit is one of a column's kind; a text has none."""
-    if column.name == "price" and currency_of(unit):
-        return True
-    if column.kind in ("text", "ratio"):
-        return unit in ("", "1")
-    try:
-        scale(unit or "1", column.kind)
-    except InputError:
-        return False
-    return True
+def _spoken(theirs: str) -> list[str]:
+    """A head's words, whole and without the symbol behind them."""
+    words = _plain(_split(theirs)[0])
+    first, _, last = words.rpartition(" ")
+    return [words, first] if first and len(last) <= 3 else [words]
 
 
-def map_text(columns: Mapping[str, str], header: Sequence[str], stated: Mapping[str, str | None]) -> str:
-    """The map of a guess as YAML: what is left out stands there too, to be completed."""
-    import json
+def _guessed(layout: Layout, section: str, near: bool = True) -> list[Head]:
+    """Heads with the columns that they mean, by their words and units; each column once, the best match first."""
+    known, meanings, matches = columns_of(section), _meanings(section), list[tuple[float, int, str]]()
+    for place, head in enumerate(layout.heads):
+        for step, words in enumerate(_spoken(head.theirs) if head.theirs else ()):
+            if head.theirs in known:
+                matches.append((-1.1, place, head.theirs))
+                break
+            names = dict.fromkeys(meanings.get(words, ()), 1.0 - 0.02 * step)
+            if near and not names and len(words) > 3:
+                like = difflib.get_close_matches(words, meanings, 3, _NEAR)
+                names = {name: 0.9 * difflib.SequenceMatcher(None, words, word).ratio()
+                         for word in reversed(like) for name in meanings[word]}  # fmt: skip
+            matches += [(-likeness, place, name) for name, likeness in names.items()]
+            if names:
+                break
+    chosen, told = dict[int, str](), dict[int, str]()
+    for _, place, name in sorted(matches):
+        if place in chosen or name in chosen.values():
+            continue
+        lacks = _unfit(layout, place, name, known)
+        if lacks:
+            told.setdefault(place, lacks)
+        else:
+            chosen[place] = name
+    heads = []
+    for place, head in enumerate(layout.heads):
+        name = chosen.get(place, "")
+        heads.append(
+            head._replace(
+                column=name, unit=_unit_of(layout, place, name, known), lacks="" if name else told.get(place, "")
+            )
+        )
+    for wanted, instead in (("ratio", "reduction"), ("part", "order_number")):
+        if wanted in known and not any(head.column == wanted for head in heads):
+            heads = [head._replace(column=wanted) if head.column == instead else head for head in heads]
+    return heads
 
-    def quoted(text: str) -> str:
-        return json.dumps(text, ensure_ascii=False)
 
-    lines = [f"{key}: {quoted(stated[key] or '')}" for key in ("manufacturer", "family") if stated.get(key)]
-    source = {key: stated[key] for key in ("name", "document", "confidence", "date", "url") if stated.get(key)}
-    if source:
-        lines.append(f"source: {{{', '.join(f'{key}: {quoted(str(value))}' for key, value in source.items())}}}")
-    lines.append("columns:  # guessed by name and unit: look at each; ~ is not imported")
-    lines += [f"  {quoted(theirs)}: {columns.get(theirs, '~')}" for theirs in header if theirs]
-    return "\n".join(lines) + "\n"
+def _unit_of(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -> str:
+    """Unit of a column: as its head has it, as its first cell has it, as all of the trade mean it."""
+    head = layout.heads[place]
+    if head.unit or not name or (name in known and known[name].kind in _TEXTS):
+        return head.unit
+    for _, cells in layout.parts:
+        cell = cells[place] if place < len(cells) else ""
+        if (match := re.search(r"\d\s*([^\d\s.,'()+±-][^()\d]*(?:\d[^()\d]*)?)$|^([€$£])", cell)) and (
+            unit := _unit(match.group(1) or match.group(2))
+        ):
+            return unit
+    return str(_words()["implied"].get(_plain(head.theirs), ""))
 
 
-# -- Import of another program's table: CSV with a header and a row of units, to the text of a catalogue file.
-#
-# Numbers are copied as printed, in the units of the table; nothing is computed or guessed. The resulting text is
-# read as a catalogue before it is written.
+def _unfit(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -> str:
+    """Why a head cannot mean a column; empty where it can."""
+    unit = _unit_of(layout, place, name, known)
+    if name in _words()["per_turn"] and name in known and unit in ("deg", "°"):
+        return ""
+    for column in (known[one] for one in name.split() if one in known):
+        if column.name in ("price", "foreign_price") and _currency(unit):
+            continue
+        if column.kind in _TEXTS:
+            if unit not in ("", "1"):
+                return f"{column.name.replace('_', ' ')} has no unit, found {unit}"
+            continue
+        if not unit and column.kind != "dimensionless":
+            return f"{column.name.replace('_', ' ')} without a unit; write e.g. [{column.unit}]"
+        try:
+            scale(unit or "1", column.kind)
+        except InputError as error:
+            return str(error)
+    return ""
+
+
+def understood(sheets: Sequence[Sheet], given: Plan) -> tuple[str, Layout, Sheet]:
+    """Kind of part, heads and rows of the table of a file that says most of parts."""
+    best: tuple[float, str, Layout, Sheet] | None = None
+    for sheet in sheets:
+        for layout in _layouts(sheet, given.units):
+            for section in [given.section] if given.section else PARTS:
+                if given.columns is not None:
+                    names = {head.theirs for head in layout.heads}
+                    score = float(sum(theirs in names for theirs in given.columns))
+                    score += 0.5 * len(names & set(columns_of(section)))
+                else:
+                    heads = _guessed(layout, section, near=False)
+                    score = sum((0.4 if head.column in _GENERAL else 1.0) for head in heads if head.column)
+                    score += 0.3 * sum(bool(head.lacks) for head in heads)
+                if best is None or score > best[0] + 1e-9:
+                    best = score, section, layout, sheet
+    if best is None or best[0] < (0.3 if given.section or given.columns else 1.0):
+        raise InputError("expected a header with names such as Order no., Nominal voltage [V], and parts below it, "
+                         "or names and units at the left and a part in each column; --map names columns")  # fmt: skip
+    _, section, layout, sheet = best
+    return section, layout, sheet
+
+
+def _mapped(layout: Layout, section: str, given: Plan, where: str) -> list[Head]:
+    """Heads with the columns that a map gives them; a head that is a column's own name needs none."""
+    columns, known = given.columns or {}, columns_of(section)
+    for theirs in columns:
+        if theirs not in {head.theirs for head in layout.heads}:
+            near = nearest(theirs, [head.theirs for head in layout.heads])
+            raise InputError(f"{where}: header: the map's column {quoted(theirs)} is not there{near}")
+    heads, taken = [], set[str]()
+    for place, head in enumerate(layout.heads):
+        name = columns.get(head.theirs, head.theirs if head.theirs in known else None)
+        if name is None:
+            heads.append(head)
+            continue
+        if name in taken:
+            raise InputError(f"{where}: header: {quoted(head.theirs)} and another column are both {name}")
+        if name in given.common:
+            raise InputError(f"{where}: header: {quoted(head.theirs)} is {name}, which the map gives in common too")
+        if lacks := _unfit(layout, place, name, known):
+            raise InputError(f"{where}: {head.theirs}: {lacks}")
+        taken.add(name)
+        heads.append(head._replace(column=name, unit=_unit_of(layout, place, name, known)))
+    return heads
+
+
+# -- Figures of a cell.
+
+
+def decimal_sign(cells: Sequence[str], separator: str) -> str:
+    """The sign before decimals in a table: what no other reading allows decides, then the separator.
+
+    >>> decimal_sign(["24,5", "1.200"], ";"), decimal_sign(["24.5", "1,200"], ";"), decimal_sign(["1,200"], ",")
+    (',', '.', '.')
+    """
+    text = " ; ".join(cells)
+    commas = len(re.findall(r"(?<![\d.,])\d+,(?:\d{1,2}|\d{4,})(?![\d.,])|(?<![\d.,])0,\d+|\d\.\d{3},\d", text))
+    points = len(re.findall(r"(?<![\d.,])\d+\.(?:\d{1,2}|\d{4,})(?![\d.,])|(?<![\d.,])0\.\d+|\d,\d{3}\.\d", text))
+    if commas != points:
+        return "," if commas > points else "."
+    return "," if separator in (";", "\t") and re.search(r"\d,\d", text) else "."
+
+
+_FIGURE = re.compile(
+    r"(?:[<>≤≥≈~=±]|ca\.?|max\.?|min\.?|up to|bis|approx\.?)*\s*([€$£]|US\$)?\s*"
+    r"([+-]?[0-9](?:[0-9.,']|\s(?=[0-9]{3}(?![0-9])))*(?:[eE][+-]?[0-9]+)?)"
+    r"(?:\s*[x×·*]\s*10\^?([+-]?[0-9]+))?\s*(.*)"
+)
+_SMALL = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_SIGNS_OF_PRINT = str.maketrans("−\u00a0\u202f\u2009’", "-   '")
+
+
+def figure(cell: str, decimal: str) -> tuple[str, str]:
+    """The number of a cell, with a decimal point, and what follows it.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+
+    Examples
+    --------
+    >>> figure("1.234,5 min-1", ","), figure("1'200", "."), figure("≤ 0.5°", "."), figure("€ 12,50", ",")
+    (('1234.5', 'min-1'), ('1200', ''), ('0.5', '°'), ('12.50', '€'))
+    """
+    powers = re.sub(r"(?<=10)[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda power: power.group().translate(_SMALL), cell)
+    match = _FIGURE.fullmatch(powers.translate(_SIGNS_OF_PRINT).strip())
+    if match is None:
+        raise InputError(f"{quoted(cell)} does not start with a number")
+    sign, digits, power, rest = match.groups()
+    digits = re.sub(r"[\s']", "", digits).rstrip(".,")
+    other = "." if decimal == "," else ","
+    if other in digits:
+        if not re.fullmatch(rf"[+-]?\d{{1,3}}(?:\{other}\d{{3}})+(?:\{decimal}\d*)?", digits):
+            raise InputError(
+                f"{quoted(cell)}: {quoted(other)} does not part thousands; decimals have {quoted(decimal)} here"
+            )
+        digits = digits.replace(other, "")
+    digits = digits.replace(decimal, ".")
+    number(digits)  # in the range of floats, written in one way
+    return digits + (f"e{power}" if power else ""), (sign or rest).strip()
+
+
+def _cell(cell: str, column: Column, unit: str, decimal: str) -> str:
+    """A cell as YAML in its column's unit."""
+    if column.kind == "text":
+        return _token(cell)
+    bare = re.sub(r"^i\s*=\s*|\s*(?=:)|(?<=:)\s*", "", cell)
+    if column.kind == "ratio" and RATIO.fullmatch(bare):
+        return bare.removesuffix(":1")
+    text, rest = figure(bare.removesuffix(":1"), decimal)
+    own = _unit(rest) or (_unit(rest.split()[0]) if rest and not rest.startswith((".", "-", "–", "to ")) else "")
+    if rest and not own and not (column.kind == "dimensionless" and rest == "1"):
+        raise InputError(f"{quoted(cell)} is not a plain number; the unit belongs in the head, or in the row below it")
+    if own and own != unit and not _currency(own):
+        (factor, offset), (to, start) = scale(own, column.kind), scale(unit or "1", column.kind)
+        text = f"{(float(text) * factor + offset - start) / to:.12g}"
+    if not _currency(unit):
+        factor, offset = scale(unit or "1", column.kind)
+        if float(text) * factor + offset < column.least or (column.kind == "ratio" and float(text) <= 0.0):
+            least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
+            raise InputError(f"{column.name} {quoted(cell)} is {least}")
+    return str(int(text)) if re.fullmatch(r"[+-]?0[0-9]+", text) else text
+
+
+def _cells(cell: str, head: Head, known: Mapping[str, Column], decimal: str) -> dict[str, str]:
+    """Known figures of a cell as YAML: of two columns where it is a range."""
+    names = head.column.split()
+    if len(names) == 2:
+        ends = re.split(r"\s*(?:\.{2,}|…|–|—|\bto\b|\bbis\b|(?<=[\d°CVA])\s*-\s*(?=[\d+]))\s*", cell)
+        if len(ends) != 2:
+            raise InputError(f"{quoted(cell)} is no range; expected e.g. 10 ... 30")
+        return {
+            name: _cell(end, known[name], head.unit, decimal)
+            for name, end in zip(names, ends, strict=True)
+            if name in known
+        }
+    if head.column in _words()["per_turn"] and head.unit in ("deg", "°"):
+        return {head.column: f"{360.0 / float(figure(cell, decimal)[0]):.12g}"}
+    return {head.column: _cell(cell, known[head.column], head.unit, decimal)}
+
+
+# -- The catalogue file.
 
 
 _BARE = re.compile(r"[A-Za-z][A-Za-z0-9_ ()*/^.%+-]*[A-Za-z0-9_)%]|[A-Za-z]")
@@ -216,164 +507,146 @@ _YAML_WORDS = {"null", "true", "false"}
 _QUOTE = '"'  # of tokens, left out in messages
 
 
-class Imported(NamedTuple):
-    """Result of an import: the text of the catalogue file, and a summary."""
+def import_table(sheets: Sequence[Sheet], path: Path, given: Plan, target: Path) -> Imported:
+    """Make the text of a catalogue file from the tables of a file.
 
-    text: str
-    parts: int
-    families: dict[str, int]
-    columns: dict[str, str]  # header in the table -> column
-    unknown: tuple[str, ...]  # headers in the table that are no column
-    empty: tuple[str, ...]  # columns without any value
-    skipped: tuple[str, ...]  # rows, each with its reason
+    Parameters
+    ----------
+    sheets
+        All tables of the file; the one that says most of parts is taken.
+    path
+        Of the file, for messages.
+    given
+        What the user says of it.
+    target
+        The catalogue file that is to be.
 
+    Returns
+    -------
+    Imported
 
-class _Sheet(NamedTuple):
-    path: Path
-    header: list[str]
-    units: list[str]
-    rows: list[tuple[int, list[str]]]  # line and cells
-
-
-def heads_of(text: str, path: Path) -> tuple[list[str], list[str]]:
-    """Header and units of a table."""
-    sheet = _sheet(text, path)
-    return sheet.header, sheet.units
-
-
-def import_table(text: str, path: Path, plan: Plan, target: Path) -> Imported:
-    """Make the text of a catalogue file from a table."""
-    sheet = _sheet(text, path)
-    taken = _places_of_columns(sheet, plan)
-    units, plan, taken = foreign_prices(sheet.units, plan, taken)
-    sheet = sheet._replace(units=units)
-    schema = columns_of(plan.section)
-    heads = {name: _head(sheet, place, schema[name]) for name, place in taken.items()}
-    rows: dict[str, tuple[int, dict[str, str]]] = {}
-    skipped: list[str] = []
-    for line, cells in sheet.rows:
-        row = _row(sheet, line, cells, taken, plan)
-        if "part" not in row:
-            skipped.append(f"line {line}: no part number" if any(cells) else f"line {line}: empty")
-            continue
-        first, _ = rows.setdefault(row["part"], (line, row))
-        if first != line:
-            raise InputError(f"{path}:{line}: part: {quoted(row['part'].strip(_QUOTE))} is in line {first} too")
-    if not rows:
-        raise InputError(f"{path}: rows: no part found below the header and the row of units")
-    used = {name for _, row in rows.values() for name in row}
-    groups: dict[str, list[dict[str, str]]] = {}
-    makers: set[str] = set()
-    for line, row in rows.values():
-        makers |= {row.pop("manufacturer")} if "manufacturer" in row else set()
-        family = row.pop("family", _token(plan.family) if plan.family else "")
-        if not family:
-            raise InputError(f"{path}:{line}: family: unknown; give one with --family or in the map")
-        groups.setdefault(family, []).append(row)
-    makers = makers or ({_token(plan.manufacturer)} if plan.manufacturer else set())
-    if len(makers) != 1:
-        names = " and ".join([maker.strip(_QUOTE) for maker in sorted(makers)][:3]) or "none"
-        raise InputError(f"{path}: manufacturer: {names} found; a catalogue has one (--manufacturer, or in the map)")
-    made = _written(plan, makers.pop(), groups, heads)
+    Raises
+    ------
+    InputError
+        When no table of parts is there, or a figure that the map names cannot be read.
+    """
     try:
-        parse(YamlSource(made, str(target)), target.stem, "")
+        section, layout, sheet = understood(sheets, given)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    where = str(path) if layout.lying else f"{path}:{layout.heads[0].line}"
+    heads = _guessed(layout, section) if given.columns is None else _mapped(layout, section, given, where)
+    heads = [one._replace(column="", lacks="given in common") if one.column in given.common else one for one in heads]
+    heads, common = _prices(heads, section, given)
+    numbered = any(head.column == "part" for head in heads)
+    if not numbered and given.columns is not None:
+        raise InputError(f"{where}: header: no column is the part number; name it in the map, e.g. Order no.: part")
+    decimal = decimal_sign([cell for _, cells in layout.parts for cell in cells], sheet.separator)
+    rows, odd, skipped = _rows(path, layout, heads, columns_of(section), decimal, given)
+    assumed = [] if numbered else [f"no part numbers: {', '.join(row['part'].strip(_QUOTE) for _, row in rows[:3])}"]
+    used = {name for _, row in rows for name in row} | {"family", "manufacturer"}
+    groups, maker = _families(path, rows, given, assumed)
+    source = dict(given.source)
+    for key, value, option in (("document", path.name, "--document"), ("confidence", "secondary", "--confidence")):
+        if not source.get(key):
+            if given.columns is not None:
+                raise InputError(f"{option}: the source of the figures is missing; expected e.g. 'data sheet, 2024-05'")
+            source[key] = value
+            assumed.append(f"{key} {value} ({option})")
+    text = _written(section, maker, groups, heads, common, given.source_name or "table", source)
+    try:
+        catalog = parse(YamlSource(text, str(target)), target.stem, "")
     except (CatalogError, InputError) as error:
         raise InputError(f"{error} (nothing was written)") from None
     return Imported(
-        text=made,
-        parts=len(rows),
+        text=text,
+        catalog=catalog,
+        section=section,
         families={name.strip(_QUOTE): len(some) for name, some in groups.items()},
-        columns={sheet.header[place]: name for name, place in taken.items()},
-        unknown=tuple(h for h in sheet.header if h and h not in plan.columns and h not in schema),
-        empty=tuple(name for name in taken if name not in used),
+        heads=heads,
+        examples=[next((cells[at] for _, cells in layout.parts if at < len(cells) and cells[at]), "")
+                  for at in range(len(heads))],
+        assumed=tuple(assumed),
+        cells=tuple(odd),
         skipped=tuple(skipped),
-    )
+        empty=tuple(name for head in heads for name in head.column.split() if name not in used),
+    )  # fmt: skip
 
 
-def _sheet(text: str, path: Path) -> _Sheet:
-    head = text.partition("\n")[0]
-    if ";" in head and "," not in head:
-        raise InputError(f"{path}:1: header: separated by semicolons; expected commas, and points in numbers")
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-    try:
-        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
-    except csv.Error as error:
-        raise InputError(f"{path}:{reader.line_num}: row: {error}; expected comma-separated values") from None
-    if len(rows) < 2:
-        raise InputError(f"{path}: expected a header, a row of units such as ,V,rpm and then a part in each row")
-    (_, header), (_, units), *rest = rows
-    for line, cells in [(2, units), *rest]:
-        if len(cells) != len(header) and any(cells):
-            what = "units" if line == 2 else "row"
-            raise InputError(f"{path}:{line}: {what}: {len(cells)} cells; the header has {len(header)}")
-    return _Sheet(path, header, units, rest)
-
-
-def _places_of_columns(sheet: _Sheet, plan: Plan) -> dict[str, int]:
-    """Place of each column in the table."""
-    where = f"{sheet.path}:1: header"
-    for theirs in (name for name in plan.columns if name not in sheet.header):
-        near = nearest(theirs, sheet.header)
-        raise InputError(f"{where}: the map's column {quoted(theirs)} is not there{near}")
-    found: dict[str, int] = {}
-    own = columns_of(plan.section)
-    for place, theirs in enumerate(sheet.header):
-        name = plan.columns.get(theirs, theirs if theirs in own else None)
-        if name is None:
+def _rows(
+    path: Path, layout: Layout, heads: Sequence[Head], known: Mapping[str, Column], decimal: str, given: Plan
+) -> tuple[list[tuple[int, dict[str, str]]], list[str], list[str]]:
+    """Known cells of each part as YAML, by column; cells that are not understood; rows that are no part."""
+    rows, odd, skipped = list[tuple[int, dict[str, str]]](), list[str](), list[str]()
+    numbered, lines = any(head.column == "part" for head in heads), dict[str, int]()
+    for at, (line, cells) in enumerate(layout.parts, 1):
+        if given.columns is not None and len(cells) != len(heads) and any(cells):
+            raise InputError(f"{path}:{line}: row: {len(cells)} cells; the header has {len(heads)}")
+        row = dict[str, str]()
+        for head, cell in zip(heads, map(plain, cells), strict=False):
+            if not head.column or cell in _UNKNOWN or cell in given.unknown:
+                continue
+            if cell.casefold() in _NO_FIGURE and not (head.column in known and known[head.column].kind == "text"):
+                continue
+            place = f"{path}:{line or head.line}: {head.theirs}"
+            try:
+                row |= _cells(cell, head, known, decimal)
+            except InputError as error:
+                if given.columns is not None:
+                    raise InputError(f"{place}: {error}") from None
+                odd.append(f"line {line or head.line}: {head.theirs}: {error}")
+        if not numbered and row:
+            voltage = f" {row['nominal_voltage']} V" if "nominal_voltage" in row else f" {at}"
+            name = given.family or path.stem.replace("_", " ")
+            row["part"] = _token(f"{name}{voltage if len(layout.parts) > 1 else ''}")
+        if "part" not in row:
+            skipped.append(f"line {line}: no part number" if any(cells) else f"line {line}: empty")
             continue
-        if name in found:
-            raise InputError(f"{where}: {quoted(theirs)} and another column are both {name}")
-        if name in plan.common:
-            raise InputError(f"{where}: {quoted(theirs)} is {name}, which the map gives in common too")
-        found[name] = place
-    if "part" not in found:
-        raise InputError(f"{where}: no column is the part number; name it in the map, e.g. Order no.: part")
-    return found
+        if row["part"] in lines:
+            name = quoted(row["part"].strip(_QUOTE))
+            raise InputError(f"{path}:{line}: part: {name} is in line {lines[row['part']]} too")
+        lines[row["part"]] = line
+        rows.append((line, row))
+    if not rows:
+        raise InputError(f"{path}: rows: no part found below the header")
+    return rows, odd, skipped
 
 
-def _head(sheet: _Sheet, place: int, column: Column) -> str:
-    """A column's head in the catalogue, its unit checked."""
-    unit = sheet.units[place] if place < len(sheet.units) else ""
-    where = f"{sheet.path}:2: {sheet.header[place]}"
-    if column.kind in ("text", "ratio") or (column.kind == "dimensionless" and unit in ("", "1")):
-        if unit not in ("", "1"):
-            raise InputError(
-                f"{where}: {column.name} has no unit, found {quoted(unit)}; the second row holds the units"
-            )
-        return column.name
-    if not unit:
-        raise InputError(f"{where}: {column.name} needs a unit in the second row, e.g. {column.unit}")
-    try:
-        scale(unit, column.kind)
-    except InputError as error:
-        raise InputError(f"{where}: {error}; the second row holds the units, e.g. {column.unit}") from None
-    return f"{column.name} ({unit})"
+def _families(
+    path: Path, rows: Sequence[tuple[int, dict[str, str]]], given: Plan, assumed: list[str]
+) -> tuple[dict[str, list[dict[str, str]]], str]:
+    """Parts by family, and their maker; without a map the file's name stands for what is not said."""
+    groups, makers, stem = dict[str, list[dict[str, str]]](), set[str](), path.stem.replace("_", " ")
+    for line, row in rows:
+        makers |= {row.pop("manufacturer")} if "manufacturer" in row else set()
+        family = row.pop("family", "") or (_token(given.family) if given.family else "")
+        if not family and given.columns is not None:
+            raise InputError(f"{path}:{line}: family: unknown; give one with --family or in the map")
+        if not family and f"family {stem} (--family)" not in assumed:
+            assumed.append(f"family {stem} (--family)")
+        groups.setdefault(family or _token(stem), []).append(row)
+    makers = {_token(given.manufacturer)} if given.manufacturer else makers
+    if not makers and given.columns is None:
+        makers = {_token(stem)}
+        assumed.append(f"manufacturer {stem} (--manufacturer)")
+    if len(makers) != 1:
+        names = " and ".join([maker.strip(_QUOTE) for maker in sorted(makers)][:3]) or "none"
+        raise InputError(f"{path}: manufacturer: {names} found; a catalogue has one (--manufacturer, or in the map)")
+    return groups, makers.pop()
 
 
-def _row(sheet: _Sheet, line: int, cells: list[str], taken: Mapping[str, int], plan: Plan) -> dict[str, str]:
-    """Known cells of a row as YAML, by column; numbers as printed, checked."""
-    found: dict[str, str] = {}
-    for name, place in taken.items() if any(cells) else ():
-        column, cell = columns_of(plan.section)[name], plain(cells[place])
-        if cell in ("", "~", *plan.unknown):
+def _prices(heads: list[Head], section: str, given: Plan) -> tuple[list[Head], dict[str, Any]]:
+    """Prices in another currency than euros go into the columns for them; nothing is converted."""
+    common = dict(given.common)
+    for at, head in enumerate(heads):
+        code = _currency(head.unit) if head.column in ("price", "foreign_price") else ""
+        if not code or code == "EUR":
             continue
-        if column.kind == "text" or (column.kind == "ratio" and RATIO.fullmatch(cell)):
-            found[name] = _token(cell) if column.kind == "text" else cell.removesuffix(":1")
-            continue
-        where = f"{sheet.path}:{line}: {sheet.header[place]}"
-        try:
-            value, rest = number(cell)
-        except InputError as error:
-            raise InputError(f"{where}: {error}") from None
-        if rest:
-            raise InputError(f"{where}: {quoted(cell)} is not a plain number; the unit belongs in the second row")
-        unit = sheet.units[place] if place < len(sheet.units) else ""
-        factor, offset = scale(unit or "1", column.kind)
-        if value * factor + offset < column.least or (column.kind == "ratio" and value <= 0.0):
-            least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
-            raise InputError(f"{where}: {column.name} {quoted(cell)} is {least}")
-        found[name] = str(int(cell)) if re.fullmatch(r"[+-]?0[0-9]+", cell) else cell
-    return found
+        francs = code == "CHF" and "list_price" in columns_of(section)
+        heads[at] = head._replace(column="list_price" if francs else "foreign_price", unit="CHF" if francs else "")
+        if not francs and not any(one.column == "currency" for one in heads):
+            common.setdefault("currency", code)
+    return heads, common
 
 
 def _token(text: str) -> str:
@@ -390,20 +663,56 @@ def _token(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else "\\U" + f"{ord(c):08x}" for c in escaped) + '"'
 
 
-def _written(plan: Plan, maker: str, groups: dict[str, list[dict[str, str]]], heads: Mapping[str, str]) -> str:
+def _written(
+    section: str, maker: str, groups: Mapping[str, list[dict[str, str]]], heads: Sequence[Head],
+    common: Mapping[str, Any], name: str, source: Mapping[str, str],
+) -> str:  # fmt: skip
     """The catalogue file: a table of each family, without columns that have no value."""
-    source, name = ", ".join(f"{key}: {_token(value)}" for key, value in plan.source.items() if value), plan.source_name
-    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:", f"  {_token(name)}: {{{source}}}", ""]
-    lines.append(f"{plan.section}:")
-    common = ", ".join(
-        f"{figure}: {'~' if value is None else value if isinstance(value, int | float) else _token(value)}"
-        for figure, value in plan.common.items()
+    known, titles = columns_of(section), dict[str, str]()
+    for head in heads:
+        for column in (one for one in head.column.split() if one in known):
+            bare = known[column].kind in _TEXTS or head.unit in ("", "1") or column in _words()["per_turn"]
+            titles[column] = column if bare else f"{column} ({head.unit})"
+    titles.setdefault("part", "part")
+    origin = ", ".join(f"{key}: {_token(value)}" for key, value in source.items() if value)
+    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:", f"  {_token(name)}: {{{origin}}}", ""]
+    lines.append(f"{section}:")
+    shared = ", ".join(
+        f"{one}: {'~' if value is None else value if isinstance(value, int | float) else _token(value)}"
+        for one, value in common.items()
     )
     for family, rows in groups.items():
-        names = [head for head in heads if any(head in row for row in rows)]
+        names = sorted((one for one in titles if any(one in row for row in rows)), key=lambda one: one != "part")
         lines += [f"- family: {family}", f"  source: {_token(name)}"]
-        lines += [f"  common: {{{common}}}"] if common else []
-        lines += [f"  columns: [{', '.join(_token(heads[head]) for head in names)}]", "  rows:"]
-        lines += [f"  - [{', '.join(row.get(head, '~') for head in names)}]" for row in rows]
+        lines += [f"  common: {{{shared}}}"] if shared else []
+        lines += [f"  columns: [{', '.join(_token(titles[one]) for one in names)}]", "  rows:"]
+        lines += [f"  - [{', '.join(row.get(one, '~') for one in names)}]" for row in rows]
         lines.append("")
     return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def map_text(imported: Imported, given: Plan) -> str:
+    """The map of a guess as YAML: what is left out stands there too, to be completed."""
+
+    def quote(text: str) -> str:
+        return json.dumps(text, ensure_ascii=False)
+
+    lines = [f"{key}: {quote(value)}" for key, value in
+             (("manufacturer", given.manufacturer), ("family", given.family)) if value]  # fmt: skip
+    source = {"name": given.source_name, **given.source}
+    lines += [f"source: {{{', '.join(f'{key}: {quote(value)}' for key, value in source.items() if value)}}}"] \
+        if any(source.values()) else []  # fmt: skip
+    lines.append("columns:  # guessed by name and unit: look at each; ~ is not imported")
+    lines += [f"  {quote(head.theirs)}: {head.column or '~'}" for head in imported.heads if head.theirs]
+    return "\n".join(lines) + "\n"
+
+
+def lacking(imported: Imported) -> list[tuple[str, str, int]]:
+    """Figures that a sizing needs and parts lack: their names, what each is for, and of how many parts."""
+    table, found = imported.catalog.table(imported.section), []
+    for names, purpose in _words()["needed"].get(imported.section, {}).items():
+        known = [table[name] for name in names.split(" or ")]
+        lack = sum(all(not value[row] or value[row] != value[row] for value in known) for row in range(len(table)))
+        if lack:
+            found.append((names.replace("_", " "), purpose, lack))
+    return found

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shlex
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -104,11 +103,12 @@ Stated = Annotated[str | None, typer.Option(help="As in the map, and before it."
 
 
 def take_in(
-    file: Annotated[Path, file_argument(metavar="FILE.CSV", help="A header, a row of units, then the parts.")],
-    section: Annotated[str, typer.Option(help="motors, gearheads, encoders or controllers.")],
+    file: Annotated[Path, file_argument(metavar="FILE", help="CSV, XLSX, a data sheet (PDF, text), JSON, .cfg, MJCF.")],
+    section: Annotated[str, typer.Option(help="motors, gearheads, ...; without it the kind that fits best.")] = "",
     map_: Annotated[Path | None, file_option("--map", help="YAML: their header to our column, source, maker.")] = None,
     output: Annotated[Path | None, file_option("--output", "-o", help="The catalogue file to write.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be read.")] = False,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="COLUMN=FIGURE", help="Of all parts.")] = None,
     manufacturer: Stated = None,
     family: Stated = None,
     name: Stated = None,
@@ -117,33 +117,33 @@ def take_in(
     date: Stated = None,
     url: Stated = None,
 ) -> None:
-    """Make a catalogue file out of another program's table; without a map its columns are guessed and shown."""
-    from drivesizer.catalog.importing import heads_of, import_table, plan
-    from drivesizer.files.text import read_text
+    """Make a catalogue file out of a table or a data sheet; without a map its columns are guessed and shown."""
+    from drivesizer.catalog.importing import import_table, map_text, plan
+    from drivesizer.catalog.law_check import check as checked
+    from drivesizer.files.sheets import sheets
     from drivesizer.files.writing import new
     from drivesizer.output.terminal import findings as terminal_findings
 
     target = _target(output, dry_run)
     stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
-    text, planned, guess = read_text(file), plan(section, map_, stated), {}
-    if map_ is None:
-        from drivesizer.catalog.importing import guessed, map_text
-
-        header, units = heads_of(text, file)
-        guess = guessed(header, units, section)
-        planned = replace(planned, columns=guess)
-    imported = import_table(text, file, planned, target)
+    planned = plan(section, map_, stated, set_ or ())
+    imported = import_table(sheets(file), file, planned, target)
     written = []  # before anything is printed, whose reader may go away
-    if guess and not dry_run:
+    if map_ is None and not dry_run and any(head.column not in ("", head.theirs) for head in imported.heads):
         beside = target.with_suffix(".map.yaml")
-        named = {theirs: theirs for theirs in header if theirs in imported.columns.values()}
-        new(beside, map_text(named | guess, header, stated).encode())
-        written.append(f"{beside} written: mend it where the guess is wrong, and import again with --map {beside}")
+        new(beside, map_text(imported, planned).encode())
+        kind = "" if section else f" --section {imported.section}"
+        written.append(
+            f"{beside} written: mend it where the guess is wrong, and import again with --map {beside}{kind}"
+        )
     if not dry_run:
         new(target, imported.text.encode())
         written.append(f"{target} written; it states no compatibility yet: add it at its end")
-    terminal_findings.imported(imported, guessed=bool(guess))
+    terminal_findings.imported(imported, guessed=map_ is None)
+    wrong = [one for one in checked(imported.catalog) if one.unexplained]
+    if wrong:
+        terminal_findings.findings(wrong)
     for line in written:
         typer.echo(line)
 
@@ -368,6 +368,4 @@ def check(
 
 
 app.command(epilog="Example: drivesizer catalog export motors -o motors.csv")(export)
-app.command("import", epilog="Example: drivesizer catalog import parts.csv --section motors --map map.yaml -o my.yaml")(
-    take_in
-)
+app.command("import", epilog="Example: drivesizer catalog import parts.xlsx -o my.yaml")(take_in)

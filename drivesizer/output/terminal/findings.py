@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.catalog import PARTS, Catalog, singular
-from drivesizer.catalog.importing import Imported
+from drivesizer.catalog.importing import Imported, lacking
 from drivesizer.catalog.law_check import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Coverage, coverage, pairs_of
@@ -20,7 +20,6 @@ from drivesizer.output.part import family_count
 from drivesizer.output.terminal.catalog import counts_text
 from drivesizer.output.terminal.render import blocks
 from drivesizer.output.terminal.tables import console, heading
-from drivesizer.output.words import number_of
 from drivesizer.units import show
 
 _LEVELS = [(level, "right") for level in CONFIDENCE]  # heads of columns
@@ -113,27 +112,40 @@ def _share(count: int, total: int) -> str:
 
 
 def imported(found: Imported, *, guessed: bool = False) -> None:
-    """Print the parts and columns that an import read, and those that it left out."""
+    """Print the parts and columns that an import read, those that it left out, and what a sizing still lacks."""
     out = console()
-    out.print(
-        counts_text(
-            found.families, out.width, f"{number_of(found.parts, 'part')} in {family_count(len(found.families))}: "
+    parts = sum(found.families.values())
+    kind = found.section if parts > 1 else singular(found.section)
+    out.print(counts_text(found.families, out.width, f"{parts} {kind} in {family_count(len(found.families))}: "))
+    rows = [
+        (
+            printable(head.theirs),
+            head.column.replace(" ", ", "),
+            head.unit if head.unit != "1" else "",
+            printable(first),
         )
-    )
-    if guessed:
-        out.print(Text("columns guessed by name and unit, to be looked at:", style="yellow"))
-    for theirs, ours in found.columns.items():
-        if theirs != ours:
-            out.print(Text(printable(f"  {theirs} → {ours}")))
-    same = ", ".join(ours for theirs, ours in found.columns.items() if theirs == ours)
-    out.print(Text(f"columns with matching names: {same or 'none'}"))
+        for head, first in zip(found.heads, found.examples, strict=True)
+        if head.column not in ("", head.theirs)
+    ]
+    same = [head.theirs for head in found.heads if head.column == head.theirs != ""]
+    heads = (("head", "left"), ("is", "left"), ("in", "left"), ("first", "right"))
+    if rows:
+        blocks(out, [listed(heads, rows, "guessed by name and unit, to be looked at" if guessed else "columns")])
+    left = [f"{head.theirs} ({head.lacks})" if head.lacks else head.theirs
+            for head in found.heads if head.theirs and not head.column]  # fmt: skip
+    need = [f"{names} ({purpose}{'' if count == parts else f'; {count} of {parts}'})"
+            for names, purpose, count in lacking(found)]  # fmt: skip
     for what, names in (
-        ("unknown columns, left out", found.unknown),
-        ("imported columns without a value", found.empty),
+        ("columns with matching names", same),
+        ("assumed", found.assumed),
+        ("left out", left),
+        ("not understood, unknown now", found.cells),
+        ("columns without a value", found.empty),
         ("rows skipped", found.skipped),
+        ("a sizing still needs", need),
     ):
         if names:
-            out.print(Text(printable(f"{what}: {', '.join(names)}")))
+            out.print(Text(printable(f"{what}: {'; '.join(names)}")))
 
 
 def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
