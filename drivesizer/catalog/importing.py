@@ -61,7 +61,7 @@ class Plan:
 
 
 class Head(NamedTuple):
-    """One head of a table, what it means and in which unit."""
+    """A head of a table, its column and its unit."""
 
     theirs: str
     unit: str
@@ -298,13 +298,13 @@ def _guessed(layout: Layout, section: str, near: bool = True) -> list[Head]:
             matches += [(-likeness, place, name) for name, likeness in names.items()]
             if names:
                 break
-    chosen, told = dict[int, str](), dict[int, str]()
+    chosen, misfits = dict[int, str](), dict[int, str]()
     for _, place, name in sorted(matches):
         if place in chosen or name in chosen.values():
             continue
         lacks = _unfit(layout, place, name, known)
         if lacks:
-            told.setdefault(place, lacks)
+            misfits.setdefault(place, lacks)
         else:
             chosen[place] = name
     heads = []
@@ -312,7 +312,7 @@ def _guessed(layout: Layout, section: str, near: bool = True) -> list[Head]:
         name = chosen.get(place, "")
         heads.append(
             head._replace(
-                column=name, unit=_unit_of(layout, place, name, known), lacks="" if name else told.get(place, "")
+                column=name, unit=_unit_of(layout, place, name, known), lacks="" if name else misfits.get(place, "")
             )
         )
     for wanted, instead in (("ratio", "reduction"), ("part", "order_number")):

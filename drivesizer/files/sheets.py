@@ -91,8 +91,8 @@ def as_text(raw: bytes, path: Path) -> str:
 def _separated(text: str, path: Path) -> Sheet:
     """Rows by the separator by which most lines have equally many cells; without one the lines of a data sheet."""
     lines, best = text.splitlines(), ("", 0.0)
-    if lines and (told := re.fullmatch(r"sep=(.)", lines[0])):  # as spreadsheets write it above the header
-        return Sheet("", _csv("\n" + "\n".join(lines[1:]), told.group(1), path), told.group(1))
+    if lines and (stated := re.fullmatch(r"sep=(.)", lines[0])):  # as spreadsheets write it above the header
+        return Sheet("", _csv("\n" + "\n".join(lines[1:]), stated.group(1), path), stated.group(1))
     for separator in _SEPARATORS:
         widths = Counter(len(cells) for cells in csv.reader(lines[:500], delimiter=separator) if any(cells))
         width, count = max(widths.items(), key=lambda one: (one[0] > 1, one[1], one[0]), default=(1, 0))
