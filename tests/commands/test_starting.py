@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from drivesizer.cli import app
 from drivesizer.commands import setup, sizing
 from drivesizer.commands import setup as starting
+from drivesizer.commands.setup import KINDS
 from drivesizer.spec.any_spec import load_any
 from drivesizer.spec.robot import load_spec
 
@@ -46,7 +47,8 @@ def test_answers_are_read_as_strictly_as_a_file_and_asked_again(told):
 
 def test_american_units_are_offered_and_mean_the_same(told):
     """30 kg are 66.1 lb, to three digits."""
-    assert told("init", answers="13\nUS\n" + "\n" * 20).exit_code == 0
+    number = KINDS.index("wheeled_vehicle") + 1
+    assert told("init", answers=f"{number}\nUS\n" + "\n" * 20).exit_code == 0
     text = Path("robot.yaml").read_text(encoding="utf-8")
     assert "mass: 66.1 lb" in text and "wheel_diameter: 7.87 in" in text
     assert load_spec("robot.yaml").load.mass == pytest.approx(30.0, rel=1e-3)
