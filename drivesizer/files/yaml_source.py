@@ -271,3 +271,12 @@ def overlay(whole: YamlSource, at: Path_, shared: dict[str, Any], own: dict[str,
         merged = isinstance(value, dict) and isinstance(default, dict) and not {"kind", "profile"} & set(value)
         data[name] = {**default, **value} if merged and default is not None else value
     return YamlOverlay(whole, at, data)
+
+
+def texts_in(data: Any) -> Iterator[str]:
+    """All texts among the values of a document."""
+    if isinstance(data, dict | list):
+        for value in data.values() if isinstance(data, dict) else data:
+            yield from texts_in(value)
+    elif isinstance(data, str):
+        yield data

@@ -514,7 +514,7 @@ def _dimensions(plan: Plan) -> list[Dimension]:
     return [one for n, one in enumerate(found) if len(one.values) > 1 or (sampled and n < len(plan.job.axes))]
 
 
-def points(plan: Plan, over: MapAxes, chunks: Iterable[list[Row]]) -> Points:
+def points(plan: Plan, over: MapAxes, rows: Iterable[Row]) -> Points:
     """The best row of each variant by panel, with the columns that maps need."""
     heads = [column.head for column in columns_of(plan)]
     wanted = {over.across.head, *([over.up.head] if over.up else []), *(one.head for one in over.beside), "status"}
@@ -522,14 +522,13 @@ def points(plan: Plan, over: MapAxes, chunks: Iterable[list[Row]]) -> Points:
     places = {name: heads.index(name) for name in wanted}
     rank, number = heads.index("rank"), heads.index("variant")
     found: Points = {key: [] for key in product(*(one.values for one in over.beside))}
-    for rows in chunks:
-        for row in rows:
-            if row[rank] not in (None, 1):
-                continue
-            point = {name: row[place] for name, place in places.items()}
-            key = tuple(point[one.head] for one in over.beside)
-            if key in found:
-                found[key].append(point | {"round": plan.round_of(row[number])})
+    for row in rows:
+        if row[rank] not in (None, 1):
+            continue
+        point = {name: row[place] for name, place in places.items()}
+        key = tuple(point[one.head] for one in over.beside)
+        if key in found:
+            found[key].append(point | {"round": plan.round_of(row[number])})
     return found
 
 
@@ -560,9 +559,9 @@ def _title(beside: Sequence[Dimension], key: Sequence[Any]) -> str:
     return ", ".join(found)
 
 
-def draw_maps(plan: Plan, chunks: Iterable[list[Row]], over: MapAxes, folder: Path) -> tuple[list[Path], list[str]]:
+def draw_maps(plan: Plan, rows: Iterable[Row], over: MapAxes, folder: Path) -> tuple[list[Path], list[str]]:
     """Write the maps of a study into a folder; files and notes."""
     if plan.total > MOST_POINTS:
         return [], [f"no maps: more than {MOST_POINTS} variants; the tables have all"]
-    found, left_out = drawings(over, points(plan, over, chunks))
+    found, left_out = drawings(over, points(plan, over, rows))
     return figures_into(found, folder) if found else [], left_out

@@ -328,8 +328,6 @@ def _axes(spec: YamlSource) -> list[str]:
 
 Places = tuple[int, ...]  # of a point on each axis; of ranges counted in the smallest parts of their steps
 MOST = 10_000_000  # variants of a study
-_CHUNKS = 128  # at least, where there are as many variants
-_LARGEST = 100  # variants of a chunk: at most so many are lost by each killed process
 
 
 class Variant(NamedTuple):
@@ -340,6 +338,7 @@ class Variant(NamedTuple):
     values: tuple[Any, ...]  # of each axis, as they go into the spec
     catalogs: int  # which entry of the study's catalogues
     objective: int
+    head: list[Any]  # first cells of its row: number, spec, values and catalogues
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -387,6 +386,11 @@ class Plan:
         return len(self.job.specs) * math.prod(len(axis.values) for axis in self.job.axes)
 
     @property
+    def every_point(self) -> int:
+        """Number of points with those that refinement added."""
+        return self.points + len(self.added)
+
+    @property
     def parts(self) -> int:
         """Number of parts that refinement makes of a step at most."""
         return 1 << self.depth
@@ -399,53 +403,26 @@ class Plan:
     @property
     def total(self) -> int:
         """Number of variants."""
-        return (self.points + len(self.added)) * self.of_each
+        return self.every_point * self.of_each
 
-    @property
-    def chunk(self) -> int:
-        """Number of variants that are computed and stored together; independent of processes and refinement."""
-        return min(max(self.points * self.of_each // _CHUNKS, 1), _LARGEST)
-
-    @property
-    def chunks(self) -> int:
-        """Number of chunks; each round of refinement begins with one of its own."""
-        return sum(-(-points * self.of_each // self.chunk) for points in (self.points, *self.rounds))
-
-    def head(self, variant: Variant) -> list[Any]:
-        """First cells of a variant's row: its number, spec, values and catalogues."""
-        spec = [self.names[variant.spec]] if len(self.names) > 1 else []
-        values = [axis.table_value(value) for axis, value in zip(self.job.axes, variant.values, strict=True)]
-        catalogs = [self.catalogs[variant.catalogs]] if any(self.catalogs) else []
-        return [variant.number, *spec, *values, *catalogs]
-
-    def size(self, chunk: int) -> int:
-        """Number of variants of a chunk."""
-        return len(self._numbers(chunk))
-
-    def variants(self, chunk: int) -> list[Variant]:
-        """The variants of a chunk; chunks count from 0."""
-        return [self.variant(n) for n in self._numbers(chunk)]
-
-    def _numbers(self, chunk: int) -> range:
-        first = 1
-        for points in (self.points, *self.rounds):
-            end = first + points * self.of_each
-            if first + chunk * self.chunk < end:
-                return range(first + chunk * self.chunk, min(first + (chunk + 1) * self.chunk, end))
-            chunk -= -(-(end - first) // self.chunk)
-            first = end
-        return range(0)
+    def point(self, point: int) -> list[Variant]:
+        """The variants of a point; points count from 0, those that refinement added come last."""
+        return [self.variant(point * self.of_each + n) for n in range(1, self.of_each + 1)]
 
     def variant(self, number: int) -> Variant:
         """The variant of a number; numbers count from 1."""
         point, rest = divmod(number - 1, self.of_each)
         catalogs, objective = divmod(rest, len(self.job.objectives))
+        axes = self.job.axes
         if self.shares is not None:
-            values = tuple(a.sample(share) for a, share in zip(self.job.axes, self.shares[point].tolist(), strict=True))
-            return Variant(number, 0, values, catalogs, objective)
-        spec, places = self.places(point)
-        values = tuple(axis.at(place, self.parts) for axis, place in zip(self.job.axes, places, strict=True))
-        return Variant(number, spec, values, catalogs, objective)
+            spec, values = 0, [a.sample(share) for a, share in zip(axes, self.shares[point].tolist(), strict=True)]
+        else:
+            spec, places = self.places(point)
+            values = [axis.at(place, self.parts) for axis, place in zip(axes, places, strict=True)]
+        head = [number, *([self.names[spec]] if len(self.names) > 1 else [])]
+        head += [axis.table_value(value) for axis, value in zip(axes, values, strict=True)]
+        head += [self.catalogs[catalogs]] if any(self.catalogs) else []
+        return Variant(number, spec, tuple(values), catalogs, objective, head)
 
     def places(self, point: int) -> tuple[int, Places]:
         """Spec and places of a point of a grid; points count from 0, those that refinement added come last."""

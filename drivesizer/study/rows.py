@@ -62,6 +62,7 @@ class Part(NamedTuple):
     """The rows of some variants, and the inputs of the process that computed them."""
 
     rows: list[Row]
+    variants: int
     made_of: dict[str, str]  # program and catalogues, by version and digest
 
 
@@ -325,9 +326,7 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
     source = document_of(job, variant)
     if not is_machine(source):
         return read_spec(source, _as_written(*job.specs[variant.spec]))
-    machine: Any = read_any(source)
-    spec: RobotSpec = machine.axes[0].spec
-    return spec
+    return read_any(source).axes[0].spec
 
 
 def parts_for(spec: RobotSpec) -> Catalog:
@@ -337,7 +336,7 @@ def parts_for(spec: RobotSpec) -> Catalog:
     return _catalog(names, beside, kind, spec.select.estimates == "on", spec.control.phase_current)
 
 
-def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part:
+def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
     """The rows of some variants."""
     made, rows = {"drivesizer": __version__}, list[Row]()
 
@@ -348,13 +347,12 @@ def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # figures that overflow are unknown in the table
-        both = zip(variants, heads, strict=True)
-        for _, of_point in groupby(both, lambda one: (one[0].number - 1) // len(job.objectives)):
+        for _, of_point in groupby(variants, lambda one: (one.number - 1) // len(job.objectives)):
             alike: dict[Hashable, Any] = {}  # by all objectives of a point
-            for variant, head in of_point:
+            for variant in of_point:
                 objective = objective_of(text) if (text := job.objectives[variant.objective]) else None
                 try:
-                    rows += _rows(job, variant, objective, head, parts, alike)
+                    rows += _rows(job, variant, objective, parts, alike)
                     continue
                 except DrivesizerError as error:
                     message = " ".join(str(error).split())
@@ -362,19 +360,20 @@ def rows_of(job: Job, variants: Sequence[Variant], heads: Sequence[Row]) -> Part
                     # of the program, not of the variant: its row says so, and the following variants are still computed
                     message = f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400]
                 none = ["" if column.form == "text" else None for column in _result(job)[len(_HEAD) : -1]]
-                rows.append([*head, title_of(objective) if objective else "", None, "error", *none, message])
-    return Part(rows, made)
+                title = title_of(objective) if objective else ""
+                rows.append([*variant.head, title, None, "error", *none, message])
+    return Part(rows, len(variants), made)
 
 
 def _rows(
     job: Job,
     variant: Variant,
     objective: Ranking | None,
-    head: Row,
     parts: Callable[[RobotSpec], Catalog],
     alike: dict[Hashable, Any],
 ) -> list[Row]:
     """The rows of a variant."""
+    head = variant.head
     if not job.machine:
         if "spec" not in alike:
             alike["spec"] = spec_of(job, variant)
@@ -389,8 +388,7 @@ def _rows(
         """Of variants with the same section they are computed once in a process."""
         return _torques(_Robot(robot, section), file, gravity)
 
-    machine: Any = read_any(source)
-    sizing = size_machine(machine, top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
+    sizing = size_machine(read_any(source), top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
     if job.axis is None:
         return [_machine_row(head, job.members, sizing)]
     axis = sizing.axis(job.axis)

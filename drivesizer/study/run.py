@@ -8,6 +8,7 @@ was stopped goes on with the same points.
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -15,62 +16,17 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from drivesizer.errors import InputError, reason_of
+from drivesizer.errors import InputError
 from drivesizer.files.writing import remove_files
+from drivesizer.study import store as folders
 from drivesizer.study.plan import Places, Plan
-from drivesizer.study.rows import Column, Row, columns_of
-from drivesizer.study.store import (
-    Store,
-    has_parquet,
-    locked,
-    made_of,
-    opened,
-    refuse_if_all_invalid,
-    write_csv,
-    write_parquet,
-)  # fmt: skip
-from drivesizer.study.workers import Workers, computed, cores, workers
+from drivesizer.study.rows import Row, columns_of, rows_of
+from drivesizer.study.workers import Workers, computed, workers
 
 Progress = Callable[[int, int], None]  # variants that are done, variants in all
-_OWN = {"lock", "lock.txt", "chunks", "maps", "results.csv", "results.parquet", "study.json"}
-
-
-def refined(plan: Plan, chunks: Iterable[list[Row]]) -> Plan | None:
-    """The plan with the points of one more halving."""
-    level = len(plan.rounds)
-    if level >= plan.depth:
-        return None
-    heads = [column.head for column in columns_of(plan)]
-    number, rank = heads.index("variant"), heads.index("rank")
-    drives = {"status", "set", *(f"{name}.set" for name in plan.job.members)}
-    compared = [n for n, head in enumerate(heads) if head in drives]
-    found: dict[Places, tuple[Any, ...]] = {}  # status and best drives of the variants of each point
-    for rows in chunks:
-        for row in rows:
-            if row[rank] in (None, 1):
-                _, places = plan.places((row[number] - 1) // plan.of_each)
-                found[places] = (*found.get(places, ()), *(row[n] for n in compared))
-
-    def lattice(cell: Places, *offsets: int) -> Iterable[Places]:
-        """Points at all combinations of some offsets from a cell's first corner, along the ranges."""
-        axes = zip(plan.job.axes, cell, strict=True)
-        return product(*([place + one for one in offsets] if axis.stepped else [place] for axis, place in axes))
-
-    def halved(level: int) -> list[Places]:
-        """Cells whose corners differ, each by its first corner, after so many halvings."""
-        size = plan.parts >> level
-        cells: Iterable[Places] = product(*(
-            range(0, (len(axis.values) - 1) * plan.parts, plan.parts) if axis.stepped else range(len(axis.values))
-            for axis in plan.job.axes
-        ))  # fmt: skip
-        if level:
-            cells = (part for cell in halved(level - 1) for part in lattice(cell, 0, size))
-        return [cell for cell in cells if len({found[point] for point in lattice(cell, 0, size)}) > 1]
-
-    half = plan.parts >> level + 1
-    new = {point for cell in halved(level) for point in lattice(cell, 0, half, 2 * half)}
-    points = tuple(sorted(new - found.keys()))
-    return replace(plan, rounds=(*plan.rounds, len(points)), added=(*plan.added, *points)) if points else None
+_TASKS = 128  # at least, where there are as many points
+_LARGEST = 100  # variants of a task: so many are lost by each killed process
+_TRIED = 200  # variants, to find a valid one
 
 
 @dataclass
@@ -94,85 +50,117 @@ def carry_out(
     progress: Progress | None = None,
 ) -> Outcome:
     """Size every variant that is not sized yet, and write tables and maps."""
-    origin, outcome, over = made_of(plan), Outcome(), None
+    origin, outcome, over = folders.made_of(plan), Outcome(), None
     if maps is not None:
         from drivesizer.study.maps import map_axes
 
         over = map_axes(plan, maps)
-    _usable(folder)
+    folders.usable(folder)
     if fresh or not (folder / "study.json").exists():
         note = refuse_if_all_invalid(plan)
         outcome.notes += [note] if note else []
-    most = processes or cores()
-    with workers(most if plan.depth else min(most, plan.chunks), scheduler) as on:  # rounds may have more chunks
-        try:
-            folder.mkdir(exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{folder}: cannot be made ({reason_of(error)})") from None
-        with locked(folder):
-            store = opened(folder, plan, origin, fresh=fresh)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    most = processes or cores
+    with workers(most if plan.depth else min(most, plan.points), scheduler) as on, folders.locked(folder):
+        store, finer = folders.Store(folder, plan, origin, fresh=fresh), plan
+        while finer:
+            plan = finer
             _compute(plan, store, on, progress)
-            while finer := refined(plan, store.every_row()):
-                plan, store = finer, replace(store, chunks=finer.chunks)
-                _compute(plan, store, on, progress)
-            columns, (as_csv, as_parquet) = columns_of(plan), store.results
-            write_csv(as_csv, columns, _counted(columns, store, outcome))
-            outcome.written.append(as_csv)
-            if has_parquet():
-                write_parquet(as_parquet, columns, store.every_row())
-                outcome.written.append(as_parquet)
-            else:
-                remove_files([as_parquet])
-                outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
-            if over is not None:
-                from drivesizer.study.maps import draw_maps
+            finer = refined(plan, store.every_row(plan.every_point))
+        columns, (as_csv, as_parquet) = columns_of(plan), store.results
+        folders.write_csv(as_csv, columns, _counted(plan, store.every_row(plan.every_point), outcome))
+        outcome.written.append(as_csv)
+        if folders.has_parquet():
+            folders.write_parquet(as_parquet, columns, store.every_row(plan.every_point))
+            outcome.written.append(as_parquet)
+        else:
+            remove_files([as_parquet])
+            outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
+        if over is not None:
+            from drivesizer.study.maps import draw_maps
 
-                written, notes = draw_maps(plan, store.every_row(), over, store.maps)
-                outcome.written += written
-                outcome.notes += notes
+            written, notes = draw_maps(plan, store.every_row(plan.every_point), over, folder / "maps")
+            outcome.written += written
+            outcome.notes += notes
     return outcome
 
 
-def _usable(folder: Path) -> None:
-    """Refuse a folder that cannot be created, is a file, or holds other files."""
-    try:
-        folder.stat()  # is_dir gives False for a name that is too long, in Python 3.14
-        if not folder.is_dir():
-            raise InputError(f"{folder}: is a file; expected a folder for the results, -o names another")
-        names = {path.name for path in folder.iterdir()}
-    except (FileNotFoundError, NotADirectoryError):
-        names = set()
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be read ({reason_of(error)})") from None
-    if not folder.parent.is_dir():
-        raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")
-    foreign = sorted(names - _OWN)
-    if foreign and "study.json" not in names:
-        raise InputError(
-            f"{folder}: holds other files, such as {foreign[0]}; expected a new or empty folder, -o names one"
-        )
+def refuse_if_all_invalid(plan: Plan) -> str:
+    """Size variants until one is valid."""
+    heads = [column.head for column in columns_of(plan)]
+    few, first = range(1, plan.total + 1, -(-plan.total // _TRIED)), ""
+    for number in few:
+        row = dict(zip(heads, rows_of(plan.job, [plan.variant(number)]).rows[0], strict=True))
+        if row["status"] != "error":
+            return ""
+        first = first or str(row["error"])
+    if len(few) == plan.total:
+        raise InputError(f"{plan.source.name}: all of its variants are invalid ({plan.total}); the first: {first}")
+    return f"each of {len(few)} variants tried is invalid, the first: {first}"
 
 
-def _compute(plan: Plan, store: Store, on: Workers, progress: Progress | None) -> None:
-    """Compute the missing chunks, and store each when it is complete."""
-    missing = store.missing()
-    done = plan.total - sum(plan.size(chunk) for chunk in missing)
+def _compute(plan: Plan, store: folders.Store, on: Workers | None, progress: Progress | None) -> None:
+    """Compute the points that are missing, several in a task, and store each task when it is complete."""
+    missing = store.missing(plan.every_point)
+    several = min(max(plan.points * plan.of_each // _TASKS, 1), _LARGEST)
+    each = max(several // plan.of_each, 1)
+    tasks = (
+        [variant for point in missing[n : n + each] for variant in plan.point(point)]
+        for n in range(0, len(missing), each)
+    )
+    done = plan.total - len(missing) * plan.of_each
     if missing and progress:
         progress(done, plan.total)
-    for chunk, part in computed(plan, missing, on) if missing else ():
-        store.keep(chunk, part)
-        done += plan.size(chunk)
+    for part in computed(plan.job, tasks, on):
+        store.keep(part)
+        done += part.variants
         if progress:
             progress(done, plan.total)
 
 
-def _counted(columns: Sequence[Column], store: Store, outcome: Outcome) -> Iterator[list[Row]]:
+def refined(plan: Plan, rows: Iterable[Row]) -> Plan | None:
+    """The plan with the points of one more halving."""
+    level = len(plan.rounds)
+    if level >= plan.depth:
+        return None
+    heads = [column.head for column in columns_of(plan)]
+    number, rank = heads.index("variant"), heads.index("rank")
+    drives = {"status", "set", *(f"{name}.set" for name in plan.job.members)}
+    compared = [n for n, head in enumerate(heads) if head in drives]
+    found: dict[Places, tuple[Any, ...]] = {}  # status and best drives of the variants of each point
+    for row in rows:
+        if row[rank] in (None, 1):
+            _, places = plan.places((row[number] - 1) // plan.of_each)
+            found[places] = (*found.get(places, ()), *(row[n] for n in compared))
+
+    def lattice(cell: Places, *offsets: int) -> Iterable[Places]:
+        """Points at all combinations of some offsets from a cell's first corner, along the ranges."""
+        axes = zip(plan.job.axes, cell, strict=True)
+        return product(*([place + one for one in offsets] if axis.stepped else [place] for axis, place in axes))
+
+    def halved(level: int) -> list[Places]:
+        """Cells whose corners differ, each by its first corner, after so many halvings."""
+        size = plan.parts >> level
+        cells: Iterable[Places] = product(*(
+            range(0, (len(axis.values) - 1) * plan.parts, plan.parts) if axis.stepped else range(len(axis.values))
+            for axis in plan.job.axes
+        ))  # fmt: skip
+        if level:
+            cells = (part for cell in halved(level - 1) for part in lattice(cell, 0, size))
+        return [cell for cell in cells if len({found[point] for point in lattice(cell, 0, size)}) > 1]
+
+    half = plan.parts >> level + 1
+    new = {point for cell in halved(level) for point in lattice(cell, 0, half, 2 * half)}
+    points = tuple(sorted(new - found.keys()))
+    return replace(plan, rounds=(*plan.rounds, len(points)), added=(*plan.added, *points)) if points else None
+
+
+def _counted(plan: Plan, rows: Iterable[Row], outcome: Outcome) -> Iterator[Row]:
     """All rows; variants are counted meanwhile."""
-    heads = [column.head for column in columns]
+    heads = [column.head for column in columns_of(plan)]
     status, rank, examined = (heads.index(name) for name in ("status", "rank", "sets_examined"))
-    for rows in store.every_row():
-        for row in rows:
-            if row[rank] in (None, 1):
-                outcome.variants[row[status]] += 1
-                outcome.examined += row[examined] or 0
-        yield rows
+    for row in rows:
+        if row[rank] in (None, 1):
+            outcome.variants[row[status]] += 1
+            outcome.examined += row[examined] or 0
+        yield row

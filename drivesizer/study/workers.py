@@ -1,4 +1,4 @@
-"""Workers that compute the variants of a study: processes of this machine, or those of a Dask scheduler."""
+"""Workers that compute the variants of a study: this process, others of this machine, or those of a Dask scheduler."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -19,52 +19,45 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.study.plan import Plan
+from drivesizer.study.plan import Job, Variant
 from drivesizer.study.rows import Part, rows_of
 
 _SINGLE = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
-_RESUME = "results so far are kept: the same command resumes"
 
 
 class Workers(NamedTuple):
     """An executor, and what its failures mean."""
 
     executor: Executor
-    ahead: int  # chunks that wait for it
-    refusal: Callable[[BaseException], InputError | None]
+    ahead: int  # tasks that wait for it
+    refusal: Callable[[BaseException], str]  # nothing where the program is at fault
 
 
-def computed(plan: Plan, chunks: Sequence[int], on: Workers) -> Iterator[tuple[int, Part]]:
-    """Compute chunks; they are yielded in the order of completion."""
-    pending, job, running = iter(chunks), plan.job.sent, dict[Future[Part], int]()
-
-    def submit(count: int) -> None:
-        for chunk in islice(pending, count):
-            variants = plan.variants(chunk)
-            running[on.executor.submit(rows_of, job, variants, [plan.head(one) for one in variants])] = chunk
-
+def computed(job: Job, tasks: Iterable[list[Variant]], on: Workers | None) -> Iterator[Part]:
+    """Compute the variants of each task, here where there are no workers; rows come in the order of completion."""
+    if on is None:
+        yield from (rows_of(job, task) for task in tasks)
+        return
+    waiting, running = iter(tasks), set[Future[Part]]()
     try:
-        submit(on.ahead)
-        while running:
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
+        while True:
+            few = islice(waiting, on.ahead - len(running))
+            running |= {on.executor.submit(rows_of, job.sent, task) for task in few}
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
-                submit(1)
-                yield running.pop(future), future.result()
+                yield future.result()
     except Exception as error:
-        refusal = on.refusal(error)
-        if refusal is None:
-            raise
-        raise refusal from None
+        if reason := on.refusal(error):
+            raise InputError(reason) from None
+        raise
 
 
 @contextmanager
-def workers(processes: int, scheduler: str | None) -> Iterator[Workers]:
-    """Processes of this machine, or a scheduler that has workers; it is reached before anything is written.
-
-    Processes are copies of this one where they can be: that is to be before it takes the study's lock, which its copies
-    would hold as well.
-    """
+def workers(processes: int, scheduler: str | None) -> Iterator[Workers | None]:
+    """Workers by their number, or of a scheduler that has some; it is reached before anything is written."""
     if scheduler is not None:
         client = _client(scheduler)
         try:
@@ -74,15 +67,18 @@ def workers(processes: int, scheduler: str | None) -> Iterator[Workers]:
         finally:
             client.close(timeout=_PATIENCE)
         return
-    copied, others = _can_be_copied(), multiprocessing.active_children()
-    context = multiprocessing.get_context("fork") if copied else _context()
+    if processes == 1:
+        yield None
+        return
+    # copies of this process are there at once; it is copied where none of its threads may hold a lock
+    single = threading.active_count() == 1 and all(os.environ.get(name) == "1" for name in _SINGLE)
+    copied, others = single and sys.platform == "linux", multiprocessing.active_children()
+    context: Any = multiprocessing.get_context("fork" if copied else "spawn")
     with one_thread_each(), ProcessPoolExecutor(processes, context, _initialise) as pool:
-        if copied:  # the first task starts all of them, of which each leaves Ctrl-C to its parent from its first moment
+        if copied:  # all of them now, before this one takes the study's lock; Ctrl-C is for the parent alone
             before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-            try:
-                pool.submit(int)
-            finally:
-                signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            pool.submit(int)
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         try:
             yield Workers(pool, 2 * processes, _ended)
         except BaseException:
@@ -90,13 +86,6 @@ def workers(processes: int, scheduler: str | None) -> Iterator[Workers]:
                 if child not in others:
                     child.terminate()  # interrupted: their results are not awaited
             raise
-
-
-def cores() -> int:
-    """Number of processor cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 @contextmanager
@@ -109,27 +98,6 @@ def one_thread_each() -> Iterator[None]:
     finally:
         for name, value in before.items():
             os.environ.pop(name) if value is None else os.environ.update({name: value})
-
-
-def _can_be_copied() -> bool:
-    """Whether this process can be copied: it has one thread, and its system copies what it has loaded.
-
-    It is so inside of a ``one_thread_each`` that was there before NumPy.
-    """
-    single = all(os.environ.get(name) == "1" for name in _SINGLE)
-    return sys.platform == "linux" and single and threading.active_count() == 1
-
-
-def _context() -> Any:
-    """Start of processes: as copies of one that has the program loaded; where a system has no copies, each anew.
-
-    A copy of this process would have its threads' locks as they are.
-    """
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([rows_of.__module__])
-    return context
 
 
 def _initialise() -> None:
@@ -146,25 +114,24 @@ def _initialise() -> None:
     threading.Thread(target=end, daemon=True).start()
 
 
-def _ended(error: BaseException) -> InputError | None:
+def _ended(error: BaseException) -> str:
     """The refusal for a pool of processes that ended from outside."""
-    if not isinstance(error, BrokenProcessPool):
-        return None
-    return InputError(
+    return (
         "a process that computes variants was ended from outside, such as for want of memory; results so far are "
         "kept: the same command resumes, --processes sets their number"
-    )
+    ) * isinstance(error, BrokenProcessPool)
 
 
-def _lost(error: BaseException, address: str) -> InputError | None:
+def _lost(error: BaseException, address: str) -> str:
     """The refusal for a scheduler or a worker that is lost, or has another program."""
     if isinstance(error, ImportError | AttributeError | TypeError):
-        text = f"its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
-    elif isinstance(error, (CancelledError, OSError, import_module("distributed").KilledWorker)):
-        text = f"scheduler or workers were lost ({_brief(error)}); {_RESUME}"  # a closed connection is an OSError
-    else:
-        return None
-    return InputError(f"{address}: {text}")
+        return f"{address}: its workers cannot compute this ({_brief(error)}); install the same drivesizer there"
+    if isinstance(error, (CancelledError, OSError, import_module("distributed").KilledWorker)):
+        return (  # a closed connection is an OSError
+            f"{address}: scheduler or workers were lost ({_brief(error)}); results so far are kept: the same command "
+            "resumes"
+        )
+    return ""
 
 
 def _client(address: str) -> Any:

@@ -121,22 +121,15 @@ def _emptied(folder: Path) -> None:
         shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
 
-def _in_this_process(plan: Any, chunks: Any, _: object) -> Iterator[tuple[int, rows.Part]]:
-    for chunk in chunks:
-        variants = plan.variants(chunk)
-        yield chunk, rows.rows_of(plan.job, variants, [plan.head(variant) for variant in variants])
-
-
 @contextlib.contextmanager
 def _own_folder(folder: Path) -> Iterator[None]:
     """A study's variants computed in this process; nothing else is replaced."""
-    before = study_run.workers, study_run.computed
-    study_run.workers = lambda *_: contextlib.nullcontext()  # type: ignore[assignment, return-value]
-    study_run.computed = _in_this_process  # type: ignore[assignment]
+    before = study_run.workers
+    study_run.workers = lambda *_: contextlib.nullcontext()  # type: ignore[assignment]
     try:
         yield
     finally:
-        study_run.workers, study_run.computed = before
+        study_run.workers = before
 
 
 def _forgotten() -> None:

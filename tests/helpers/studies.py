@@ -6,11 +6,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
 from pathlib import Path
-
-from drivesizer.study.plan import Plan
-from drivesizer.study.rows import Part, rows_of
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = (ROOT / "examples" / "sps_robot.yaml").read_text(encoding="utf-8")
@@ -43,15 +39,15 @@ def command(*words: object) -> list[str]:
     return [sys.executable, "-m", "drivesizer", "study", *map(str, words)]
 
 
-# Keeps so many chunks and waits for a file "go": the moment at which it is stopped, however busy the machine is.
+# Keeps so many lines of rows and waits for a file "go": the moment at which it is stopped, however busy the machine is.
 HALTED = """
 import sys, time
 from pathlib import Path
 from drivesizer.study.store import Store
 
-def keep(store, chunk, part, real=Store.keep, most=int(sys.argv.pop(1))):
-    real(store, chunk, part)
-    if len(list((store.folder / "chunks").glob("*/*.jsonl"))) >= most:
+def keep(store, part, real=Store.keep, most=int(sys.argv.pop(1))):
+    real(store, part)
+    if store.path.read_bytes().count(b"\\n") >= most:
         while not Path("go").exists():
             time.sleep(0.05)
 
@@ -61,9 +57,9 @@ main()
 """
 
 
-def halted(chunks: int, *words: object) -> list[str]:
-    """The same, which waits in the middle: when it has kept so many chunks."""
-    return [sys.executable, "-c", HALTED, str(chunks), "study", *map(str, words)]
+def halted(points: int, *words: object) -> list[str]:
+    """The same, which waits in the middle: when it has kept so many points."""
+    return [sys.executable, "-c", HALTED, str(points), "study", *map(str, words)]
 
 
 def surroundings() -> dict[str, str]:
@@ -80,12 +76,5 @@ def ran(folder: Path, *words: object) -> subprocess.CompletedProcess[str]:
 
 def results(folder: Path) -> dict[str, bytes]:
     """The files of a study that is done, by name."""
-    paths = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "lock")
+    paths = sorted(path for path in folder.rglob("*") if path.is_file() and path.name not in ("lock", "rows.jsonl"))
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
-
-
-def in_this_process(plan: Plan, chunks: Sequence[int], _: object) -> Iterator[tuple[int, Part]]:
-    """Chunks without a process of their own, each of which takes a second to start."""
-    for chunk in chunks:
-        variants = plan.variants(chunk)
-        yield chunk, rows_of(plan.job, variants, [plan.head(variant) for variant in variants])

@@ -20,7 +20,7 @@ from drivesizer.spec.robot import read_spec
 from drivesizer.study.fields import changed, path_of
 from drivesizer.study.plan import MOST, read_study
 from drivesizer.study.rows import best, columns_of, document_of, rows_of, spec_of
-from drivesizer.study.store import refuse_if_all_invalid
+from drivesizer.study.run import refuse_if_all_invalid
 from drivesizer.units import to_si
 
 
@@ -32,7 +32,7 @@ def table(plan, numbers=None):
     """Rows of some variants, or all, each by the heads of its columns."""
     variants = [plan.variant(n) for n in numbers or range(1, plan.total + 1)]
     heads = [column.head for column in columns_of(plan)]
-    rows = rows_of(plan.job, variants, [plan.head(variant) for variant in variants]).rows
+    rows = rows_of(plan.job, variants).rows
     assert all(len(row) == len(heads) for row in rows)
     return [dict(zip(heads, row, strict=True)) for row in rows]
 
@@ -53,9 +53,8 @@ def test_a_grid_is_every_combination_the_last_fastest(tmp_path):
     found = [plan.variant(n) for n in range(1, plan.total + 1)]
     assert [(*v.values, v.catalogs, v.objective) for v in found] == expected
     assert [v.number for v in found] == list(range(1, 97))
-    assert [v for chunk in range(plan.chunks) for v in plan.variants(chunk)] == found
-    assert sum(plan.size(chunk) for chunk in range(plan.chunks)) == plan.total
-    assert plan.head(plan.variant(14)) == [14, 30.0, 2.5, 2, "maxon"]  # 9 km/h in the unit of the first
+    assert [v for n in range(plan.points) for v in plan.point(n)] == found
+    assert plan.variant(14).head == [14, 30.0, 2.5, 2, "maxon"]  # 9 km/h in the unit of the first
 
 
 @given(count=st.integers(1, 300), seed=st.integers(0, 2**40))
@@ -66,7 +65,7 @@ def test_a_latin_hypercube_has_one_sample_in_every_part(tmp_path_factory, count,
         "spec: robot.yaml\nvary:\n  load.mass: {from: 20 kg, to: 90 kg}\n  motion.speed: {from: 1 km/h, to: 2 m/s}\n"
         f"sampling: {{latin_hypercube: {count}, seed: {seed}}}\n",
     )
-    values = [plan.head(plan.variant(n))[1:] for n in range(1, plan.total + 1)]
+    values = [plan.variant(n).head[1:] for n in range(1, plan.total + 1)]
     assert plan.total == count
     for axis, (low, high) in enumerate([(20.0, 90.0), (1.0, 7.2)]):
         shares = (np.array(values)[:, axis] - low) / (high - low)

@@ -30,9 +30,9 @@ vary:
 def mapped(folder, study, names=(), spec=CHEAP):
     plan = read_study(laid(folder, study, spec))
     variants = [plan.variant(n) for n in range(1, plan.total + 1)]
-    rows = rows_of(plan.job, variants, [plan.head(variant) for variant in variants]).rows
+    rows = rows_of(plan.job, variants).rows
     over = map_axes(plan, names)
-    return over, points(plan, over, [rows]), plan
+    return over, points(plan, over, rows), plan
 
 
 def texts(svg):

@@ -5,13 +5,14 @@ from itertools import pairwise, product
 from random import Random
 
 import pytest
-from studies import CHEAP, in_this_process, laid, results
+from studies import CHEAP, laid, results
 
 from drivesizer.errors import InputError
 from drivesizer.study import run
 from drivesizer.study.plan import read_study
 from drivesizer.study.rows import columns_of
 from drivesizer.study.run import carry_out, refined
+from drivesizer.study.workers import computed
 
 GRID = """\
 spec: robot.yaml
@@ -23,10 +24,8 @@ COARSE, FINE = GRID.format(4, 3) + "refine: 2\n", GRID.format(13, 9)
 PLACE = "load.mass (kg)", "motion.speed (m/s)"
 
 
-def carried(folder, study, compute=in_this_process, maps=None):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "computed", compute)
-        return carry_out(read_study(laid(folder, study)), folder / "study", maps=maps)
+def carried(folder, study, maps=None):
+    return carry_out(read_study(laid(folder, study)), folder / "study", processes=1, maps=maps)
 
 
 def by_place(folder):
@@ -68,21 +67,22 @@ def test_a_refined_map_is_that_of_the_fine_grid_where_it_has_points(coarse, tmp_
     assert {kind(row) for row in full.values()} == {kind(row) for row in found.values()}
 
 
-def test_order_and_interruption_change_nothing(coarse, tmp_path):
-    """Chunks in any order, stopped several times within and between halvings."""
+def test_order_and_interruption_change_nothing(coarse, tmp_path, monkeypatch):
+    """Tasks in any order, stopped several times within and between halvings."""
     chance = Random(1)
 
-    def stopped(plan, chunks, processes):
-        some = chance.sample(list(chunks), len(chunks))
-        for n, done in enumerate(in_this_process(plan, some, processes)):
+    def stopped(job, tasks, on):
+        every = list(tasks)
+        for n, part in enumerate(computed(job, chance.sample(every, len(every)), on)):
             if n == 30:
                 raise KeyboardInterrupt
-            yield done
+            yield part
 
+    monkeypatch.setattr(run, "computed", stopped)
     ends = 0
     while True:
         try:
-            carried(tmp_path, COARSE, stopped, maps=())
+            carried(tmp_path, COARSE, maps=())
             break
         except KeyboardInterrupt:
             ends += 1
@@ -95,7 +95,7 @@ def rows_with(plan, numbers, other=0):
     heads = [column.head for column in columns_of(plan)]
     cells = {"rank": 1, "status": "pass"}
     for n in numbers:
-        row = dict.fromkeys(heads) | dict(zip(heads, plan.head(plan.variant(n)), strict=False)) | cells
+        row = dict.fromkeys(heads) | dict(zip(heads, plan.variant(n).head, strict=False)) | cells
         yield [*(row | {"set": "B" if n == other else "A"}).values()]
 
 
@@ -106,14 +106,14 @@ def test_only_ranges_are_halved_and_every_objective_counts(tmp_path):
         "objectives: [mass, price]\nrefine: 2\n"
     )
     plan = read_study(laid(tmp_path, study))
-    assert refined(plan, [list(rows_with(plan, range(1, 9)))]) is None
-    once = refined(plan, [list(rows_with(plan, range(1, 9), other=7))])
+    assert refined(plan, rows_with(plan, range(1, 9))) is None
+    once = refined(plan, rows_with(plan, range(1, 9), other=7))
     assert (once.rounds, once.added, once.total) == ((1,), ((2, 1),), 10)
-    assert once.head(once.variant(10)) == [10, 30.0, 2.0]
-    twice = refined(once, [list(rows_with(once, range(1, 11), other=7))])
+    assert once.variant(10).head == [10, 30.0, 2.0]
+    twice = refined(once, rows_with(once, range(1, 11), other=7))
     assert (twice.rounds, twice.added) == ((1, 1), ((2, 1), (3, 1)))  # 35 kg, between A at 30 and B at 40
-    assert refined(twice, [list(rows_with(twice, range(1, 13), other=7))]) is None
-    assert [v.number for c in range(twice.chunks) for v in twice.variants(c)] == list(range(1, 13))
+    assert refined(twice, rows_with(twice, range(1, 13), other=7)) is None
+    assert [v.number for n in range(twice.every_point) for v in twice.point(n)] == list(range(1, 13))
     assert [twice.round_of(n) for n in (1, 8, 9, 10, 11, 12)] == [0, 0, 1, 1, 2, 2]
 
 

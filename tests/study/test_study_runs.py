@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from studies import FEW, MANY, halted, in_this_process, laid, ran, results, surroundings
+from studies import FEW, MANY, halted, laid, ran, results, surroundings
 
 from drivesizer import cli
 from drivesizer.study import workers
@@ -38,9 +38,8 @@ def table(tmp_path_factory):
     folder = tmp_path_factory.mktemp("table")
     laid(folder, MANY.replace("steps: 25", "steps: 9").replace("steps: 20", "steps: 6"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("drivesizer.study.run.computed", in_this_process)
         patch.chdir(folder)
-        patch.setattr(sys, "argv", ["drivesizer", "study"])
+        patch.setattr(sys, "argv", ["drivesizer", "study", "--processes", "1"])
         with pytest.raises(SystemExit) as end:
             cli.main()
     assert end.value.code == 0
@@ -51,13 +50,7 @@ def table(tmp_path_factory):
 def run(run, monkeypatch, tmp_path):
     """Run the command in an empty folder; its status, stdout and stderr."""
     monkeypatch.chdir(tmp_path)
-    return partial(run, "study")
-
-
-@pytest.fixture
-def here(monkeypatch):
-    """Variants in this process, of studies where it is not the processes that matter: each takes a second to start."""
-    monkeypatch.setattr("drivesizer.study.run.computed", in_this_process)
+    return partial(run, "study", "--processes", 1)
 
 
 def until(condition, *, every=0.02):
@@ -68,8 +61,10 @@ def until(condition, *, every=0.02):
         time.sleep(every)
 
 
-def chunks(folder):
-    return sorted((folder / "study" / "chunks").glob("*/*.jsonl"))
+def kept(folder):
+    """The lines that a study has kept."""
+    path = folder / "study" / "rows.jsonl"
+    return path.read_bytes().splitlines(keepends=True) if path.exists() else []
 
 
 def rows(data):
@@ -122,23 +117,23 @@ def test_maps_are_there(table):
 
 @pytest.mark.slow
 def test_a_study_that_was_killed_goes_on_and_ends_the_same(whole, tmp_path):
-    """Killed without warning in the middle, one chunk damaged after that, then by two processes."""
+    """Killed without warning in the middle, two lines damaged after that and the last torn, then by two processes."""
     laid(tmp_path, MANY)
-    first = subprocess.Popen(halted(20, "--processes", 1), cwd=tmp_path, env=surroundings(), start_new_session=True)
-    until(lambda: len(chunks(tmp_path)) >= 20)
+    first = subprocess.Popen(halted(20, "--processes", 2), cwd=tmp_path, env=surroundings(), start_new_session=True)
+    until(lambda: len(kept(tmp_path)) >= 20)
     os.kill(first.pid, signal.SIGKILL)
     first.wait()
     until(lambda: not _group(first.pid), every=0.2)  # its workers end as well
-    kept = chunks(tmp_path)
-    assert len(kept) == 20 and not (tmp_path / "study" / "results.csv").exists()
-    kept[3].write_bytes(kept[3].read_bytes()[:-40])
-    kept[5].write_bytes(kept[5].read_bytes().replace(b"RE 25", b"RE 52"))
-    (kept[0].parent / ".drivesizer-1-0.part").write_bytes(b"half")
-    before = {path: path.stat().st_mtime_ns for path in kept}
+    lines = kept(tmp_path)
+    assert not (tmp_path / "study" / "results.csv").exists()
+    lines[3] = lines[3][:-40] + b"\n"
+    lines[5] = lines[5].replace(b'"', b"'")
+    lines[-1] = lines[-1][:-20]
+    (tmp_path / "study" / "rows.jsonl").write_bytes(b"".join(lines))
     again = ran(tmp_path, "--processes", 2, "--no-maps")
     assert (again.returncode, again.stderr) == (0, "")
-    anew = {path for path in kept if path.stat().st_mtime_ns != before[path]}
-    assert anew == {kept[3], kept[5]}  # nothing else was computed twice
+    after = kept(tmp_path)
+    assert after[: len(lines) - 1] == lines[:-1] and len(after) == 500 + 3  # nothing else was computed twice
     assert results(tmp_path / "study") == without_maps(whole)
 
 
@@ -149,13 +144,12 @@ def test_ctrl_c_stops_the_study_and_its_processes(tmp_path):
         halted(2, "--processes", 2), cwd=tmp_path, env=surroundings(), start_new_session=True, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, encoding="utf-8",
     ) as study:  # fmt: skip
-        until(lambda: len(chunks(tmp_path)) >= 2)
+        until(lambda: len(kept(tmp_path)) >= 2)
         os.kill(study.pid, signal.SIGINT)
         out, err = study.communicate(timeout=WAIT)
     assert (study.returncode, out) == (130, "")
     assert err == "drivesizer: study: stopped; results so far are kept, and the same command resumes\n"
     until(lambda: not _group(study.pid), every=0.2)
-    assert len(chunks(tmp_path)) == 2
 
 
 def _group(leader):
@@ -197,9 +191,8 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
             halted(20, "--scheduler", address, "--no-maps"), cwd=tmp_path, env=surroundings(), stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, encoding="utf-8",
         ) as study:  # fmt: skip
-            until(lambda: len(chunks(tmp_path)) >= 20)
+            until(lambda: len(kept(tmp_path)) >= 20)
             os.kill(int(worker), signal.SIGKILL)
-            assert len(chunks(tmp_path)) == 20
             (tmp_path / "go").touch()
             _, err = study.communicate(timeout=WAIT)
         running.stdin.close()
@@ -243,7 +236,6 @@ def test_a_second_process_is_refused(run, tmp_path):
     assert run("--no-maps")[0] == 0  # the lock that it leaves behind is free
 
 
-@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize("name", ["study.json", "results.csv"])
 def test_a_fresh_beginning_takes_away_no_input(name, run, tmp_path):
     """The study itself lies in its folder, under a name that its results have; nothing else is taken away either."""
@@ -261,7 +253,6 @@ def test_a_fresh_beginning_takes_away_no_input(name, run, tmp_path):
     assert {path: path.read_bytes() for path in before} == before
 
 
-@pytest.mark.usefixtures("here")
 def test_a_study_without_a_passing_drive_is_status_1(run, tmp_path):
     laid(tmp_path, "spec: robot.yaml\nvary: {load.mass: [450 kg, -5 kg]}\n")
     status, out, err = run()
