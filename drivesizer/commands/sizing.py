@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -77,7 +77,7 @@ def size(
     if pdf:
         simulated = common.proven(result)
         with common.working("writing the report"):
-            _reports(*simulated, [pdf])
+            reports.write(*simulated, [pdf])
     if json:
         from drivesizer.output.json import documents
 
@@ -97,15 +97,6 @@ def size(
         for each in () if quiet else result.axes:
             common.print_notes(tuple(f"{each.name}: {note}" for note in each.result.warnings))
     raise typer.Exit(int(result.status == "fail"))
-
-
-def _reports(result: Any, proofs: dict[str, Any], paths: list[Path], **how: Any) -> list[Path]:
-    """Write reports of all axes of a machine, or of its only one."""
-    from drivesizer.output import report as reports
-
-    if result.alone:
-        return reports.write(result.alone, next(iter(proofs.values()), None), paths, **how)
-    return reports.write_machine(result, proofs, paths, **how)
 
 
 def report(
@@ -140,11 +131,8 @@ def report(
     how = confidence, samples, seed, processes, loop_samples
     result, proofs = common.proven(common.sized(robot, top, objective, how, pareto, choices), profile)
     with common.working("writing the report"):
-        written = _reports(result, proofs, output, paper=paper, date=date)
-        if drawings and result.alone:
-            written += reports.write_figures(result.alone, next(iter(proofs.values()), None), drawings)
-        elif drawings:
-            written += reports.write_machine_figures(result, proofs, drawings)
+        written = reports.write(result, proofs, output, paper=paper, date=date)
+        written += reports.write_figures(result, proofs, drawings) if drawings else []
     for path in written:
         typer.echo(path)
     raise typer.Exit(int(result.status == "fail"))

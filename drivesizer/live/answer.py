@@ -8,25 +8,29 @@ import json
 import re
 import tempfile
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece, StoppedError
+from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting
 from drivesizer.results.check import gravest, worst
-from drivesizer.results.machine import of_one_axis
+from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import objective_figure
 from drivesizer.search.shortlist import load_parts
-from drivesizer.sizing import explained, size
-from drivesizer.spec.any_spec import is_machine, read_any
+from drivesizer.sizing import explained
+from drivesizer.spec.any_spec import read_any
 from drivesizer.spec.robot import read_spec
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Validation
 
 # -- The text of the page as a spec, and its sizing.
 
@@ -42,38 +46,21 @@ def text_of(held: EngineMemory, request: Piece) -> str:
     return edited(str(request["text"]), edits, held.name) if edits else str(request["text"])
 
 
-def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> Any:
-    """The sizing of a text, made once."""
+def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False, brief: bool = False) -> MachineSizing:
+    """The sizing of a text, made once; of a machine of one axis also with what can be chosen by weights."""
 
-    def sized() -> Any:
-        source = YamlSource(text, held.name)
-        spec: Any = read_any(source)
-        if is_machine(source):
-            from drivesizer.multi_axis.sizing import size_machine
-
-            return size_machine(spec, top=top, brief=brief, progress=held.go_on)
-        objectives: tuple[str, ...] = ()
+    def sized() -> MachineSizing:
+        machine, objectives = read_any(YamlSource(text, held.name)), tuple[str, ...]()
+        wanted, spec = front and not machine.is_several, machine.axes[0].spec
         # no front where each of its drives would be weighed in the whole machine, for minutes
-        if front and not (spec.platform or spec.battery or spec.budget or spec.limits_the_bus):
+        if wanted and not (spec.platform or spec.battery or spec.budget or spec.limits_the_bus):
             objectives = FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
-        choices = _CHOICES if front else 0
-        return size(spec, top=top, pareto=objectives, choices=choices, brief=brief, progress=held.go_on)
+        return size_machine(
+            machine, top=top, pareto=objectives, choices=_CHOICES if wanted else 0, brief=brief, progress=held.go_on
+        )
 
-    return held.keep(json.dumps([top, front, brief, text]), sized)
-
-
-def named(text: str, file: str) -> list[Path]:
-    """Files that a text may name: each text in it as a path from its folder, whether there is one or not."""
-    try:
-        below, texts = [YamlSource(text, file).data], list[str]()
-    except InputError:
-        return []
-    for data in below:  # grows by what is inside
-        if isinstance(data, dict | list):
-            below += data.values() if isinstance(data, dict) else data
-        elif isinstance(data, str):
-            texts.append(data)
-    return [Path(file).parent / name for name in texts]
+    found: MachineSizing = held.keep(json.dumps([top, front, brief, text]), sized)
+    return found
 
 
 def faults(error: InputError, name: str) -> list[Piece]:
@@ -110,27 +97,27 @@ def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     except InputError as error:
         yield {"kind": "wrong", "text": text, "lines": list(error.lines), "faults": faults(error, held.name)}
         return
-    if not hasattr(result, "axes") and not result.sets:
+    if result.alone and not result.alone.sets:
         yield {"kind": "ranking", **ranking(result)}  # the closest rejected are of the whole sizing
     yield from result_pieces(held, result)
 
 
-def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterator[Piece]:
+def result_pieces(
+    held: EngineMemory, sizing: MachineSizing, proofs: Mapping[str, Validation] | None = None
+) -> Iterator[Piece]:
     """Pieces of a sizing: sections, figures that can be moved, still figures; as of the HTML report."""
-    from drivesizer.output.document.axes import MachineContent
-    from drivesizer.output.document.content import Content
+    from drivesizer.output.document.axes import content_of
     from drivesizer.output.report.html.page import image, page_parts
     from drivesizer.output.report.html.templates import section_html
 
-    several = hasattr(result, "axes")
-    document, figures, still = page_parts(MachineContent(result, proofs or {}) if several else Content(result, proofs))
+    document, figures, still = page_parts(content_of(sizing, proofs or {}))
     printed = [one for one in document["sections"] if one["name"] not in _NOT_LIVE]
     made = section_html(printed, figures, dict.fromkeys(still, _LATER))
     sections = [{name: one[name] for name in ("name", "title", "level")} | {"html": html}
                 for one, html in zip(printed, made, strict=True)]  # fmt: skip
     # of the table of candidates, of which some can be compared; those of a machine are of several searches
-    listed = () if several else (*result.sets, *result.unsure, *result.misses)
-    yield {"kind": "sections", "sections": sections, "drives": [_named(one) for one in listed]}
+    listed = (*one.sets, *one.unsure, *one.misses) if (one := sizing.alone) else ()
+    yield {"kind": "sections", "sections": sections, "drives": [_named(drive) for drive in listed]}
     held.go_on()
     yield {"kind": "figures", "figures": plain(figures)}
     for name, draw in still.items():
@@ -138,22 +125,22 @@ def result_pieces(held: EngineMemory, result: Any, proofs: Any = None) -> Iterat
         yield {"kind": "still", "name": name, "address": image(draw("svg"))}
 
 
-def ranking(result: Any, proofs: Any = None) -> Piece:
+def ranking(sizing: MachineSizing, proofs: Mapping[str, Validation] | None = None) -> Piece:
     """The drives in a few figures, for what the page shows before the report: the best, and what decides."""
-    found = proofs if isinstance(proofs, dict) else {proofs.loop: proofs} if proofs else {}
-    loops = [[name, f"{one.status}: {one.failed}".removesuffix(": ")] for name, one in found.items()]
-    made = [one.status for one in found.values()]
-    if hasattr(result, "axes"):
-        axes = [{"axis": one.name, **_set(one.best)} if one.best else {"axis": one.name} for one in result.axes]
-        return {"machine": True, "status": gravest([result.status, *made]), "axes": axes, "sets": [], "loops": loops}
-    listed = result.sets or result.misses
-    best = result.shown
+    one, found = sizing.alone, proofs or {}
+    loops = [[proof.loop if one else name, f"{proof.status}: {proof.failed}".removesuffix(": ")]
+             for name, proof in found.items()]  # fmt: skip
+    made = [proof.status for proof in found.values()]
+    if not one:
+        axes = [{"axis": axis.name, **_set(axis.best)} if axis.best else {"axis": axis.name} for axis in sizing.axes]
+        return {"machine": True, "status": gravest([sizing.status, *made]), "axes": axes, "sets": [], "loops": loops}
+    best = one.shown
     return {
         "machine": False, "status": gravest([best.status if best else "fail", *made]), "loops": loops,
-        "found": bool(result.sets), "axes": [],
-        "considered": result.counts.considered, "feasible": result.counts.feasible,
-        "met": meeting(result.counts, best.status if result.sets and best else None), "objective": result.objective,
-        "tight": _tight(worst(best.deciding)) if best else None, "sets": [_set(one) for one in listed],
+        "found": bool(one.sets), "axes": [],
+        "considered": one.counts.considered, "feasible": one.counts.feasible,
+        "met": meeting(one.counts, best.status if one.sets and best else None), "objective": one.objective,
+        "tight": _tight(worst(best.deciding)) if best else None, "sets": [_set(s) for s in one.sets or one.misses],
     }  # fmt: skip
 
 
@@ -200,17 +187,17 @@ def _best(held: EngineMemory, text: str) -> Piece:
         raise
     except DrivesizerError as error:
         return {"status": "wrong", "said": str(error)}
-    if hasattr(result, "axes"):
+    if not result.alone:
         best = [one.best for one in result.axes]
         labels = [f"{one.name}: {one.best.label if one.best else 'none'}" for one in result.axes]
         parts = [[one.motor.part, one.gearhead.part] if one else [] for one in best]
         return {"status": result.status, "label": "; ".join(labels), "parts": parts}
-    one = result.shown
+    one = result.alone.shown
     if not one:
         return {"status": "fail", "label": "", "parts": [], "mass": None, "price": None}
     tight = worst(one.deciding)
     said = {"tight": tight.title, "margin": plain(tight.margin)} if tight else {}
-    return {"status": one.status if result.sets else "fail", "label": one.label,
+    return {"status": one.status if result.alone.sets else "fail", "label": one.label,
             "parts": [one.motor.part, one.gearhead.part], **said,
             "mass": plain(one.mass), "price": plain(one.price)}  # fmt: skip
 
@@ -265,9 +252,7 @@ def document(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
     A spec of which the page shows no front, or one of mass and price, is one without ``--pareto``, or with those.
     """
-    result = whole(held, text_of(held, request), front=True)
-    sizing = result if hasattr(result, "axes") else of_one_axis(result)
-    yield _file("drive.json", f"{as_text(sizing)}\n".encode())
+    yield _file("drive.json", f"{as_text(whole(held, text_of(held, request), front=True))}\n".encode())
 
 
 def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
@@ -279,7 +264,7 @@ def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A report as ``drivesizer report`` writes it."""
-    from drivesizer.output.report import KNOWN, write, write_machine
+    from drivesizer.output.report import KNOWN, write
 
     suffix = f".{request['form']}"
     if suffix not in KNOWN:
@@ -287,7 +272,7 @@ def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     result, proofs = _proven(held, request)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"report{suffix}"
-        (write_machine if hasattr(result, "axes") else write)(result, proofs, [path])
+        write(result, proofs, [path])
         yield _file(path.name, path.read_bytes())
 
 
@@ -298,8 +283,7 @@ def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     form = str(request["form"])
     if form not in exports.FORMATS:
         raise InputError(f"{quoted(form)} is not known; expected {', '.join(exports.FORMATS)}")
-    result, bodies = whole(held, text_of(held, request), top=1), exports.FORMATS[form].bodies
-    sizing = result if hasattr(result, "axes") else of_one_axis(result)
+    sizing, bodies = whole(held, text_of(held, request), top=1), exports.FORMATS[form].bodies
     of = exports.machine_export(sizing, one_rate=form == "ros2_control", bodies=bodies)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"drive{exports.FORMATS[form].suffixes[0]}"
@@ -307,20 +291,13 @@ def export(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         yield _together(Path(folder), path)
 
 
-def _proven(held: EngineMemory, request: Piece) -> tuple[Any, Any]:
-    """The sizing, and the closed loop of the best drive, or of each axis."""
+def _proven(held: EngineMemory, request: Piece) -> tuple[MachineSizing, dict[str, Validation]]:
+    """The sizing, and the closed loop of the best drive of each axis."""
     from drivesizer.commands.common import proven
-    from drivesizer.results.machine import of_one_axis
-
-    def looped() -> tuple[Any, Any]:
-        if hasattr(result, "axes"):
-            return proven(result)
-        found, proofs = proven(of_one_axis(result))
-        return found.axes[0].result, next(iter(proofs.values()), None)
 
     text = text_of(held, request)
     result = whole(held, text, front=True)
-    found: tuple[Any, Any] = held.keep(json.dumps(["proven", text]), looped)
+    found: tuple[MachineSizing, dict[str, Validation]] = held.keep(json.dumps(["proven", text]), lambda: proven(result))
     return found
 
 

@@ -16,6 +16,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output import part as tables
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns
+from drivesizer.spec.any_spec import named_catalogs
 from drivesizer.spec.drive import Select
 from drivesizer.units import label
 
@@ -63,11 +64,7 @@ def named_by(held: EngineMemory, text: str) -> list[str]:
         data = YamlSource(text, held.name).data
     except InputError:
         data = {}
-    axes = data.get("axes") if isinstance(data, dict) else None
-    each = (data, *(axes.values() if isinstance(axes, dict) else ()))
-    given = [_value_at(one, ("select", "catalogs")) for one in each]
-    names = [name for one in given for name in (one if isinstance(one, list) else [one])]
-    return list(dict.fromkeys(str(name) for name in names if isinstance(name, str | int))) or list(_DEFAULT)
+    return named_catalogs(data)
 
 
 def listed_names(names: Sequence[str]) -> list[str]:

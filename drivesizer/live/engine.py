@@ -24,6 +24,7 @@ from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, printable
 from drivesizer.files.text import hand_over, state_of, states
+from drivesizer.files.yaml_source import YamlSource, texts_in
 
 Piece = dict[str, Any]
 _LOOK = 0.01  # s between looks at newer requests
@@ -183,12 +184,20 @@ def _limit_memory() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
 
 
+def _texts(spec: str | None, name: str) -> list[str]:
+    """Texts of a spec, each of which may name a file."""
+    with suppress(InputError):
+        return list(texts_in(YamlSource(spec or "", name).data))
+    return []
+
+
 def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
     """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
     from drivesizer.files.text import restrict_reading, shipped_folder
 
     answer = import_module("drivesizer.live.answer")
-    restrict_reading(answer.named(spec, held.name) if spec else [], [shipped_folder("catalogs")])
+    below = Path(held.name).parent
+    restrict_reading([below / name for name in _texts(spec, held.name)], [shipped_folder("catalogs")])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
             answer.whole(held, spec, brief=True)

@@ -20,7 +20,7 @@ from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
 from drivesizer.output.parts import machine_parts, machine_parts_of_axes, parts_by_axis, totals
-from drivesizer.output.report import write_machine
+from drivesizer.output.report import write
 from drivesizer.output.report.csv import files_csv
 from drivesizer.output.report.figures.machine import layers
 from drivesizer.results.check import tightest
@@ -85,7 +85,7 @@ def files(machine: MachineSizing, tmp_path_factory: pytest.TempPathFactory) -> d
     folder = tmp_path_factory.mktemp("report")
     kinds = ["report.pdf", "report.html", "report.xlsx", "report.csv"]
     with blank_figures():
-        written = write_machine(machine, {}, [folder / name for name in kinds])
+        written = write(machine, {}, [folder / name for name in kinds])
     return {path.name: path.read_bytes() for path in written}
 
 

@@ -53,6 +53,7 @@ from drivesizer.output.words import moved, number_of
 from drivesizer.results.check import Status as CheckStatus
 from drivesizer.results.check import gravest, tightest, worst
 from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
+from drivesizer.results.sizing import SizingResult
 from drivesizer.units import show
 
 if TYPE_CHECKING:
@@ -528,6 +529,16 @@ def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterato
     if isinstance(content, Content):
         return wide(content, media)
     return wide(content.axes[0].content, media) if len(content.axes) == 1 else machine_wide(content, media)
+
+
+def content_of(
+    result: SizingResult | MachineSizing, proof: Validation | Mapping[str, Validation] | None = None
+) -> Content | MachineContent:
+    """What a report shows of a sizing, with the closed loop of each axis by its name; of one axis what is of that."""
+    if isinstance(result, MachineSizing) and not result.alone:
+        return MachineContent(result, proof if isinstance(proof, Mapping) else {})
+    alone = result.alone or result.axes[0].result if isinstance(result, MachineSizing) else result
+    return Content(alone, next(iter(proof.values()), None) if isinstance(proof, Mapping) else proof)
 
 
 def drawings_of(content: Content | MachineContent) -> dict[str, Drawing]:

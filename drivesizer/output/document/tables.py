@@ -7,8 +7,7 @@ from math import isnan
 from typing import Any
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.document.axes import MachineContent, wide_of
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import content_of, wide_of
 from drivesizer.output.document.records import WIDE, Bar, Quantity, Table, flat, text_of
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import SizingResult
@@ -39,12 +38,8 @@ def tables(
     >>> [row["status"] for row in found["check"] if row["name"] == "winding_temperature"]
     ['pass']
     """
-    if isinstance(result, MachineSizing):
-        content: Content | MachineContent = MachineContent(result, proof if isinstance(proof, Mapping) else {})
-    else:
-        content = Content(result, proof if isinstance(proof, Validation) else None)
     found: dict[str, list[dict[str, Any]]] = {}
-    for section in wide_of(content, WIDE):
+    for section in wide_of(content_of(result, proof), WIDE):
         head: dict[str, Any] = {"axis": section.axis} if section.axis else {}
         if not isnan(section.rank):
             head["rank"] = int(section.rank)

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_machine",
-    "write_machine_figures", "write_path", "write_series", "write_sets",
+    "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_path", "write_series",
+    "write_sets",
 ]  # fmt: skip
 
 KNOWN = (".pdf", ".html", ".xlsx", ".csv", ".json")
@@ -38,8 +38,8 @@ def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
 
 
 def write(
-    result: SizingResult,
-    validation: Validation | None,
+    result: SizingResult | MachineSizing,
+    proof: Validation | Mapping[str, Validation] | None,
     paths: Sequence[Path],
     *,
     paper: str = "a4",
@@ -50,9 +50,9 @@ def write(
     Parameters
     ----------
     result
-        The sizing.
-    validation
-        The closed loop of the best drive, where it was simulated.
+        The sizing of an axis, or of a machine.
+    proof
+        The closed loop of the best drive, where it was simulated; of a machine by the name of the axis.
     paths
         Where to, such as ``report.pdf`` or ``report.xlsx``.
     paper
@@ -71,30 +71,10 @@ def write(
         When a suffix is none of the known ones, two paths are one, or a file cannot be written. Nothing is written
         then, and older files stay unchanged.
     """
-    from drivesizer.output.document.content import Content
+    from drivesizer.output.document.axes import content_of
 
-    content = Content(result, validation)  # one for all kinds: what takes time is computed once
-    return _write(content, paths, paper, date)
-
-
-def write_machine(
-    sizing: MachineSizing,
-    proofs: Mapping[str, Validation],
-    paths: Sequence[Path],
-    *,
-    paper: str = "a4",
-    date: str | None = None,
-) -> list[Path]:
-    """Write reports of a machine of several axes; see :func:`write`."""
-    from drivesizer.output.document.axes import MachineContent
-
-    return _write(MachineContent(sizing, proofs), paths, paper, date)
-
-
-def _write(content: Any, paths: Sequence[Path], paper: str, date: str | None) -> list[Path]:
-    """One content for all kinds: what takes time is computed once."""
     accept(paths)
-    files: dict[Path, bytes] = {}
+    content, files = content_of(result, proof), dict[Path, bytes]()  # one for all kinds: it keeps what takes time
     for path in paths:
         made = _files(content, path, paper, date)
         twice = files.keys() & made.keys()
@@ -202,13 +182,15 @@ def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
     return figures_into(loop_drawings(validation), folder)
 
 
-def write_figures(result: SizingResult, validation: Validation | None, folder: Path) -> list[Path]:
+def write_figures(
+    result: SizingResult | MachineSizing, proof: Validation | Mapping[str, Validation] | None, folder: Path
+) -> list[Path]:
     """Write every figure of a report as SVG and as PNG; see :func:`write_loop_figures`.
 
     Parameters
     ----------
-    result, validation
-        The sizing, and the closed loop where it was simulated.
+    result, proof
+        As of :func:`write`.
     folder
         Where to; it is made where it does not exist.
 
@@ -217,14 +199,7 @@ def write_figures(result: SizingResult, validation: Validation | None, folder: P
     list[Path]
         The files that were written.
     """
-    from drivesizer.output.report.figures.all_figures import figures_into, report_drawings
-
-    return figures_into(report_drawings(result, validation), folder)
-
-
-def write_machine_figures(sizing: MachineSizing, proofs: Mapping[str, Validation], folder: Path) -> list[Path]:
-    """Write every figure of a machine's report as SVG and as PNG; see :func:`write_loop_figures`."""
-    from drivesizer.output.document.axes import MachineContent
+    from drivesizer.output.document.axes import content_of
     from drivesizer.output.report.figures.all_figures import figures_into
 
-    return figures_into(MachineContent(sizing, proofs).drawings, folder)
+    return figures_into(content_of(result, proof).drawings, folder)
