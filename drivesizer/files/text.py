@@ -32,7 +32,10 @@ _PIECE = 1 << 20  # bytes read at once
 _read: dict[Path, None] = {}  # absolute paths of the files that were read
 _permitted: tuple[frozenset[str], tuple[str, ...]] | None = None  # files and folders of which alone may be read
 _handed: dict[Path, bytes] = {}  # by absolute path: contents that count in place of files
-_ELSEWHERE = "is not read here; expected a shipped catalogue, or what the spec named when it was opened"
+_ELSEWHERE = (
+    "is not read here; expected a shipped catalogue, or what the spec named when drivesizer serve was started: "
+    "save the spec and start it again"
+)
 
 
 def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:

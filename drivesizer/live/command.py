@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from drivesizer.commands.common import DEFAULT, Spec, whole_option
 from drivesizer.commands.ends import STOPPED
 from drivesizer.errors import InputError, reason_of
-
-if TYPE_CHECKING:
-    import socket
-
 
 _LOCAL = "127.0.0.1"
 
@@ -24,9 +20,12 @@ def serve(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
 ) -> None:
     """Open a page on this machine where the drive follows the figures as they change."""
+    import json
     import os
     import secrets
+    import signal
     import socket
+    from functools import partial
 
     from drivesizer.files.cache import digest_of, folder
 
@@ -52,9 +51,19 @@ def serve(
         if port != before:
             token = secrets.token_urlsafe(24)
         if port == wanted or not before:
-            _keep_address(kept, port, token)
-        typer.echo(f"{spec}: http://{_LOCAL}:{port}/{token}/\nstop with Ctrl-C")
-        _run(spec, token, port, listening, browser=browser)
+            _keep(kept, json.dumps({"port": port, "token": token}))
+        address, way = f"http://{_LOCAL}:{port}/{token}/", kept.with_name(f"{kept.stem}-{port}.html")
+        typer.echo(f"{spec}: {address}\nstop with Ctrl-C")
+        from drivesizer.commands.setup import starter
+        from drivesizer.live.server import serve as served
+
+        try:  # the browser waits until the server answers, for it listens already
+            opened = partial(_open, way, address) if browser else lambda: None
+            terminated = served(spec.absolute(), token, listening, starter("wheeled_vehicle"), opened)
+        finally:
+            way.unlink(missing_ok=True)
+    if terminated:
+        signal.raise_signal(signal.SIGTERM)  # the status is that of the system
 
 
 def _address_before(path: Path) -> tuple[int, str]:
@@ -69,37 +78,18 @@ def _address_before(path: Path) -> tuple[int, str]:
         return 0, ""
 
 
-def _keep_address(path: Path, port: int, token: str) -> None:
-    """Keep port and token where this user alone can read them."""
-    import json
+def _keep(path: Path, text: str) -> bool:
+    """Keep a text where this user alone can read it; whether that was possible."""
     import os
-    from contextlib import suppress
 
-    with suppress(OSError):
+    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
         with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-            json.dump({"port": port, "token": token}, file)
-
-
-def _run(spec: Path, token: str, port: int, listening: socket.socket, *, browser: bool) -> None:
-    import secrets
-
-    from drivesizer.commands.setup import starter
-    from drivesizer.live.server import application, engines
-    from drivesizer.live.server import serve as served
-
-    own: dict[str, bytes] = {}  # catalogues of the user, in memory alone
-    workers = engines(spec.absolute(), own)
-    try:
-        app = application(spec.absolute(), token, port, starter("wheeled_vehicle"), workers, own)
-        if browser:  # others see with what it is started: an address that leads there once
-            app.once = f"/{secrets.token_urlsafe(24)}/"
-            _opened(f"http://{_LOCAL}:{port}{app.once}")
-        served(app, app.headers, listening, workers.values())
-    finally:
-        for worker in workers.values():
-            worker.close()
+            file.write(text)
+    except OSError:
+        return False
+    return True
 
 
 def _end_on_ctrl_c() -> None:
@@ -112,9 +102,10 @@ def _end_on_ctrl_c() -> None:
         signal.signal(signal.SIGINT, lambda *_: os._exit(STOPPED))
 
 
-def _opened(address: str) -> None:
-    """Open the page; the browser waits until the server answers, for it listens already."""
+def _open(kept: Path, address: str) -> None:
+    """Open the page by a file that this user alone can read: others see with which words a browser is started."""
     import threading
     import webbrowser
 
-    threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+    if _keep(kept, f'<meta http-equiv="refresh" content="0;url={address}">\n'):
+        threading.Thread(target=webbrowser.open, args=(kept.as_uri(),), daemon=True).start()

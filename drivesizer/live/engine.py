@@ -28,6 +28,7 @@ from drivesizer.files.yaml_source import YamlSource, texts_in
 
 Piece = dict[str, Any]
 _LOOK = 0.01  # s between looks at newer requests
+_SLOW, _AGAIN = 1.0, 0.3  # s after which progress is said, and said again
 _KEPT = 4  # sizings: that of the page, and those of which someone wants a file or a comparison
 
 
@@ -44,11 +45,16 @@ class EngineMemory:
     sized: OrderedDict[str, Any] = field(default_factory=OrderedDict)  # sizings by their spec's text
     shelf: dict[str, Any] = field(default_factory=dict)  # shipped catalogues by name, each by itself
     own: tuple[str, ...] = ()  # names of the user's catalogues
+    say: Callable[[Piece], None] = lambda _: None  # sends a piece beside those of the job
+    next: float = 0.0  # s, moment from which progress is said
 
-    def go_on(self, *_: int) -> None:
-        """Stop a job of which nobody wants the answer; takes the numbers of a progress."""
+    def go_on(self, done: int = 0, every: int = 0) -> None:
+        """Stop a job of which nobody wants the answer, and say how far it is, from some moment on now and then."""
         if self.stopped():
             raise StoppedError
+        if 0 < done < every and time.monotonic() > self.next:
+            self.next = time.monotonic() + _AGAIN
+            self.say({"kind": "progress", "done": done, "all": every})
 
     def rest(self, seconds: float) -> None:
         """Wait for a newer request: while a slider moves nobody looks at more than the ranking."""
@@ -144,6 +150,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
     _limit_memory()
     held = EngineMemory(file)
     _open(held, spec, first)
+    held.say = lambda piece: pipe.send_bytes(_line(piece))
     try:
         pipe.send_bytes(b"")
         while True:
@@ -152,7 +159,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
                 take_over(held, request)
                 pipe.send_bytes(b"")
                 continue
-            held.stopped = partial(_is, unwanted, number)
+            held.stopped, held.next = partial(_is, unwanted, number), time.monotonic() + _SLOW
             with suppress(StoppedError):
                 for piece in done(held, job, request):
                     pipe.send_bytes(_line(piece))

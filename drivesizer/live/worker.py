@@ -1,173 +1,59 @@
-"""A process of the engine as the server sees it: one job after another, of a tab only the newest, none without an end.
+"""Processes of the engine as the server sees them: one job at a time in each, of a tab only the newest, none endless.
 
-A thread does the jobs in their order: it starts the process, sends a job, waits for its pieces and ends the process
-when they take too long. The server's loop never waits for a process, and a browser that does not read holds up nobody.
+The thread of a request takes a process that is free, sends it the job, hands its pieces on, and ends it when it takes
+too long. Processes are as many as there are cores, and one; a tab has no more than two at once, and those that take
+long leave one for what is short.
 """
 
 from __future__ import annotations
 
-import asyncio
 import json
 import multiprocessing
-import queue
+import os
 import signal
 import threading
 import time
-from collections.abc import AsyncGenerator, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnProcess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import inf
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from drivesizer.live.engine import OWN, Piece, run
 
-_LOOK = 0.2  # s from one look to the next whether a job is still wanted
+_LOOK = 0.05  # s from one look to the next whether a job is still wanted
 _GRACE = 5.0  # s after which a job of which nobody wants the answer ends with its process
 _READING = 180.0  # s that the process may take for catalogues of the user: one of 16 MB takes 30
-_MOST = 32  # requests that wait
+_QUICK, _SLOW = 60.0, 180.0  # s that a ranking may take, and a report
+_WAITING = 32  # requests that wait
+_OF_A_TAB = 2  # processes
+_KEYS = 1000  # of which newest jobs are known
 _AFRESH = "the engine ended in the middle of this and has been started afresh"
 _STOPPED = "drivesizer serve has been stopped"
+
+
+class FullError(Exception):
+    """So many requests wait that another one is better refused."""
 
 
 class _TooLongError(Exception):
     """A job that takes longer than it may, or does not stop."""
 
 
-class _Job:
-    """A request under way: what it is, whether someone waits for it, and where its pieces go."""
+class Engine:
+    """A process that computes: started, ended where a job takes too long, started afresh."""
 
-    def __init__(self, number: int, name: str, request: Piece) -> None:
-        self.number, self.name, self.request = number, name, request
-        self.left = 0.0  # time at which its answer became of no use; 0 while it is of use
-        self.pieces: asyncio.Queue[bytes | None] = asyncio.Queue()
-        self.loop = asyncio.get_running_loop()
-
-    def say(self, piece: bytes | None) -> None:
-        """Hand on a piece from the thread that does the job; None is the end."""
-        with suppress(RuntimeError):  # the server has ended
-            self.loop.call_soon_threadsafe(self.pieces.put_nowait, piece)
-
-
-class Worker:
-    """A process that computes, and who waits for it.
-
-    A class, for it has a life: it is started, killed when a job takes too long, started afresh, and closed.
-    """
-
-    process: SpawnProcess
-    pipe: Connection
-    folder: TemporaryDirectory[str]  # of the process
-    ready: bool  # whether the process has read the spec
-    has: dict[str, bytes]  # catalogues of the user in it
-
-    def __init__(self, file: str, spec: str | None, longest: float, own: Mapping[str, bytes]) -> None:
+    def __init__(self, file: str, spec: str | None, *, first: bool) -> None:
         self.file, self.spec = file, spec  # of the page, and its text when it was opened
-        self.own = own  # catalogues of the user, which change while it lives
-        self.longest = longest  # s that a job may take
-        self.jobs = 0
-        self.newest: dict[str, _Job] = {}  # by tab, the job whose answer it waits for
-        self.waiting: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
-        self.serving: _Job | None = None
-        self.closed = False
         self.context = multiprocessing.get_context("spawn")
         self.unwanted: Any = self.context.Value("Q", 0, lock=False)  # job under way that is to be stopped
-        self._start(first=True)
-        self.thread = threading.Thread(target=self._work, daemon=True, name="drivesizer worker")
-        with _interruptions_elsewhere():  # nor in the thread, else one would come through while it starts a process
-            self.thread.start()
+        self.tab, self.slow = "", False  # of its last job
+        self.leaving, self.closed = inf, False  # when a job that is to stop is ended with its process
+        self.start(first=first)
 
-    @property
-    def full(self) -> bool:
-        """Whether so many requests wait that another one is better refused."""
-        return self.waiting.qsize() >= _MOST
-
-    async def answer(self, tab: str, name: str, request: Piece) -> AsyncGenerator[bytes]:
-        """Pieces of a job as JSON, a line each; one that says so where a newer request of the tab came first."""
-        if self.closed:
-            yield _wrong(_STOPPED)
-            return
-        self.jobs += 1
-        mine = _Job(self.jobs, name, request)
-        if tab:
-            self._leave(self.newest.get(tab))
-            self.newest[tab] = mine
-        self.waiting.put(mine)
-        try:
-            while (piece := await mine.pieces.get()) is not None:
-                yield piece
-        finally:  # also when the browser has gone away
-            self._leave(mine)
-            if self.newest.get(tab) is mine:
-                del self.newest[tab]
-
-    def _leave(self, job: _Job | None) -> None:
-        """Mark a job as of no use. The thread reads the mark after it has said what it serves: none is missed."""
-        if job is not None and not job.left:
-            job.left = time.monotonic()
-            if self.serving is job:
-                self.unwanted.value = job.number
-
-    def close(self) -> None:
-        """End the process, whatever it does; who waits is given the reason."""
-        self.closed = True
-        self.waiting.put(None)
-        self.process.kill()
-        self.thread.join(5.0)
-
-    # -- of the thread
-
-    def _work(self) -> None:
-        while (job := self.waiting.get()) is not None:
-            self.serving = job
-            if self.closed:
-                job.say(_wrong(_STOPPED))
-            elif job.left:
-                job.say(_line({"kind": "superseded"}))
-            else:
-                self._serve(job)
-            self.serving = None
-            job.say(None)
-        self._end()
-
-    def _serve(self, job: _Job) -> None:
-        """Do a job; whatever becomes of the process, the next one finds one that is ready or being started."""
-        until = time.monotonic() + self.longest
-        try:
-            if not self.process.is_alive():  # it ended while nobody waited for it
-                self._end()
-                self._start()
-            if not self.ready:
-                self.ready = self._received(job, until) == b""
-            if self.has != self.own:
-                until += self._hand_over()
-            self.pipe.send((job.number, job.name, job.request))
-            while body := self._received(job, until):
-                job.say(body)
-        except _TooLongError:
-            self._afresh(job, f"it took longer than {self.longest:g} s and was stopped")
-        except (OSError, EOFError):
-            self._afresh(job, _AFRESH)
-
-    def _hand_over(self) -> float:
-        """Give the process the user's catalogues, which it reads; the time that it took [s]."""
-        start, self.has = time.monotonic(), dict(self.own)
-        self.pipe.send((0, OWN, self.has))
-        self._received(None, start + _READING)
-        return time.monotonic() - start
-
-    def _received(self, job: _Job | None, until: float) -> bytes:
-        """The next piece of the process."""
-        while not self.pipe.poll(_LOOK):
-            now = time.monotonic()
-            if now > until or (job and job.left and now > job.left + _GRACE):
-                raise _TooLongError
-        return self.pipe.recv_bytes()
-
-    # -- the process
-
-    def _start(self, *, first: bool = False) -> None:
-        self.ready, self.has = False, {}
+    def start(self, *, first: bool = False) -> None:
+        """Start the process; ``first`` sizes the spec, which warms it up."""
+        self.ready, self.has = False, dict[str, bytes]()  # catalogues of the user in it
         self.pipe, theirs = self.context.Pipe()
         with _interruptions_elsewhere():
             self.folder = TemporaryDirectory(prefix="drivesizer-", ignore_cleanup_errors=True)
@@ -175,20 +61,149 @@ class Worker:
             self.process = self.context.Process(target=run, args=arguments, daemon=True, name="drivesizer engine")
             self.process.start()
         theirs.close()
-        if self.closed:  # in the meantime
-            self.process.kill()
 
-    def _afresh(self, job: _Job, reason: str) -> None:
-        job.say(_wrong(_STOPPED if self.closed else reason))
-        if not self.closed:
-            self._end()
-            self._start()
-
-    def _end(self) -> None:
+    def end(self) -> None:
+        """End the process, whatever it does."""
         self.process.kill()
         self.process.join(2.0)
         self.pipe.close()
         self.folder.cleanup()
+
+    def afresh(self) -> None:
+        """Another process in place of this one."""
+        self.end()
+        if not self.closed:
+            self.start()
+
+    def pieces(
+        self, job: tuple[int, str, Piece], own: dict[str, bytes], longest: float, useful: Callable[[], bool]
+    ) -> Iterator[bytes]:
+        """Pieces of a job as lines of JSON; whatever becomes of it, the next one finds a process that is free."""
+        until, free, self.leaving = time.monotonic() + longest, False, inf
+        try:
+            if not self.process.is_alive():  # it ended while nobody waited for it
+                self.afresh()
+            if not self.ready:
+                self.ready = self._next(until, job[0], useful) == b""
+            if self.has != own:
+                start, self.has = time.monotonic(), dict(own)
+                self.pipe.send((0, OWN, self.has))
+                self._next(start + _READING, 0, lambda: True)
+                until += time.monotonic() - start
+            self.pipe.send(job)
+            while body := self._next(until, job[0], useful):
+                yield body
+            free = True
+        except GeneratorExit:  # the browser has gone away
+            free = self._stopped(job[0])
+            raise
+        except _TooLongError:
+            yield wrong(f"it took longer than {longest:g} s and was stopped")
+        except (OSError, EOFError):
+            yield wrong(_STOPPED if self.closed else _AFRESH)
+        finally:
+            if not free:
+                self.afresh()
+
+    def _stopped(self, number: int) -> bool:
+        """Stop the job under way; whether it does in time."""
+        try:
+            while self._next(inf, number, lambda: False):
+                pass
+        except (_TooLongError, OSError, EOFError):
+            return False
+        return True
+
+    def _next(self, until: float, number: int, useful: Callable[[], bool]) -> bytes:
+        """The next piece of the process."""
+        while not self.pipe.poll(_LOOK):
+            now = time.monotonic()
+            if self.unwanted.value != number and not useful():
+                self.unwanted.value, self.leaving = number, now + _GRACE
+            if now > min(until, self.leaving):
+                raise _TooLongError
+        return self.pipe.recv_bytes()
+
+
+class Engines:
+    """The processes of one page, and who waits for them."""
+
+    def __init__(self, file: str, spec: str | None) -> None:
+        self.file, self.spec = file, spec
+        self.own: dict[str, bytes] = {}  # catalogues of the user, in memory alone
+        self.most = 1 + max(2, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 2)
+        self.changed, self.closed = threading.Condition(), False
+        self.free = [Engine(file, spec, first=True) for _ in range(2)]
+        self.busy: list[Engine] = []
+        self.jobs = self.waiting = 0
+        self.newest: dict[str, int] = {}  # by what a tab wants the newest of, the number of that job
+
+    def answer(
+        self, name: str, request: Piece, *, tab: str = "", kind: str = "", slow: bool = False,
+        wanted: Callable[[], bool] = lambda: True,
+    ) -> Iterator[bytes]:  # fmt: skip
+        """Pieces of a job as JSON, a line each; one that says so where a newer request of the kind came first."""
+        with self.changed:
+            if self.waiting >= _WAITING:
+                raise FullError
+            self.jobs += 1
+            number, key = self.jobs, f"{tab} {kind}"
+            if kind:
+                self.newest[key] = number
+                if len(self.newest) > _KEYS:  # of tabs that are long gone
+                    del self.newest[next(iter(self.newest))]
+        return self._pieces((number, name, request), tab, key if kind else "", slow, wanted)
+
+    def _pieces(
+        self, job: tuple[int, str, Piece], tab: str, key: str, slow: bool, wanted: Callable[[], bool]
+    ) -> Iterator[bytes]:
+        def useful() -> bool:
+            return not self.closed and self.newest.get(key, job[0]) == job[0] and wanted()
+
+        if (engine := self._taken(tab, slow, useful)) is None:
+            yield wrong(_STOPPED) if self.closed else line({"kind": "superseded"})
+            return
+        try:
+            yield from engine.pieces(job, self.own, _SLOW if slow else _QUICK, useful)
+        finally:
+            with self.changed:
+                self.busy.remove(engine)
+                if self.closed:
+                    engine.end()
+                self.free.append(engine)
+                self.changed.notify_all()
+
+    def _taken(self, tab: str, slow: bool, useful: Callable[[], bool]) -> Engine | None:
+        """A process that is free, at best one that knows the tab; None where nobody waits for the answer any more."""
+        with self.changed:
+            self.waiting += 1
+            try:
+                while useful():
+                    of_tab = sum(one.tab == tab for one in self.busy) if tab else 0
+                    long = sum(one.slow for one in self.busy) if slow else 0
+                    there = len(self.busy) + len(self.free)
+                    if of_tab < _OF_A_TAB and long < self.most - 1 and (self.free or there < self.most):
+                        known = [one for one in self.free if one.tab == tab and one.slow == slow]
+                        one = (known or self.free or [Engine(self.file, self.spec, first=False)])[0]
+                        self.free = [other for other in self.free if other is not one]
+                        one.tab, one.slow = tab, slow
+                        self.busy.append(one)
+                        return one
+                    self.changed.wait(_LOOK)
+            finally:
+                self.waiting -= 1
+        return None
+
+    def close(self) -> None:
+        """End all processes; who waits is given the reason."""
+        with self.changed:
+            self.closed = True
+            for one in (*self.busy, *self.free):
+                one.closed = True
+                one.process.kill()
+            for one in self.free:
+                one.end()
+            self.changed.wait_for(lambda: not self.busy, 2.0)
 
 
 @contextmanager
@@ -207,9 +222,11 @@ def _interruptions_elsewhere() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _wrong(reason: str) -> bytes:
-    return _line({"kind": "wrong", "lines": [reason]})
+def wrong(reason: str) -> bytes:
+    """What is wrong, as a line."""
+    return line({"kind": "wrong", "lines": [reason]})
 
 
-def _line(piece: Piece) -> bytes:
+def line(piece: Piece) -> bytes:
+    """A piece as a line."""
     return json.dumps(piece).encode() + b"\n"

@@ -62,11 +62,11 @@ def carry_out(
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     most = processes or cores
     with workers(most if plan.depth else min(most, plan.points), scheduler) as on, folders.locked(folder):
-        store, finer = folders.Store(folder, plan, origin, fresh=fresh), plan
-        while finer:
+        store = folders.Store(folder, plan, origin, fresh=fresh)
+        _compute(plan, store, on, progress)
+        while finer := refined(plan, store.every_row(plan.every_point)):
             plan = finer
             _compute(plan, store, on, progress)
-            finer = refined(plan, store.every_row(plan.every_point))
         columns, (as_csv, as_parquet) = columns_of(plan), store.results
         folders.write_csv(as_csv, columns, _counted(plan, store.every_row(plan.every_point), outcome))
         outcome.written.append(as_csv)

@@ -25,7 +25,7 @@ from drivesizer import cli
 from drivesizer.commands.ends import ended, parsed
 from drivesizer.files import cache, text
 from drivesizer.live.engine import JOBS, EngineMemory, done
-from drivesizer.live.guard import REQUESTS, request_of
+from drivesizer.live.requests import REQUESTS, request_of
 from drivesizer.study import rows
 from drivesizer.study import run as study_run
 

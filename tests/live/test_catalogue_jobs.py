@@ -14,7 +14,7 @@ from drivesizer.files.text import hand_over
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, done, take_over
-from drivesizer.live.guard import REQUESTS, request_of
+from drivesizer.live.requests import REQUESTS, request_of
 
 NAME = "dropped/mine.yaml"
 SPEC = """\

@@ -260,6 +260,18 @@ def test_a_range_is_computed_anew_once_the_text_can_be_read(page: Any) -> None:
     expect(page.locator(".stretches li").first).to_be_visible(timeout=20_000)
 
 
+def test_what_takes_minutes_is_said_and_stopped(page: Any) -> None:
+    """A button is there while it is computed; then the page says so, and goes on with the next change."""
+    slow = SMALL + "tolerances: {confidence: 95 %, samples: 1000000}\n"
+    page.locator("#opened").set_input_files({"name": "slow.yaml", "mimeType": "text/yaml", "buffer": slow.encode()})
+    stop = page.locator("#progress button")
+    expect(stop).to_be_visible(timeout=30_000)
+    stop.click()
+    expect(page.locator("#headline")).to_contain_text("stopped before it was done", timeout=30_000)
+    expect(stop).to_be_hidden()
+    opening(page, SMALL)
+
+
 def test_notices_and_the_comparison_are_in_sight_wherever_the_page_is(page: Any) -> None:
     page.locator("#sets input").nth(0).scroll_into_view_if_needed()
     page.locator("#sets input").nth(0).check()

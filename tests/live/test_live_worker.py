@@ -1,22 +1,24 @@
-"""Processes of the engine: the newest request of a tab first, none without an end, and what ends is started afresh."""
+"""Processes of the engine: the newest request of a tab first, none without an end, one for others, and afresh."""
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from drivesizer.live import worker as module
-from drivesizer.live.worker import Worker
+from drivesizer.live.worker import Engines
 
 pytestmark = pytest.mark.slow
 
@@ -34,7 +36,7 @@ tolerances: {confidence: 95 %, samples: 1000000}
 
 @pytest.fixture(scope="module", autouse=True)
 def temporary(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Of this module alone: other tests and programs have folders of workers in the machine's."""
+    """Of this module alone: other tests and programs have folders of engines in the machine's."""
     found = tmp_path_factory.mktemp("temporary")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tempfile, "tempdir", str(found))
@@ -42,91 +44,100 @@ def temporary(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 @pytest.fixture(scope="module")
-def worker() -> Iterator[Worker]:
-    found = Worker("robot.yaml", None, 30.0, {})
+def engines(temporary: Path) -> Iterator[Engines]:
+    found = Engines("robot.yaml", None)
     yield found
     found.close()
-    assert not found.thread.is_alive() and not found.process.is_alive()
-    assert not Path(found.folder.name).exists()
+    assert not found.busy and not any(one.process.is_alive() for one in found.free)
+    assert not list(temporary.iterdir())
 
 
-async def pieces(worker: Worker, text: str, tab: str = "", job: str = "answer", **more: Any) -> list[dict[str, Any]]:
-    return [json.loads(line) async for line in worker.answer(tab, job, {"text": text, **more})]
+def pieces(engines: Engines, text: str, tab: str = "", **more: Any) -> list[dict[str, Any]]:
+    kind = "answer" if tab else ""
+    return [json.loads(line) for line in engines.answer("answer", {"text": text}, tab=tab, kind=kind, **more)]
 
 
-def answered(worker: Worker) -> list[str]:
+def answered(engines: Engines) -> list[str]:
     """Kinds of the pieces of a small request: it works."""
-    return [piece["kind"] for piece in asyncio.run(pieces(worker, SMALL))]
+    return [piece["kind"] for piece in pieces(engines, SMALL)]
 
 
-def test_it_answers_one_after_another(worker: Worker) -> None:
-    async def several() -> list[Any]:
-        return await asyncio.gather(*(pieces(worker, f"a{n}: 1\n", str(n % 2) * (n % 3)) for n in range(12)))
+def within(seconds: float, holds: Callable[[], Any]) -> bool:
+    until = time.monotonic() + seconds
+    while not holds() and time.monotonic() < until:
+        time.sleep(0.01)
+    return bool(holds())
 
-    found = asyncio.run(several())
-    for n, one in enumerate(found):  # each its own, or none where the tab had a newer request
-        assert one[0].get("text", f"a{n}: 1\n") == f"a{n}: 1\n"
-        assert one == [{"kind": "superseded"}] or f"a{n}: unknown key" in one[-1]["lines"][0]
-    assert [one[0]["kind"] for one in found].count("superseded") == 12 - (4 + 4)
-    assert worker.newest == {} and worker.serving is None
+
+def test_many_at_once_have_each_its_own_answer(engines: Engines) -> None:
+    """Or none where the tab had a newer request; no more processes than may be, and of one tab no more than two."""
+    tabs = [str(n % 2) * (n % 3 > 0) for n in range(12)]
+    with ThreadPoolExecutor(12) as threads:
+        found = list(threads.map(lambda n: pieces(engines, f"a{n}: 1\n", tabs[n]), range(12)))
+    for n, one in enumerate(found):
+        if tabs[n] and not one[-1].get("lines"):
+            assert one[-1] == {"kind": "superseded"} or one[0]["text"] == f"a{n}: 1\n"
+        else:
+            assert one[0]["text"] == f"a{n}: 1\n" and f"a{n}: unknown key" in one[-1]["lines"][0]
+    assert not engines.busy and len(engines.free) <= engines.most
 
 
 def test_what_takes_too_long_is_ended_and_the_next_answer_is_right(
-    worker: Worker, monkeypatch: pytest.MonkeyPatch
+    engines: Engines, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before, folder = worker.process.pid, worker.folder.name
-    monkeypatch.setattr(worker, "longest", 1.5)
-    found = asyncio.run(pieces(worker, LONG))
+    before = {one.process.pid: one.folder.name for one in engines.free}
+    monkeypatch.setattr(module, "_QUICK", 1.5)
+    found = pieces(engines, LONG)
     assert "ranking" not in [piece["kind"] for piece in found]
     assert found[-1]["lines"] == ["it took longer than 1.5 s and was stopped"]
     monkeypatch.undo()
-    assert answered(worker) == ["spec", "wrong"]
-    assert worker.process.pid != before and not Path(folder).exists()
+    assert answered(engines) == ["spec", "wrong"]
+    (ended,) = before.keys() - {one.process.pid for one in engines.free}
+    assert not Path(before[ended]).exists()
 
 
-def test_a_process_that_was_killed_is_replaced(worker: Worker) -> None:
+def test_a_process_that_was_killed_is_replaced(engines: Engines) -> None:
     """Between two requests nobody notices; in the middle of one it is said, and the next one is answered."""
-    assert worker.process.pid
-    os.kill(worker.process.pid, signal.SIGKILL)
-    worker.process.join(5)
-    assert answered(worker) == ["spec", "wrong"]
-
-    async def killed() -> list[Any]:
-        found = []
-        async for line in worker.answer("tab", "answer", {"text": LONG}):
-            found.append(json.loads(line))
-            if len(found) == 1:
-                os.kill(worker.process.pid or 0, signal.SIGKILL)
-        return found
-
-    found = asyncio.run(killed())
+    for one in engines.free:
+        os.kill(one.process.pid or 0, signal.SIGKILL)
+        one.process.join(5)
+    assert answered(engines) == ["spec", "wrong"]
+    found = []
+    for line in engines.answer("answer", {"text": LONG}):
+        found.append(json.loads(line))
+        if len(found) == 1:
+            os.kill(engines.busy[0].process.pid or 0, signal.SIGKILL)
     assert found[-1] == {"kind": "wrong", "lines": [module._AFRESH]} and len(found) == 2
-    assert answered(worker) == ["spec", "wrong"]
+    assert answered(engines) == ["spec", "wrong"]
 
 
-def test_who_leaves_or_asks_anew_stops_his_own_request_alone(worker: Worker, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also one that looks at nothing: its process ends after a time of grace. Another tab waits and is answered."""
+def test_who_leaves_or_asks_anew_stops_his_own_request_alone(engines: Engines, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also one that looks at nothing: its process ends after a time of grace. Other tabs do not wait for it."""
     monkeypatch.setattr(module, "_GRACE", 0.5)
-
-    async def newer() -> tuple[Any, Any, Any]:
-        first = asyncio.create_task(pieces(worker, LONG, "one"))
-        while worker.serving is None:  # until it is under way
-            await asyncio.sleep(0.01)
-        other = asyncio.create_task(pieces(worker, "other: 1\n", "two"))
-        await asyncio.sleep(0.01)
-        return await pieces(worker, SMALL, "one"), await other, await first
-
-    second, other, first = asyncio.run(newer())
-    assert "a: unknown key" in second[-1]["lines"][0] and "other: unknown key" in other[-1]["lines"][0]
+    first: list[Any] = []
+    thread = threading.Thread(target=lambda: first.extend(pieces(engines, LONG, "one")))
+    thread.start()
+    assert within(30.0, lambda: any(one.tab == "one" for one in engines.busy))
+    other = pieces(engines, "other: 1\n", "two")
+    assert thread.is_alive() and "other: unknown key" in other[-1]["lines"][0]
+    assert "a: unknown key" in pieces(engines, SMALL, "one")[-1]["lines"][0]
+    thread.join(30.0)
     assert "ranking" not in [piece["kind"] for piece in first]
+    answer = engines.answer("answer", {"text": LONG}, tab="one", kind="answer")
+    next(answer)
+    answer.close()
+    assert answered(engines) == ["spec", "wrong"] and not engines.busy
 
-    async def gone() -> None:
-        answer = worker.answer("one", "answer", {"text": LONG})
-        await anext(answer)
-        await answer.aclose()
 
-    asyncio.run(gone())
-    assert answered(worker) == ["spec", "wrong"] and worker.newest == {}
+def test_long_jobs_leave_a_process_for_short_ones(engines: Engines) -> None:
+    left = threading.Event()
+    for n in range(engines.most):
+        arguments = {"tab": str(n), "slow": True, "wanted": lambda: not left.is_set()}
+        threading.Thread(target=pieces, args=(engines, LONG), kwargs=arguments, daemon=True).start()
+    assert within(30.0, lambda: len(engines.busy) == engines.most - 1 and engines.waiting == 1)
+    assert answered(engines) == ["spec", "wrong"]
+    left.set()
+    assert within(30.0, lambda: not engines.busy and not engines.waiting)
 
 
 def test_memory_is_bounded() -> None:

@@ -34,7 +34,47 @@ export async function* pieces(job, body, signal) {
   }
 }
 
+// -- what takes more than a second: how far it is, how long it still takes, and a button that stops it
+
+const SOON = 1500; // ms after which it is shown
+const BESIDE = new Set(["sweep", "rejected"]); // which nobody waits for
+const bar = document.getElementById("progress");
+let stop = null; // of the job that is shown
+
+bar.lastElementChild.addEventListener("click", () => stop?.());
+
+function shown(said, stopped, value) {
+  const [drawn, text] = bar.children;
+  if (value === undefined) drawn.removeAttribute("value");
+  else drawn.value = value;
+  text.textContent = said;
+  bar.hidden = false;
+  stop = stopped;
+}
+
+function far({ done, all }, since, stopped) {
+  const left = Math.round(((performance.now() - since) / 1000) * (all / done - 1));
+  shown(`${Math.round((100 * done) / all)} %, ${left < 1 ? "less than a second" : `about ${left} s`} left`, stopped, done / all);
+}
+
 async function* answered(job, body, signal) {
+  const own = new AbortController(), since = performance.now(), stopped = () => own.abort();
+  const soon = BESIDE.has(job) ? 0 : setTimeout(() => shown("computing …", stopped), SOON);
+  try {
+    for await (const piece of received(job, body, AbortSignal.any([own.signal, ...(signal ? [signal] : [])]))) {
+      if (piece.kind !== "progress") yield piece;
+      else if (soon) far(piece, since, stopped);
+    }
+  } catch (error) {
+    if (!own.signal.aborted) throw error;
+    yield { kind: "wrong", lines: ["stopped before it was done; any change starts it again"] };
+  } finally {
+    clearTimeout(soon);
+    if (stop === stopped) bar.hidden = true;
+  }
+}
+
+async function* received(job, body, signal) {
   const response = await fetch(new URL(`do/${job}`, address), {
     method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ ...body, tab }), signal,
   });
