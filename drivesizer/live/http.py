@@ -1,8 +1,8 @@
 """Connections of the page's server: who may request what, how much and how slowly; responses and their end.
 
-A thread for each connection reads one request after another. This machine's own browser may ask, by the address that
-the command printed, and nobody else: each request has the server's own host, no other origin, and the token in its
-path. Connections that have not shown the token yet are few; where more come, the oldest of them is closed.
+A thread for each connection reads one request after another. This machine's own browser may make them, by the address
+that the command printed, and nobody else: each has the server's own host, no other origin, and the token in its path.
+Connections that have not shown the token yet are few; where more come, the oldest of them is closed.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Response(NamedTuple):
     kept: str = "no-store"  # how long a browser may keep it
 
 
-class Asked(NamedTuple):
+class PageRequest(NamedTuple):
     """A request that may pass."""
 
     path: str  # behind the token, as it came
@@ -70,7 +70,7 @@ class Asked(NamedTuple):
     wanted: Callable[[], bool]  # whether the browser still waits for the answer
 
 
-App = Callable[[Asked], Response]
+App = Callable[[PageRequest], Response]
 
 
 class PageServer(ThreadingHTTPServer):
@@ -182,7 +182,7 @@ class _Connection(BaseHTTPRequestHandler):
 
     def _answered(self) -> None:
         try:
-            response = self.server.app(self._asked())
+            response = self.server.app(self._request())
         except Refusal as error:
             self._refused(error.status, str(error))
         except InputError as error:
@@ -196,7 +196,7 @@ class _Connection(BaseHTTPRequestHandler):
             else:
                 self._streamed(response.content)
 
-    def _asked(self) -> Asked:
+    def _request(self) -> PageRequest:
         """The request, or its refusal."""
         headers = {name.lower(): value for name, value in self.headers.items()}
         path = self.requestline.split()[1]
@@ -221,7 +221,7 @@ class _Connection(BaseHTTPRequestHandler):
                 raise Refusal(503, "the server has too much to do; try again")
         path = path[len(start) - 1 :]
         if self.command in ("GET", "HEAD"):
-            return Asked(path, False, b"", self._wanted)
+            return PageRequest(path, False, b"", self._wanted)
         if self.command != "POST":
             raise Refusal(405, "expected GET or POST")
         if origin is None:  # every browser names it; without it a form of an old one might pass
@@ -238,7 +238,7 @@ class _Connection(BaseHTTPRequestHandler):
             raise Refusal(408, f"expected the whole request within {_PATIENCE:g} s") from None
         if len(body) < int(length):
             raise Refusal(400, "the request ended in the middle")
-        return Asked(path, True, body, self._wanted)
+        return PageRequest(path, True, body, self._wanted)
 
     def _wanted(self) -> bool:
         """Whether the browser has not gone away."""

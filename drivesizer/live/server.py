@@ -23,7 +23,7 @@ from drivesizer.files.text import decoded
 from drivesizer.files.writing import write_files
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import Piece
-from drivesizer.live.http import CATALOGUE, Asked, PageServer, Refusal, Response, reply
+from drivesizer.live.http import CATALOGUE, PageRequest, PageServer, Refusal, Response, reply
 from drivesizer.live.requests import LONGEST, REQUESTS, CatalogueRequest, SaveRequest, request_of
 from drivesizer.live.worker import Engines, FullError
 from drivesizer.output.report.html.templates import own_file
@@ -69,22 +69,22 @@ class Page:
     def __init__(self, path: Path, starting: str, engines: Engines) -> None:
         self.path, self.starting, self.engines = path, starting, engines
 
-    def answer(self, asked: Asked) -> Response:
+    def answer(self, request: PageRequest) -> Response:
         """The response to a request; a refusal where nothing is there."""
-        if not asked.post:
-            return self._file(asked.path)
-        if asked.path == "/save":
-            return reply(saved(self.path, request_of(SaveRequest, asked.body)))  # of two tabs one is first
-        if asked.path == CATALOGUE:
-            return reply(taken(request_of(CatalogueRequest, asked.body), self.engines))
-        name = asked.path.removeprefix("/do/")
-        if not asked.path.startswith("/do/") or name not in REQUESTS:
+        if not request.post:
+            return self._file(request.path)
+        if request.path == "/save":
+            return reply(saved(self.path, request_of(SaveRequest, request.body)))  # of two tabs one is first
+        if request.path == CATALOGUE:
+            return reply(taken(request_of(CatalogueRequest, request.body), self.engines))
+        name = request.path.removeprefix("/do/")
+        if not request.path.startswith("/do/") or name not in REQUESTS:
             raise Refusal(404, "there is no such job")
-        wanted = request_of(REQUESTS[name], asked.body)
+        wanted = request_of(REQUESTS[name], request.body)
         kind = f"{name} {wanted['slider']}" if name in _NEWEST else ""
         try:  # pieces of a job, a line of JSON each, as they come
             return Response(self.engines.answer(
-                name, wanted, tab=wanted["tab"], kind=kind, slow=name not in _AT_ONCE, wanted=asked.wanted
+                name, wanted, tab=wanted["tab"], kind=kind, slow=name not in _AT_ONCE, wanted=request.wanted
             ))  # fmt: skip
         except FullError:
             raise Refusal(503, "the server has too much to do; try again") from None
