@@ -38,7 +38,7 @@ Progress = Callable[[int, int], None]  # drives examined, drives in all
 PASSES, OPEN, UNKNOWN = range(3)  # certainty
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
 _CHUNK = 1 << 20  # drives at a time
-_NEAREST = 32  # of the rejected, kept until all are known
+_NEAREST = 32  # of the rejected, kept until all are known; as many of those with estimated figures
 _SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
 _LONG = 1 << 14  # segments of a cycle, up to which all drives that bounds leave open are computed
 _CELLS = 50_000_000  # drives times segments that are computed before none is said to pass but for what all lack
@@ -81,10 +81,12 @@ def sifted(
     progress: Progress | None = None,
     margins: bool = False,
     wanted: int = 0,
+    known: bool = False,
 ) -> tuple[Passing, Candidates, Counts]:
     """The drives that pass or may pass, the closest rejected, and the counts.
 
-    ``wanted``: so many of a long cycle are enough, in the order of the objective; 0 all.
+    ``wanted``: so many of a long cycle are enough, in the order of the objective; 0 all. ``known``: without those that
+    figures leave unknown, which are not counted either.
     """
     every, names = pairs(problem), {*problem.spec.select.weights, *pareto}
     waveform: Waveform = "all" if "energy" in names else "limits" if names & _WAVEFORM else "open"
@@ -93,10 +95,10 @@ def sifted(
     total, done, undecided = len(every.motor) * len(problem.belt_ratios), 0, 0
     failed_by, kept = Counter[str](), list[_Found]()
     rejected = _Rejected(every.on(slice(0, 0)), np.zeros(0))
-    for some, one, opened in _examined(problem, every, "bounds" if lazy else waveform, margins):
+    for some, one, opened in _examined(problem, every, "bounds" if lazy else waveform, margins, known):
         failed_by.update(one.failed_by)
         kept.append(_Found(some.on(one.drives.rows), one.drives, opened))
-        near = _closest(one.bound)
+        near = _closest_of_both(problem, some, one)
         rejected = _nearest(problem, rejected, _Rejected(some.on(one.rejected[near]), one.bound[near]))
         done += len(some.pairs.motor) * len(some.belts)
         if progress:
@@ -129,7 +131,7 @@ def any_passes(problem: Problem) -> bool:
     """Whether any candidate passes or may pass: no more of them are examined than answer that."""
     every = pairs(problem)
     if problem.spec.select.unknown == "reject":
-        found = (one.drives.amount.unknown for _, one, _ in _examined(problem, every, "open", False))
+        found = (one.drives.amount.unknown for _, one, _ in _examined(problem, every, "open", False, known=True))
         return any((~unknown.any(axis=1)).any() for unknown in found)
     uncertain = every.on(estimated(problem, every))
     favourable, unfavourable = at_ends(problem) if len(uncertain.motor) else (problem, problem)
@@ -141,18 +143,17 @@ def any_passes(problem: Problem) -> bool:
 
 
 def _examined(
-    problem: Problem, every: Candidates, waveform: Waveform, margins: bool
+    problem: Problem, every: Candidates, waveform: Waveform, margins: bool, known: bool = False
 ) -> Iterator[tuple[Crossed, Examined, Mask]]:
     """Some of them after the other: all at the favourable end of the bands, those that hang on one at the other too.
 
     With each which of what came through is open.
     """
-    uncertain = np.zeros(len(every.motor), bool)
-    uncertain[estimated(problem, every)] = True
+    uncertain = _uncertain(problem, every)
     favourable, unfavourable = at_ends(problem) if uncertain.any() else (problem, problem)
     offered = offers(favourable), offers(unfavourable) if uncertain.any() else None
     for some, rows in _chunks(problem, every):
-        easy = _together(examine(favourable, some, waveform=waveform, margins=margins, offered=offered[0]))
+        easy = _together(examine(favourable, some, waveform=waveform, margins=margins, offered=offered[0], known=known))
         few = np.flatnonzero(uncertain[rows])
         if not len(few):
             yield some, easy, np.zeros(len(easy.drives.rows), bool)
@@ -201,6 +202,23 @@ def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slic
             yield Crossed(every.on(rows), some.tolist()), rows
 
 
+def _closest_of_both(problem: Problem, some: Crossed, one: Examined) -> Rows:
+    """The closest of the rejected with estimated figures, and of those without.
+
+    What hangs on estimated figures is bounded by their favourable end, which may be far from the middle.
+    """
+    hangs = _uncertain(problem, some.pairs)[one.rejected % len(some.pairs.motor)]
+    kinds = np.flatnonzero(~hangs), np.flatnonzero(hangs)
+    return np.concatenate([rows[_closest(one.bound[rows])] for rows in kinds])
+
+
+def _uncertain(problem: Problem, sets: Candidates) -> Mask:
+    """Which candidates have an estimated figure."""
+    found = np.zeros(len(sets.motor), bool)
+    found[estimated(problem, sets)] = True
+    return found
+
+
 def _closest(bound: Array) -> Rows:
     """Rows that are as near to their limits as the nearest, as many as are kept and their equals."""
     if len(bound) <= _NEAREST:
@@ -216,8 +234,10 @@ def _closest(bound: Array) -> Rows:
 def _nearest(problem: Problem, one: _Rejected, other: _Rejected) -> _Rejected:
     """The nearest of the rejected of two; of those that are equally far the first by part number."""
     both = joined([one, other])
-    rows = order(problem.catalog, both.sets, -both.bound, np.zeros(len(both.bound), np.int64))[:_NEAREST]
-    return on(both, rows)
+    rows = order(problem.catalog, both.sets, -both.bound, np.zeros(len(both.bound), np.int64))
+    hangs = _uncertain(problem, both.sets)[rows]
+    number = np.where(hangs, np.cumsum(hangs), np.cumsum(~hangs))  # of each kind by itself
+    return on(both, rows[number <= _NEAREST])
 
 
 def _is_long(problem: Problem) -> bool:

@@ -135,6 +135,9 @@ _AMBIENT = ("environment", "ambient")
 
 def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -> tuple[Relaxation, ...]:
     """The changes that would let some drive pass where none does."""
+    battery, reject = problem.spec.battery, problem.spec.select.unknown == "reject"
+    if reject and battery and battery.part is None and None in (battery.continuous_current, battery.peak_current):
+        return ()  # each drive is unknown by its battery, whatever else changes
     if not len(candidates(problem).motor):
         return ()
 

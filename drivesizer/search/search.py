@@ -138,7 +138,7 @@ def any_drive(problem: Problem, judge: Judge | None) -> bool:
         return search(problem, top=1, misses=None, judge=judge).passing > 0
     if judge is None:
         return any_passes(problem)
-    kept, _, _ = sifted(problem)
+    kept, _, _ = sifted(problem, known=problem.spec.select.unknown == "reject")
     value = ranking.values(problem.catalog, kept.sets, kept.figures, _QUICK)
     order = ranking.order(problem.catalog, kept.sets, *value, before=[kept.certainty])
     found = ordered_in_machine(judge, kept.sets, lambda rows: by_physics(problem, kept.sets.on(rows)), order, 1)
@@ -183,8 +183,9 @@ def _by_physics(
 ) -> tuple[InOrder, Counts]:  # fmt: skip
     """All candidates by physics; of the drives that are equal to the last shown margins decide."""
     kept, rejected, counts = sifted(
-        problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else wanted
-    )
+        problem, pareto=pareto, progress=progress, margins=margins, wanted=0 if pareto else wanted,
+        known=misses is None and problem.spec.select.unknown == "reject",
+    )  # fmt: skip
     catalog, rank, count = problem.catalog, ranked(problem, kept, top), len(kept.passes)
     order = rank.order(catalog, kept.sets)
     failing = count + np.arange(len(rejected.motor))

@@ -123,15 +123,24 @@ class Examined(NamedTuple):
 class _Sieve:
     """Candidates through the stages: those that are left, and what their checks amount to."""
 
-    def __init__(self, rows: NDArray[np.int64], amount: Amount, *, margins: bool = False, staged: bool = True) -> None:
-        self.rows, self.amount, self.margins, self.staged = rows, amount, margins, staged
+    def __init__(
+        self,
+        rows: NDArray[np.int64],
+        amount: Amount,
+        *,
+        margins: bool = False,
+        staged: bool = True,
+        known: bool = False,
+    ) -> None:
+        self.rows, self.amount, self.margins, self.staged, self.known = rows, amount, margins, staged, known
         self.checks: list[CheckColumn] = []
         self.failed_by: Counter[str] = Counter()
         self.rejected: list[tuple[NDArray[np.int64], Array]] = []
 
     def part(self, rows: slice) -> _Sieve:
         """Some of the candidates that are left; what was counted goes with the first."""
-        some = _Sieve(self.rows[rows], on(self.amount, rows), margins=self.margins, staged=self.staged)
+        kind = {"margins": self.margins, "staged": self.staged, "known": self.known}
+        some = _Sieve(self.rows[rows], on(self.amount, rows), **kind)
         some.checks = [check.on(rows) for check in self.checks]
         if not rows.start:
             some.failed_by, some.rejected = self.failed_by, self.rejected
@@ -148,10 +157,11 @@ class _Sieve:
         for check in checks:
             self.failed_by[check.name] += int(np.count_nonzero(check.failed))
         found = amount_of(checks, len(self.rows), self.margins)
-        if not found.failed.any():
+        gone = found.failed | (self.amount.unknown | found.unknown).any(axis=1) if self.known else found.failed
+        if not gone.any():
             self.amount = self.amount.plus(found)
             return kept
-        out, left = np.flatnonzero(found.failed), np.flatnonzero(~found.failed)
+        out, left = np.flatnonzero(found.failed), np.flatnonzero(~gone)
         self.rejected.append((self.rows[out], _least_margin([check.on(out) for check in checks], len(out))))
         self.rows, self.amount = self.rows[left], on(self.amount, left).plus(on(found, left))
         return left
@@ -165,11 +175,15 @@ def examine(
     each: Collection[str] = (),
     margins: bool = False,
     offered: Offers | None = None,
+    known: bool = False,
 ) -> Iterator[Examined]:
-    """Candidates against every limit: pairs behind several belts in stages, a list of candidates all the way."""
+    """Candidates against every limit: pairs behind several belts in stages, a list of candidates all the way.
+
+    ``known``: in stages only those of which no check is unknown.
+    """
     offered = offered or offers(problem)
     if isinstance(sets, Crossed):
-        started = _by_parts(problem, offered, sets, margins)
+        started = _by_parts(problem, offered, sets, margins, known)
     else:
         started = _all_the_way(problem, offered, sets)
     for sieve, some in started:
@@ -180,7 +194,7 @@ def examine(
 
 
 def _by_parts(
-    problem: Problem, offered: Offers, crossed: Crossed, margins: bool
+    problem: Problem, offered: Offers, crossed: Crossed, margins: bool, known: bool
 ) -> Iterator[tuple[_Sieve, Candidates]]:
     """Of pairs behind several belts those of which no part fails, so many at a time.
 
@@ -223,7 +237,7 @@ def _by_parts(
         b, r = belt[some], row[some]
         sets = pairs.on(r)._replace(belt=np.array(crossed.belts)[b])
         amount = on(gear, b * count + sets.gearhead).plus(on(motor, sets.motor)).plus(on(load, b))
-        sieve = _Sieve(b * len(pairs.motor) + r, amount, margins=margins)
+        sieve = _Sieve(b * len(pairs.motor) + r, amount, margins=margins, known=known)
         sieve.failed_by, sieve.rejected = failed_by, rejected
         yield sieve, sets
         failed_by, rejected = Counter(), []

@@ -263,7 +263,8 @@ def _resolution(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Part
     need = spec.needs.resolution_at_load
     if need is None:
         return []
-    full = 2.0 * np.pi / (4.0 * parts.motor["pole_pairs"] * demand.total_ratio * cycle.belt)
+    geared = cycle.belt if spec.gear is None else cycle.belt * spec.gear.ratio
+    full = 2.0 * np.pi / (4.0 * parts.motor["pole_pairs"] * demand.total_ratio * geared)
     given = np.nan if spec.control.microsteps is None else spec.control.microsteps
     micro = full / np.fmin(parts.controller["microsteps"], given)
     return [at_most("step_resolution", np.where(np.isnan(micro) & (full <= need), full, micro), need)]
