@@ -255,6 +255,10 @@ def over_ends(
         every[0], passed=passed, failed=failed, opened=decided & ~passed & ~failed, low=demands.min(axis=0),
         high=demands.max(axis=0), least=np.fmin.reduce([c.margin for c in every]),
     )  # fmt: skip
+    # an open check is shown by the low end of its limit, a failed one by the high end: the least margin is by the low
+    by_high_end = False if every[-1].on_basis is None else every[-1].on_basis & every[-1].failed
+    shown = replace(sampled, demand=np.where(by_high_end, sampled.high, every[0].demand)).margin
+    sampled = replace(sampled, least=np.fmin(sampled.least, shown))
     nothing = np.zeros(middle.passed.shape, bool)
     whole = replace(middle, opened=nothing, low=middle.demand, high=middle.demand, least=middle.margin)
     return whole.with_rows(rows, sampled)

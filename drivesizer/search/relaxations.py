@@ -14,7 +14,7 @@ from drivesizer.results.check import Status
 from drivesizer.results.drive_set import DriveParts, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
-from drivesizer.search.columns.evaluation import evaluate
+from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.drive import Choice, MotorChoice
@@ -127,7 +127,7 @@ class _Passing(NamedTuple):
     """Drives that meet all limits of a problem."""
 
     any: Callable[[Problem], bool]  # whether one does, or fails no check
-    best: Callable[[Problem], tuple[str, Status]]  # label of the best one, and its status
+    best: Callable[[Problem], tuple[str, Status] | None]  # label of the best one, and its status; None: it lacks more
 
 
 _AMBIENT = ("environment", "ambient")
@@ -141,10 +141,13 @@ def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -
     if not len(candidates(problem).motor):
         return ()
 
-    def best(moved: Problem) -> tuple[str, Status]:
+    def best(moved: Problem) -> tuple[str, Status] | None:
         found = best_in_machine(moved)
         if found is None:
             raise AssertionError("a drive that passes ranks nowhere")
+        only = _only(problem, found)
+        if _undecided(evaluate(moved, only)) - _undecided(evaluate(problem, only), or_failed=True):
+            return None
         return found.label, found.status
 
     def passes(moved: Problem) -> bool:
@@ -156,13 +159,12 @@ def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -
 
 def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
     """The changes that would let a drive pass that fails, the least first."""
-    catalog = problem.catalog
-    motor, gearhead = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
-    only = Candidates(np.array([motor]), np.array([gearhead]), np.array([one.belt_ratio]), np.array([True]))
+    only = _only(problem, one)
+    now = _undecided(evaluate(problem, only), or_failed=True)
 
     def passes(moved: Problem) -> bool:
         found = evaluate(moved, only)
-        return not found.failed[0] and passes_budgets(moved, drive_parts(found, 0))
+        return not found.failed[0] and _undecided(found) <= now and passes_budgets(moved, drive_parts(found, 0))
 
     def own(moved: Problem) -> tuple[str, Status]:
         return one.label, evaluate(moved, only).status(0)
@@ -170,6 +172,20 @@ def changes_for(problem: Problem, one: DriveParts) -> tuple[Relaxation, ...]:
     if problem.spec.method == "paper":  # its rule looks at the other reductions of the family: those come along
         return tuple(_other_reductions(problem, one))
     return (*_other_reductions(problem, one), *_helping_changes(problem, _Passing(passes, own)))
+
+
+def _only(problem: Problem, one: DriveParts) -> Candidates:
+    """One motor with its gearhead and belt."""
+    motors, gearheads = problem.catalog.motors.rows, problem.catalog.gearheads.rows
+    rows = np.array([motors[one.motor.part]]), np.array([gearheads[one.gearhead.part]])
+    return Candidates(*rows, np.array([one.belt_ratio]), np.array([True]))
+
+
+def _undecided(found: Evaluation, *, or_failed: bool = False) -> set[str]:
+    """Checks of one drive that figures leave unknown: a change must not add to them, as a voltage beyond its parts does."""
+    checks = [check for check in found.checks if not check.advice and not check.passed[0]]
+    checks = [check for check in checks if check.band is None or not check.band.opened[0]]
+    return {check.name for check in checks if or_failed or not check.failed[0]}
 
 
 def tried(problem: Problem) -> tuple[str, ...]:
@@ -231,11 +247,12 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
                 _printed(now * factor, unit, kind, 9, grade),
             )
             after = _read(needed, kind, grade)
+            if not (best := _best(passing, _changed(problem, figure.path, after / now))):
+                continue
             yield Relaxation(
                 field=".".join(figure.path), now=_printed(now, unit, kind, 4, grade),
                 needed=needed + _together(problem, figure.path), share=abs(after / now - 1.0),
-                kind=kind, unit=unit, before=now, after=after,
-                **_best(passing, _changed(problem, figure.path, after / now)),
+                kind=kind, unit=unit, before=now, after=after, **best,
             )  # fmt: skip
 
 
@@ -260,7 +277,9 @@ def _read(text: str, kind: str, grade: bool) -> float:
 
 def _best(passing: _Passing, moved: Problem) -> dict[str, Any]:
     """The best drive of a changed problem, as fields of a change; a status that is no pass stands behind its name."""
-    label, status = passing.best(moved)
+    if (best := passing.best(moved)) is None:
+        return {}
+    label, status = best
     return {"set_label": label if status == "pass" else f"{label}, {status}", "status": status}
 
 
@@ -294,11 +313,10 @@ def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
             low = middle
     needed = show(np.floor(10.0 * (now - high - _ICE)) / 10.0 + _ICE, "degC", "temperature", 4)
     after = to_si(needed, "temperature")
-    if passing.any(cooled(now - after)):
+    if passing.any(cooled(now - after)) and (best := _best(passing, cooled(now - after))):
         yield Relaxation(
             field=".".join(_AMBIENT), now=show(now, "degC", "temperature"), needed=needed,
-            share=1.0 - after / now, kind="temperature", unit="degC", before=now, after=after,
-            **_best(passing, cooled(now - after)),
+            share=1.0 - after / now, kind="temperature", unit="degC", before=now, after=after, **best,
         )  # fmt: skip
 
 
