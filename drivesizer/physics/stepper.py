@@ -240,6 +240,42 @@ def rescaled_torque(speed: Figure, voltage: Figure, at_speed: Array, at_torque: 
     return np.where(w > at_speed[:, -1:] * (1.0 + 1e-9), np.nan, np.where(np.isnan(w), np.nan, found))
 
 
+DETENT_SHARE = 0.05  # of the holding torque that a rotor's own friction and detent take; NEMA 17 and 23 print 3 to 6 %
+
+
+def torque_at_current(torque: Figure, share: Figure, own: Figure) -> Figure:
+    r"""Pull-out torque of a printed curve where the driver gives a share of the rated current.
+
+    .. math:: T = s (T_1 + T_0) - T_0
+
+    The torque of the field goes with the current, what the rotor's own friction and detent take of it does not. At
+    speeds where the voltage limits the current there is more: none of that is counted.
+
+    Parameters
+    ----------
+    torque
+        Printed, at rated current [N*m].
+    share
+        Current that is set over the rated one.
+    own
+        Friction and detent torque of the rotor [N*m].
+
+    Returns
+    -------
+    float or array
+        [N*m]; 0 at least.
+
+    Examples
+    --------
+    Half the current leaves less than half of the torque:
+
+    >>> float(torque_at_current(0.40, 0.5, 0.02))
+    0.19
+    """
+    found: Figure = np.maximum(share * (torque + own) - own, 0.0)
+    return found
+
+
 # -- Starting of steppers without a ramp, and their natural frequency.
 #
 # References

@@ -131,6 +131,7 @@ class _Passing(NamedTuple):
 
 
 _AMBIENT = ("environment", "ambient")
+_COILS = ("supply", "brakes")
 
 
 def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -> tuple[Relaxation, ...]:
@@ -182,7 +183,7 @@ def _only(problem: Problem, one: DriveParts) -> Candidates:
 
 
 def _undecided(found: Evaluation, *, or_failed: bool = False) -> set[str]:
-    """Checks of one drive that figures leave unknown: a change must not add to them, as a voltage beyond its parts does."""
+    """Checks of one drive that figures leave unknown: no change may add to them, as a voltage beyond its parts does."""
     checks = [check for check in found.checks if not check.advice and not check.passed[0]]
     checks = [check for check in checks if check.band is None or not check.band.opened[0]]
     return {check.name for check in checks if or_failed or not check.failed[0]}
@@ -191,7 +192,8 @@ def _undecided(found: Evaluation, *, or_failed: bool = False) -> set[str]:
 def tried(problem: Problem) -> tuple[str, ...]:
     """Names of the figures of a spec that are moved, each alone, to look for a drive that passes."""
     ambient = [".".join(_AMBIENT)] if problem.spec.environment.ambient > _ROOM else []
-    return (*(".".join(figure.path) for figure, _ in movable(problem)), *ambient)
+    coils = [".".join(_COILS)] if problem.spec.supply.brakes is not None else []
+    return (*(".".join(figure.path) for figure, _ in movable(problem)), *ambient, *coils)
 
 
 def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]:
@@ -228,7 +230,7 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
 
 def _helping_changes(problem: Problem, passing: _Passing) -> list[Relaxation]:
     """Each figure that helps when it moves alone."""
-    found = [*_scaled(problem, passing), *_cooler(problem, passing)]
+    found = [*_scaled(problem, passing), *_cooler(problem, passing), *_for_coils(problem, passing)]
     return sorted(found, key=lambda r: (r.share, r.field))
 
 
@@ -318,6 +320,21 @@ def _cooler(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
             field=".".join(_AMBIENT), now=show(now, "degC", "temperature"), needed=needed,
             share=1.0 - after / now, kind="temperature", unit="degC", before=now, after=after, **best,
         )  # fmt: skip
+
+
+def _for_coils(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
+    """The voltage that feeds the brakes as that of a coil that there is, the nearest with which a drive passes."""
+    now, coils = problem.spec.supply.brakes, np.unique(problem.catalog.brakes["supply"])
+    if now is None:
+        return
+    for coil in sorted(coils[coils > 0.0].tolist(), key=lambda volts: max(volts / now, now / volts)):
+        moved = _changed(problem, _COILS, coil / now)
+        if passing.any(moved) and (best := _best(passing, moved)):
+            yield Relaxation(
+                field=".".join(_COILS), now=show(now, "V", "voltage"), needed=show(coil, "V", "voltage"),
+                share=abs(coil / now - 1.0), kind="voltage", unit="V", before=now, after=coil, **best,
+            )  # fmt: skip
+            return
 
 
 def _changed(problem: Problem, path: tuple[str, ...], factor: float) -> Problem:

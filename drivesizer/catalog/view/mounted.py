@@ -21,7 +21,7 @@ from drivesizer.catalog.view.search_view import (
     with_direct_drive,
 )
 from drivesizer.physics.figures import Figures
-from drivesizer.physics.stepper import rotor_teeth
+from drivesizer.physics.stepper import DETENT_SHARE, rotor_teeth, torque_at_current
 from drivesizer.physics.thermal import rated_ambient
 from drivesizer.physics.winding import housing_loss
 
@@ -181,6 +181,9 @@ def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
     less = np.ones(count)
     if phase_current is not None:
         less = np.minimum(phase_current / steppers["phase_current"], 1.0)
+        detent, most = steppers["detent_torque"], np.fmax(steppers["holding_torque"], 0.0)
+        own = np.where(np.isnan(detent), DETENT_SHARE * most, detent)[curves.stepper]
+        curves = curves._replace(torque=torque_at_current(curves.torque, less[curves.stepper], own))
     figures: dict[str, Any] = {name: steppers[name] for name in _ALIKE}
     figures |= {
         "kind": STEPPER, "commutation": steppers["wiring"], "phases": 2.0,
@@ -197,7 +200,7 @@ def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
         catalog,
         motors=Table("motors", columns, steppers.source, steppers.excluded),
         motor_gearhead=_NO_PAIRS, motor_encoder=_NO_PAIRS, motor_brake=_NO_PAIRS,
-        pull_outs=curves._replace(torque=curves.torque * less[curves.stepper]),
+        pull_outs=curves,
         estimates=others | {"motors": own},
         notes=(*noted, *(note for note in catalog.notes if note.section not in ("motors", "steppers"))),
     )  # fmt: skip
