@@ -1,7 +1,4 @@
-"""Verdicts of drives that anybody can judge by hand: what is hopeless fails, whatever its data sheet leaves out.
-
-Each row is a whole spec with the hand figure that decides it. The laws below hold over random machines.
-"""
+"""Verdicts where figures are missing: rules of thumb, assumptions, what is undecided; laws over random machines."""
 
 from __future__ import annotations
 
@@ -27,102 +24,9 @@ from drivesizer.spec.robot import RobotSpec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-# each wheel needs 60 kg 9.81 (0.08 cos 10 + sin 10) / 4 of 0.127 m: 4.7 N*m on the slope, 0.2 N*m are printed
-UGV = """
-name: ugv
-load: {kind: wheeled_vehicle, mass: 60 kg, driven_wheels: 4, wheel_diameter: 254 mm, rolling_resistance: 8 %,
-  slope: 10 deg, inertia: 200 kg*cm^2}
-motion: {speed: 2.2 m/s, acceleration_time: 4 s, cruise_time: 15 s, rest_time: 20 s}
-transmission: [{kind: direct}]
-supply: {nominal: 24 V, accepts: all}
-select: {catalogs: [beckhoff, maxon, rev]}
-"""
-# 5 N*m of friction against 0.2 N*m, 0.93 A in an ambient of 40 degC: 23 times the current, wherever it stands
-WHEEL = """
-name: wheel
-load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 5 N*m}
-motion: {speed: 168 rpm, acceleration_time: 4 s, cruise_time: 120 s, rest_time: 20 s}
-environment: {ambient: %s degC}
-transmission: [{kind: direct}]
-supply: {nominal: 24 V, accepts: all}
-select: {catalogs: [beckhoff, maxon, rev], motor: {part: AM8011-wByz}}
-"""
-# 8 kg 9.81 0.134 m (of a rod's middle) and more: at the motor 10.5 / (10 0.75) N*m of 0.72 N*m at stall
-JOINT = """
-name: joint
-load: {kind: arm, mass: 8 kg, length: 1 m, start_angle: -60 deg}
-motion: {speed: 30 deg/s, acceleration_time: 0.5 s, cruise_time: 2.5 s, rest_time: 5 s, there_and_back: true}
-transmission: [{kind: direct}, {kind: gear, ratio: 10, efficiency: 75 %%}]
-supply: {nominal: 12 V, current: 50 A, accepts: all}
-select: {catalogs: [banebots, roboteq]}
-""".replace("%%", "%")
-# 12 kg 9.81 0.5 m = 58.9 N*m, of motors of 48 to 2390 mN*m
-ARM = """
-name: arm joint
-load: {kind: arm, mass: 12 kg, length: 500 mm}
-motion: {profile: move, law: poly5, distance: 90 deg, time: 1.2 s, rest_time: %s s, there_and_back: true}
-transmission: [{kind: direct}]
-supply: {nominal: 48 V, accepts: all}
-select: {catalogs: [tamagawa], objective: mass}
-"""
-# 20 kg*m^2 to 1000 rpm in 0.2 s: 10.5 kN*m of 0.48 N*m
-SPIN = """
-name: flywheel
-load: {kind: flywheel, inertia: 20 kg*m^2}
-motion: {speed: 1000 rpm, acceleration_time: 0.2 s, cruise_time: 2 s, rest_time: 2 s}
-transmission: [{kind: direct}]
-supply: {nominal: 48 V, accepts: all}
-select: {catalogs: [fanuc, roboteq], objective: mass}
-"""
-# 13.58 kg 9.81 0.3034 m = 40.4 N*m of 0.2 N*m
-HEAVY = """
-name: arm of 13.6 kg
-load: {kind: arm, mass: 13.58 kg, length: 303.4 mm}
-motion: {profile: move, law: modified_sine, distance: 97 deg, time: 1.36 s, rest_time: 1 s, there_and_back: true}
-transmission: [{kind: direct}]
-supply: {nominal: 48 V, accepts: all}
-select: {catalogs: [beckhoff, roboteq]}
-"""
-# 300 N*m of an Allen-Bradley of 33 N*m, rated in 40 degC and used in 25
-PRESS = """
-name: press
-load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 300 N*m}
-motion: {speed: 30 rpm, acceleration_time: 1 s, cruise_time: 100 s}
-transmission: [{kind: direct}]
-supply: {nominal: 325 V, accepts: all}
-select: {catalogs: [allen_bradley]}
-"""
-HOPELESS = {
-    "vehicle": (UGV, "AM8011-wByz", {"motor_nominal_current"}),
-    **{f"wheel at {t}": (WHEEL % t, "AM8011-wByz", {"motor_nominal_current"}) for t in (25, 39, 40, 41)},
-    "joint": (JOINT, "BaneBots RS-775", {"supply_voltage"}),
-    **{f"arm at rest for {t}": (ARM % t, "TS4862", {"motor_nominal_torque"}) for t in (0.5, 0.503, 1)},
-    "flywheel": (SPIN, "beta 0.2/5000is", {"motor_peak_torque"}),
-    "heavy arm": (HEAVY, "AM8011-wByz", {"motor_nominal_current"}),
-    "press": (PRESS, "VPL-B1654B", {"motor_nominal_torque"}),
-}
-
 
 def spec_of(text: str) -> RobotSpec:
     return read_spec(YamlSource(text, "robot.yaml"))
-
-
-def test_what_is_hopeless_fails():
-    def fails(text: str, motor: str, names: set[str]) -> None:
-        drive = explain(spec_of(text), motor, "direct")[0]
-        assert drive.status == "fail"
-        failed = {check.name: check for check in drive.checks if check.status == "fail"}
-        assert names <= failed.keys(), failed.keys()
-        assert all(failed[name].margin < -0.5 for name in names)
-
-    hold(fails, HOPELESS)
-
-
-def test_no_hopeless_drive_comes_first():
-    def none(text: str) -> None:
-        assert size(spec_of(text)).counts.feasible == 0
-
-    hold(none, {"wheel": (WHEEL % 25,), "joint": (JOINT,), "arm": (ARM % 0.503,)})
 
 
 # --- a limit that no maker prints fails nothing below the stall -----------------------------------------------------
@@ -186,38 +90,6 @@ transmission: [{kind: direct}, {kind: belt, ratios: [2, 3.2], efficiency: 0.96}]
 supply: {nominal: 37 V, min: 32 V, max: 42 V, accepts: all}
 select: {catalogs: [CATALOGS]}
 """
-
-PLATFORM = """
-name: platform
-load: {kind: wheeled_vehicle, mass: 90 kg, driven_wheels: 2, wheel_diameter: 200 mm, rolling_resistance: 8 %%,
-  inertia: 60 kg*cm^2}
-motion: {speed: 0.6 m/s, acceleration_time: 1 s, cruise_time: 60 s, rest_time: 10 s}
-supply: {nominal: 12 V, current: 60 A, accepts: all}
-select: {catalogs: [%s], unknown: %s}
-"""
-
-
-def test_what_meets_all_limits_is_counted_apart_from_what_is_unknown():
-    """Of those that fail no check as many pass as are left where unknown ones are rejected, but for open ones."""
-    makers = "maxon, cubemars, roboteq, basicmicro"
-    every, known = (size(spec_of(PLATFORM % (makers, unknown))).counts for unknown in ("allow", "reject"))
-    assert 0 < every.passing < every.feasible
-    assert every.passing == known.passing == known.feasible - known.open
-    assert every.feasible == known.feasible + known.left_out
-
-
-def test_of_undecided_drives_those_come_first_of_which_least_is_undecided():
-    """By mass alone a motor of 0.6 kg with 10 unknown checks came before one of 1.1 kg with 4."""
-    makers = "allen_bradley, beckhoff, maxon, rev, roboteq, yaskawa"
-    every = size(spec_of(UGV.replace("beckhoff, maxon, rev", makers)), top=40).sets
-    found = [one for one in every if one.status == "unknown"]
-    assert len(found) > 9 and all(one.status in ("pass", "open") for one in every[: -len(found)])
-    undecided = [sum(check.status == "unknown" and not check.advice for check in one.checks) for one in found]
-    assert min(undecided) < max(undecided)
-    # all that is open besides counts as one more, a controller may decide one; what hardly passes counts as more
-    likely = [not any(check.status == "open" and check.probability < 0.1 for check in one.checks) for one in found]
-    for n, count in enumerate(undecided):
-        assert not likely[n] or max(undecided[:n], default=0) <= count + 2
 
 
 def test_an_undecided_drive_that_hardly_passes_comes_behind_those_that_may():

@@ -8,9 +8,8 @@ import pytest
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.parts import machine_parts
-from drivesizer.output.tables import not_enough
 from drivesizer.output.terminal.sizing import explained
-from drivesizer.results.sizing import Explanation, ranked_by
+from drivesizer.results.sizing import Explanation
 from drivesizer.search import ranking
 from drivesizer.search.passing import sifted
 from drivesizer.search.shortlist import load_parts
@@ -44,13 +43,6 @@ def check(drive, name):
     return next(c for c in drive.own_checks if c.name == name)
 
 
-def test_another_makers_controllers_lose_no_drive():
-    """Its iPOS8015 carries 22 A, more than the 20 A with which the drive passes, and lacks figures."""
-    alone, both = (best(VEHICLE.format(catalogs=names))[0] for names in ("maxon", "maxon, technosoft"))
-    assert (both.label, both.status) == (alone.label, "pass")
-    assert both.controller.part == alone.controller.part == "EPOS4 Module 60/20"
-
-
 SERVO = """
 name: vertical axis
 load: {kind: ball_screw, mass: 25 kg, incline: 90 deg, friction_force: 30 N, lead: 10 mm, efficiency: 0.9,
@@ -60,18 +52,6 @@ transmission: [{kind: direct}]
 supply: {nominal: VOLTS, accepts: all}
 select: {catalogs: [yaskawa, panasonicMORE], motor: {kind: brushless}}
 """
-
-
-def test_no_controller_for_the_voltage_is_unknown_and_said():
-    """None that maxon lists takes 325 V: the servo motors are what they are without its catalogue."""
-    alone = {
-        s.motor.part for s in size(read(SERVO.replace("VOLTS", "325 V").replace("MORE", "")), top=300, brief=True).sets
-    }
-    found = size(read(SERVO.replace("VOLTS", "325 V").replace("MORE", ", maxon")), top=300, brief=True).sets
-    assert alone and alone <= {s.motor.part for s in found}
-    servo = next(s for s in found if s.motor.part in alone)
-    assert servo.controller is None and servo.status == "unknown"
-    assert check(servo, "controller_available").note == "none is listed for 325 V"
 
 
 def test_more_voltage_than_the_supply_has_is_no_lack_of_controllers(example):
@@ -100,13 +80,6 @@ transmission: [{{kind: direct}}, {{kind: gear, ratio: 12, efficiency: 90 %}}]
 supply: {{nominal: 12 V, current: 40 A, accepts: all}}
 select: {{catalogs: [andymark, vex, rev, ctre], motor: {{part: "{motor}"}}}}
 """
-
-
-@pytest.mark.parametrize(("makers", "said"), [("andymark", "the catalogues list no controller")])
-def test_the_row_says_why_there_is_no_controller(makers, said):
-    (one,) = best(WINCH.format(motor="CIM").replace("andymark, vex, rev, ctre", makers))
-    assert (one.motor.part, one.controller, check(one, "controller_available").note) == ("CIM", None, said)
-    assert check(one, "controller_available").status == "unknown"
 
 
 @pytest.mark.parametrize(("motor", "stall"), [("Kraken X44", 279.099), ("Falcon 500", 257.0)])
@@ -171,27 +144,6 @@ select: {catalogs: [robotis]}
     explained(Explanation([heavy], None), load_parts(spec))
     out = " ".join(capsys.readouterr().out.split())
     assert "would leave no check of it failing, figures missing" in out and "would let it pass" not in out
-
-
-def test_a_battery_that_is_not_wholly_known_is_named_before_any_figure():
-    """No figure helps where an unknown check of the battery leaves every drive out."""
-    battery = {"nominal_voltage": "17 V", "capacity": "4 A*h", "cutoff_voltage": "14 V", "resistance": "25 mohm"}
-    select = TABLE["select"] | {"unknown": "reject"}
-    spec = TABLE | {"battery": battery, "mission": {"duration": "1 h"}, "select": select, "needs": {}}
-    spec["supply"] = {"nominal": "17 V", "min": "14 V", "max": "21 V"}
-    said = not_enough(size(load_spec(spec), top=1))
-    lacking = "charge_voltage, battery.open_circuit, battery.continuous_current, battery.peak_current"
-    assert said.startswith(f"The battery is not wholly known, so no drive is: give battery.{lacking}")
-    assert "None of these figures" not in said
-
-
-def test_unknown_prices_are_ordered_by_mass():
-    """No price of these servo motors is known: the lightest comes first, not the one with the largest margin."""
-    text = SERVO.replace("VOLTS", "325 V").replace("MORE", "").replace("select: {", "select: {objective: price, ")
-    by_price, by_mass = (size(read(t), top=4, brief=True).sets for t in (text, text.replace("objective: price, ", "")))
-    assert [s.mass for s in by_price] == [s.mass for s in by_mass] == sorted(s.mass for s in by_mass)
-    assert all(s.motor.price != s.motor.price for s in by_price)
-    assert ranked_by("price", by_price) == "ranked by price, of which none is known: by mass"
 
 
 @pytest.mark.parametrize(

@@ -83,12 +83,6 @@ def test_a_cart_by_its_wheels(at):
     assert "effort limit is 4 N*m" in spec_of(at(ROBOT % CART))
 
 
-def test_a_fixed_joint_needs_no_axis(at):
-    """A third of published URDFs have an axis of 0 0 0 there: it means nothing where nothing turns."""
-    fixed = '<joint name="bolt" type="fixed"><parent link="body"/><child link="plate"/><axis xyz="0 0 0"/></joint>'
-    assert spec_from(at(ROBOT % (CART + link("plate", 0.5) + fixed))).load.driven_wheels == 2
-
-
 def test_what_comes_out_can_be_sized(at):
     assert size(spec_from(at(ROBOT % CART)), top=1).sets
     assert size(spec_from(at(ROBOT % ARM)), top=1).counts.considered
