@@ -146,9 +146,10 @@ def relaxations(problem: Problem, going_on: Callable[[], None] = lambda: None) -
         found = best_in_machine(moved)
         if found is None:
             raise AssertionError("a drive that passes ranks nowhere")
-        only = _only(problem, found)
-        if _undecided(evaluate(moved, only)) - _undecided(evaluate(problem, only), or_failed=True):
-            return None
+        if found.status == "unknown":
+            only = _only(problem, found)
+            if _undecided(evaluate(moved, only)) - _undecided(evaluate(problem, only), or_failed=True):
+                return None
         return found.label, found.status
 
     def passes(moved: Problem) -> bool:
