@@ -186,7 +186,7 @@ def _only(problem: Problem, one: DriveParts) -> Candidates:
 def _undecided(found: Evaluation, *, or_failed: bool = False) -> set[str]:
     """Checks of one drive that figures leave unknown: no change may add to them, as a voltage beyond its parts does."""
     checks = [check for check in found.checks if not check.advice and not check.passed[0]]
-    checks = [check for check in checks if check.band is None or not check.band.opened[0]]
+    checks = [check for check in checks if not np.any(check.opened)]
     return {check.name for check in checks if or_failed or not check.failed[0]}
 
 
