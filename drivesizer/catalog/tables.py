@@ -309,10 +309,11 @@ class Catalog:
             return None
         table = self.table(section)
         inside = str(table["inside"][row]) if "inside" in table.columns else ""
-        found = self.estimates.get("actuators" if inside else section, {}).get(name)
+        whole = self.actuators.rows.get(inside)  # a controller may be inside a motor too
+        found = self.estimates.get(section if whole is None else "actuators", {}).get(name)
         if found is None:
             return None
-        place = np.flatnonzero(found.rows == (self.actuators.rows[inside] if inside else row))
+        place = np.flatnonzero(found.rows == (row if whole is None else whole))
         if not len(place):
             return None
         value, low, high, fit = (column[place[0]] for column in found[1:])
