@@ -358,8 +358,7 @@ def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
     edges = np.append(0.0, np.cumsum(seen.duration))
     time = np.stack([edges[:-1], edges[1:]], axis=1)
     E = d.kinematics.E[list(d.kinematics.driven)]
-    torques = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards,
-                            rotors=False)  # fmt: skip
+    torques = wheel_torques(d, seen, rotors=False)
     x, y, heading = trajectory.at(time.reshape(-1))
     forwards, aside, turning = seen.eta
     columns: dict[str, tuple[Array, str, str]] = {

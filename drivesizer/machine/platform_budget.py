@@ -23,7 +23,7 @@ from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
 from drivesizer.physics.winding import housing_loss
 from drivesizer.platform import envelope, grip, stability
-from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, wheel_torques
+from drivesizer.platform.dynamics import Dynamics, Ground, Moving, contact_loads, wheel_torques
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.check import Check, Figure, worst_of_cases
@@ -105,7 +105,7 @@ def _fastest(
     eta = eta[:, moves]
     turns = map_columns(k.E[list(k.driven)], eta)
     turns[np.abs(turns) <= _ROUNDING * np.abs(turns).max(initial=0.0)] = 0.0
-    torque = wheel_torques(d, eta, np.zeros_like(eta), ground=ground_of(spec))
+    torque = wheel_torques(d, Moving(eta, np.zeros_like(eta), ground=ground_of(spec)))
 
     def checks(v: Array) -> list[CheckColumn]:
         return _checks(spec, drive, (turns * v).ravel(), torque.ravel())

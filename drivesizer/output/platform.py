@@ -61,7 +61,7 @@ def hardest_instant(spec: RobotSpec, rotor_inertia: float = 0.0) -> HardestInsta
         straight = Instant(posture, eta, eta_dot, ground)
         return HardestInstant(d, straight, float(cycle.time[at]), d.kinematics.driven[0] + 1, name)
     seen = motion(d, trajectory, ground_of(case))
-    torque = wheel_torques(d, seen.eta, seen.eta_dot, theta=seen.facing, ground=seen.ground, towards=seen.towards)
+    torque = wheel_torques(d, seen)
     wheel, piece, end = _largest(torque, np.hypot(*seen.eta[:2])[None])
     place, time = (slice(None), piece, end), float(end_times(seen.duration)[piece, end])
     posture = np.array([*trajectory.at(time)[:2], seen.theta[piece, end]])

@@ -36,6 +36,27 @@ class Ground:
 LEVEL = Ground()
 
 
+@dataclass(slots=True, eq=False)
+class Moving:
+    """A platform's motion as it sees it itself: at one moment, or columns over any axes of samples."""
+
+    eta: Any  # velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...)
+    eta_dot: Any  # its rate of change [m/s^2, m/s^2, rad/s^2]
+    theta: Any = 0.0  # rad, heading in the world; one, or one per sample
+    ground: Ground = LEVEL
+    towards: Any = None  # velocity whose direction the resistances take: at rest, where it is about to go; else ``eta``
+
+    def __post_init__(self) -> None:
+        self.eta = columns(self.eta, 3, "velocity of the platform")
+        self.eta_dot = columns(self.eta_dot, 3, "acceleration of the platform")
+        self.towards = self.eta if self.towards is None else columns(self.towards, 3, "direction of rolling")
+
+    @property
+    def facing(self) -> Any:
+        """The heading where it counts: 0 on a level floor."""
+        return self.theta if np.any(self.ground.slope) else 0.0
+
+
 def _downhill(theta: Any, ground: Ground) -> tuple[Array, Array]:
     """Gravity along the floor, forwards and to the left [m/s^2]."""
     pull = ground.gravity * np.sin(ground.slope)
@@ -64,23 +85,22 @@ def weight_along(platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL) -
     return np.array(np.broadcast_arrays(x, y, platform.x * y - platform.y * x))
 
 
-def centre_acceleration(platform: Platform, eta: Array, eta_dot: Array) -> Array:
+def centre_acceleration(platform: Platform, m: Moving) -> Array:
     """Acceleration of the centre of mass, in the robot's axes [m/s^2]; shape (2, ...).
 
     Parameters
     ----------
     platform
         Where its centre of mass is.
-    eta, eta_dot
-        Velocity and acceleration of the reference point as the robot sees them, shape (3, ...) [m/s, m/s, rad/s and
-        per second]; the axes turn, so the velocity counts.
+    m
+        Its motion; the axes turn, so the velocity counts.
 
     Returns
     -------
     array
         Along and across the robot [m/s^2], shape (2, ...).
     """
-    (forward, aside, turn), (gain_x, gain_y, spin) = eta, eta_dot
+    (forward, aside, turn), (gain_x, gain_y, spin) = m.eta, m.eta_dot
     x, y = platform.x, platform.y
     return np.stack([
         gain_x - turn * aside - spin * y - turn**2 * x,
@@ -277,19 +297,15 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
     return np.asarray(total)
 
 
-def required_force(
-    d: Dynamics, eta: Any, eta_dot: Any, *, theta: Any = 0.0, ground: Ground = LEVEL, towards: Any = None
-) -> Array:
+def required_force(d: Dynamics, m: Moving) -> Array:
     """Force and moment that the driven wheels must make for a motion [N, N, N*m], in the robot's axes; shape (3, ...).
 
     Parameters
     ----------
     d
         The platform.
-    eta, eta_dot
-        Velocity [m/s, m/s, rad/s] and its rate of change in the robot's frame, shape (3, ...).
-    theta, ground, towards
-        As in ``wheel_torques``.
+    m
+        Its motion.
 
     Returns
     -------
@@ -299,47 +315,26 @@ def required_force(
     Raises
     ------
     InputError
-        When the wheels do not allow the motion, or a figure is not finite.
+        When the wheels do not allow the motion.
     """
-    eta, eta_dot = columns(eta, 3, "velocity of the platform"), columns(eta_dot, 3, "acceleration of the platform")
-    check_allowed(d.kinematics, eta, "velocity of the platform")
-    check_allowed(d.kinematics, eta_dot, "acceleration of the platform", "m/s^2")
-    rolling = eta if towards is None else columns(towards, 3, "direction of rolling")
-    inertia = map_columns(d.M, eta_dot) + eta[2] * map_columns(d.C, eta)
-    return np.asarray(inertia - _weight(d, eta, theta, ground) + resistance(d, rolling, theta, ground))
+    check_allowed(d.kinematics, m.eta, "velocity of the platform")
+    check_allowed(d.kinematics, m.eta_dot, "acceleration of the platform", "m/s^2")
+    rate, turned = np.broadcast_arrays(m.eta_dot, m.eta[2] * m.eta)  # C is of 1 rad/s
+    force = eq.operational_force(d.M, rate.reshape(3, -1), d.C, turned.reshape(3, -1)).reshape(rate.shape)
+    weight = weight_along(d.platform, m.facing, m.ground)
+    weight = weight.reshape(3, *[1] * (force.ndim - 1)) if weight.ndim == 1 else weight
+    return np.asarray(force - weight + resistance(d, m.towards, m.facing, m.ground))
 
 
-def _weight(d: Dynamics, eta: Array, theta: Any, ground: Ground) -> Array:
-    """The weight along the floor, with as many axes as a velocity."""
-    force = weight_along(d.platform, theta, ground)
-    return force.reshape(3, *[1] * (eta.ndim - 1)) if force.ndim == 1 else force
-
-
-def wheel_torques(
-    d: Dynamics,
-    eta: Any,
-    eta_dot: Any,
-    *,
-    theta: Any = 0.0,
-    ground: Ground = LEVEL,
-    towards: Any = None,
-    rotors: bool = True,
-) -> Array:
+def wheel_torques(d: Dynamics, m: Moving, *, rotors: bool = True) -> Array:
     """Torques of the driven wheels that make a motion [N*m], shape (n, ...).
 
     Parameters
     ----------
     d
         The platform.
-    eta, eta_dot
-        Velocity [m/s, m/s, rad/s] and its rate of change [m/s^2, m/s^2, rad/s^2] in the robot's frame, shape (3, ...).
-    theta
-        Heading in the world [rad], where the floor slopes; one, or one per sample.
-    ground
-        The floor.
-    towards
-        Velocity whose direction the resistances take, shape (3, ...); ``eta`` when not given. At rest in ``eta`` it
-        says where the platform is about to go.
+    m
+        Its motion.
     rotors
         Whether what turns the driven wheels' own rotors is in. Without it the torques are those of a load cycle, to
         which the drive model adds its rotor.
@@ -352,47 +347,14 @@ def wheel_torques(
     Raises
     ------
     InputError
-        When the wheels do not allow the motion, or a figure is not finite.
+        When the wheels do not allow the motion.
     """
-    force = required_force(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
-    torque = map_columns(d.distribution, force)
+    torque = map_columns(d.distribution, required_force(d, m))
     if rotors:
         return torque
     driven = list(d.kinematics.driven)
     own = np.array([d.platform.wheels[i].rotor_inertia for i in driven])
-    return torque - map_columns(own[:, None] * d.kinematics.E[driven], np.asarray(eta_dot, dtype=float))
-
-
-def acceleration(d: Dynamics, eta: Any, torques: Any, *, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
-    """Rate of change of the velocity under torques [m/s^2, m/s^2, rad/s^2], in the robot's frame; shape (3, ...).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    eta
-        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...); at rest nothing resists.
-    torques
-        Of the driven wheels, rotors included [N*m], shape (n, ...).
-    theta, ground
-        Heading in the world [rad], and the floor.
-
-    Returns
-    -------
-    array
-        [m/s^2, m/s^2, rad/s^2], shape (3, ...).
-
-    Raises
-    ------
-    InputError
-        When a figure is not finite.
-    """
-    k, eta = d.kinematics, columns(eta, 3, "velocity of the platform")
-    tau = columns(torques, len(k.driven), "torques of the driven wheels")
-    force = map_columns(k.E[list(k.driven)].T, tau) - eta[2] * map_columns(d.C, eta)
-    force = force + _weight(d, eta, theta, ground) - resistance(d, eta, theta, ground)
-    S = k.motions
-    return map_columns(S @ np.linalg.inv(S.T @ d.M @ S) @ S.T, force)
+    return torque - map_columns(own[:, None] * d.kinematics.E[driven], m.eta_dot)
 
 
 def energy(d: Dynamics, eta: Any) -> Array:
@@ -441,21 +403,11 @@ _BLOCK = 8192  # pieces
 _SLIDING = 0.02  # of the largest speed, by which a trajectory may be off what the wheels allow
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+@dataclass(slots=True, eq=False)
+class Motion(Moving):
     """A trajectory as the robot sees it, cut where wheels and rollers that resist turn round; n pieces, two ends."""
 
-    duration: Array  # (n,) s
-    theta: Array  # (n, 2) rad
-    eta: Array  # (3, n, 2) m/s, m/s, rad/s
-    eta_dot: Array  # (3, n, 2) m/s^2, m/s^2, rad/s^2
-    ground: Ground
-    towards: Array  # (3, n, 2): velocity whose direction the resistances take
-
-    @property
-    def facing(self) -> Any:
-        """The heading where it counts: 0 on a level floor."""
-        return self.theta if np.any(self.ground.slope) else 0.0
+    duration: Any = None  # (n,) s
 
 
 def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Motion:
@@ -544,7 +496,7 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
     turning[np.abs(turning) <= (still * row_sizes(rows, k.reach))[:, None, None]] = 0.0
     owner, start, end = _cuts(turning)
     if len(owner) == len(trajectory.duration):
-        return Motion(trajectory.duration, trajectory.posture[2], eta, eta_dot, ground, _towards(eta))
+        return Motion(eta, eta_dot, trajectory.posture[2], ground, _towards(eta), trajectory.duration)
 
     def cut(column: Array) -> Array:
         left, right = column[..., owner, 0], column[..., owner, 1]
@@ -553,7 +505,7 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
 
     duration = trajectory.duration[owner] * (end - start)
     eta, eta_dot = cut(eta), cut(eta_dot)
-    return Motion(duration, cut(trajectory.posture[2]), eta, eta_dot, _over(ground, cut), _towards(eta))
+    return Motion(eta, eta_dot, cut(trajectory.posture[2]), _over(ground, cut), _towards(eta), duration)
 
 
 def _towards(eta: Array) -> Array:

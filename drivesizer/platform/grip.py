@@ -4,30 +4,17 @@ from __future__ import annotations
 
 import math
 from math import nan
-from typing import Any
 
 import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, end_times
-from drivesizer.platform.dynamics import (
-    LEVEL,
-    Dynamics,
-    Ground,
-    allowed,
-    blocks,
-    centre_acceleration,
-    contact_loads,
-    largest,
-    own_rolling,
-    required_force,
-    seen,
-    signs,
-    wheel_torques,
-)  # fmt: skip
-from drivesizer.platform.kinematics import columns, map_columns
+from drivesizer.platform import dynamics
+from drivesizer.platform import equations as eq
+from drivesizer.platform.dynamics import LEVEL, Dynamics, Ground, Moving, centre_acceleration, contact_loads
+from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.matrix_equation import Array
-from drivesizer.platform.stability import Moment, lift_off_acceleration, of_centre
+from drivesizer.platform.stability import Moment, lift_off_acceleration
 from drivesizer.platform.trajectory import Trajectory, finer
 
 # -- Force that the floor must transmit at each wheel, and its limit.
@@ -49,9 +36,7 @@ _DIRECTIONS = 360  # of the worst: forces are off by 1 - cos 0.5°, 4e-5, at mos
 _NOTHING = 1e-9  # of the largest force: rounding
 
 
-def floor_forces(
-    d: Dynamics, eta: Any, eta_dot: Any, *, theta: Any = 0.0, ground: Ground = LEVEL, towards: Any = None
-) -> Array:
+def floor_forces(d: Dynamics, m: Moving) -> Array:
     """Force of the floor on each wheel along its roller's axis, and sideways where it is held [N]; shape (2, N, ...).
 
     A positive torque pulls in the positive direction of the axis.
@@ -60,10 +45,8 @@ def floor_forces(
     ----------
     d
         The platform.
-    eta, eta_dot
-        Velocity [m/s, m/s, rad/s] and its rate of change in the robot's frame, shape (3, ...).
-    theta, ground, towards
-        As in ``dynamics.wheel_torques``.
+    m
+        Its motion.
 
     Returns
     -------
@@ -73,53 +56,26 @@ def floor_forces(
     Raises
     ------
     InputError
-        When the wheels do not allow the motion, or a figure is not finite.
+        When the wheels do not allow the motion.
     """
-    k, wheels = d.kinematics, d.kinematics.wheels
-    driven = list(k.driven)
-    torque = wheel_torques(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
-    rest = required_force(d, eta, eta_dot, theta=theta, ground=ground, towards=towards)
-    rest = rest - map_columns(k.E[driven].T, torque)  # what is held, and does no work
+    k, wheels, force = d.kinematics, d.kinematics.wheels, dynamics.required_force(d, m)
+    driven, torque = list(k.driven), map_columns(d.distribution, force)
+    rest = force - map_columns(k.E[driven].T, torque)  # what is held, and does no work
     own: Array = np.array([[w.inertia + w.rotor_inertia] for w in wheels])
-    rate = np.broadcast_to(columns(eta_dot, 3, "acceleration of the platform"), rest.shape)
-    net = -map_columns(np.asarray(own * k.E, dtype=float), np.asarray(rate))
+    net = -map_columns(np.asarray(own * k.E), np.asarray(np.broadcast_to(m.eta_dot, rest.shape)))
     net[driven] += torque
-    rolling = columns(eta if towards is None else towards, 3, "direction of rolling")
-    carried = contact_loads(d.platform, theta, ground, samples=rolling.shape[1:])
-    net -= own_rolling(d, carried) * signs(k.E, rolling, k.reach)
+    carried = contact_loads(d.platform, m.facing, m.ground, samples=m.towards.shape[1:])
+    net -= dynamics.own_rolling(d, carried) * dynamics.signs(k.E, m.towards, k.reach)
+    across = (slice(None),) + (None,) * (net.ndim - 1)
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
-    lever = np.array([w.radius for w in wheels]) * cos
-    found = np.stack([net / lever.reshape(-1, *[1] * (net.ndim - 1)), np.zeros_like(net)])
-    sideways = [i for i, w in enumerate(wheels) if w.held]
-    blocked = [i for i, w in enumerate(wheels) if w.drive == "blocked"]
+    found = np.stack([net / (np.array([w.radius for w in wheels]) * cos)[across], np.zeros_like(net)])
     if len(k.held):
-        holding = map_columns(np.asarray(np.linalg.pinv(k.held.T), dtype=float), rest)
+        sideways = [i for i, w in enumerate(wheels) if w.held]
+        blocked = [i for i, w in enumerate(wheels) if w.drive == "blocked"]
+        holding = map_columns(np.asarray(np.linalg.pinv(k.held.T)), rest)
         found[1, sideways] = holding[: len(sideways)]
-        found[0, blocked] = holding[len(sideways) :] / cos[blocked].reshape(-1, *[1] * (net.ndim - 1))
+        found[0, blocked] = holding[len(sideways) :] / cos[blocked][across]
     return found
-
-
-def needed_friction(
-    d: Dynamics, eta: Any, eta_dot: Any, accelerated: Any, *, theta: Any = 0.0, ground: Ground = LEVEL
-) -> Array:
-    """Coefficient of friction that each wheel needs so as not to slip [1]; infinite where it carries nothing; (N, ...).
-
-    Parameters
-    ----------
-    d, eta, eta_dot, theta, ground
-        As in ``wheel_torques``.
-    accelerated
-        Acceleration of the centre of mass in the robot's axes [m/s^2], shape (2, ...).
-
-    Returns
-    -------
-    array
-        Coefficients [1], shape (N, ...).
-    """
-    force = np.hypot(*floor_forces(d, eta, eta_dot, theta=theta, ground=ground))
-    load = contact_loads(d.platform, theta, ground, accelerated, samples=force.shape[1:])[: len(force)]
-    pulls = force > _NOTHING * d.platform.mass * ground.gravity
-    return np.where(pulls, np.where(load > 0.0, force / np.where(load > 0.0, load, 1.0), math.inf), 0.0)
 
 
 def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
@@ -145,9 +101,12 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
         When the wheels do not allow the motion.
     """
     fine = finer(trajectory)
-    eta, eta_dot = fine.in_robot()
-    theta = fine.posture[2]
-    found = needed_friction(d, eta, eta_dot, of_centre(d.platform, fine), theta=theta, ground=ground)
+    m = Moving(*fine.in_robot(), fine.posture[2], ground)
+    force = np.hypot(*floor_forces(d, m))
+    carried = contact_loads(d.platform, m.facing, ground, centre_acceleration(d.platform, m), samples=force.shape[1:])
+    load, pulls = carried[: len(force)], force > _NOTHING * d.platform.mass * ground.gravity
+    needed = np.where(load > 0.0, force / np.where(load > 0.0, load, 1.0), math.inf)  # none carried: no friction does
+    found = np.where(pulls, needed, 0.0)
     wheel, piece, side = (int(i) for i in np.unravel_index(found.argmax(), found.shape))
     return Moment(float(found[wheel, piece, side]), float(fine.time[piece, side]), wheel + 1)
 
@@ -207,7 +166,7 @@ def grip_acceleration(
     floor = Ground(slope=slope, gravity=gravity)  # uphill is where the platform goes: turned to it by its heading
 
     def at(share: float) -> tuple[Array, Array]:
-        force = floor_forces(d, 0.0 * unit, share * unit, theta=-angles, ground=floor, towards=unit)
+        force = floor_forces(d, Moving(0.0 * unit, share * unit, -angles, floor, unit))
         return force, contact_loads(d.platform, -angles, floor, share * unit[:2])[: force.shape[1]]
 
     anywhere = len(angles) == _DIRECTIONS
@@ -244,7 +203,7 @@ def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> flo
 
     def at(tangent: float) -> tuple[Array, Array]:
         floor = Ground(slope=math.atan(tangent))
-        force = floor_forces(d, 0.0 * unit, 0.0 * unit, theta=-angles, ground=floor, towards=climbs)
+        force = floor_forces(d, Moving(0.0 * unit, 0.0 * unit, -angles, floor, climbs))
         loads = contact_loads(d.platform, -angles, floor)[: force.shape[1]]
         return force / math.cos(floor.slope), loads / math.cos(floor.slope)
 
@@ -316,15 +275,15 @@ def wheel_cycles(
     InputError
         When the wheels do not allow the motion, or a figure cannot be computed with.
     """
-    k, top, driven = d.kinematics, largest(trajectory), list(d.kinematics.driven)
-    allowed(k, trajectory)
+    k, top, driven = d.kinematics, dynamics.largest(trajectory), list(d.kinematics.driven)
+    dynamics.allowed(k, trajectory)
     durations, parts = [], []
-    for part, floor in blocks(trajectory, ground):
-        m = seen(d, part, floor, top)
-        torque = wheel_torques(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards, rotors=False)
+    for part, floor in dynamics.blocks(trajectory, ground):
+        m = dynamics.seen(d, part, floor, top)
+        torque = dynamics.wheel_torques(d, m, rotors=False)
         speed, gain = (map_columns(k.E[driven], column) for column in (m.eta, m.eta_dot))
-        load = contact_loads(d.platform, m.facing, m.ground, centre_acceleration(d.platform, m.eta, m.eta_dot))[driven]
-        force = floor_forces(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
+        load = contact_loads(d.platform, m.facing, m.ground, centre_acceleration(d.platform, m))[driven]
+        force = floor_forces(d, m)
         durations.append(m.duration)
         parts.append(np.stack([torque, speed, gain, np.maximum(load, 0.0), np.hypot(*force)[driven]]))
     duration, columns = np.concatenate(durations), np.concatenate(parts, axis=2)
@@ -356,7 +315,7 @@ def effective_inertia(d: Dynamics) -> Array:
     values, modes = np.linalg.eigh(k.K_plus.T @ M @ k.K_plus)
     modes = modes[:, values > _NOTHING * values[-1]]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = (d.distribution @ M @ k.K_plus @ modes) / modes
+        ratio = (eq.wheel_space_inertia(d.distribution, M, k.K_plus) @ modes) / modes
     turns = np.abs(modes) > _TAKES_PART * np.abs(modes).max(axis=0)
     most: Array = np.where(turns, ratio, -np.inf).max(axis=1)
     return np.asarray(np.where(most > 0.0, most, nan))

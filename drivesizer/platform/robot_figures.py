@@ -17,6 +17,7 @@ from drivesizer.platform.dynamics import (
     LEVEL,
     Dynamics,
     Ground,
+    Moving,
     dynamics,
     energy,
     required_force,
@@ -321,7 +322,7 @@ def robot_at_instant(d: Dynamics, at: Instant) -> tuple[Numbers, Numbers]:
         "Coriolis, C̄ η": known["C_bar"] @ at.eta,
         "weight on a slope": -weight_along(d.platform, theta, at.ground),
         "rolling resistance": resistance(d, towards, theta, at.ground),
-        "together": required_force(d, at.eta, at.eta_dot, theta=theta, ground=at.ground, towards=at.towards),
+        "together": required_force(d, Moving(at.eta, at.eta_dot, theta, at.ground, at.towards)),
     }
     force = np.array([*causes.values()])
     columns = (*_AXES, *(f"wheel {i + 1}" for i in range(len(d.kinematics.wheels))))

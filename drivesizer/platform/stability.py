@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.platform.dynamics import LEVEL, Ground, centre_acceleration, contact_loads, weight_along
+from drivesizer.platform.dynamics import LEVEL, Ground, Moving, centre_acceleration, contact_loads, weight_along
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory, finer
 from drivesizer.platform.wheels import Platform
@@ -338,24 +338,6 @@ class Moment(NamedTuple):
     contact: int  # wheel or caster, counted from 1; of an edge its first
 
 
-def of_centre(platform: Platform, trajectory: Trajectory) -> Array:
-    """Acceleration of the centre of mass along a trajectory, in the robot's axes [m/s^2]; shape (2, n, 2).
-
-    Parameters
-    ----------
-    platform
-        Where its centre of mass is.
-    trajectory
-        In the world, n pieces.
-
-    Returns
-    -------
-    array
-        Along and across the robot [m/s^2], shape (2, n, 2).
-    """
-    return centre_acceleration(platform, *trajectory.in_robot())
-
-
 def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL, *, share: bool = False) -> Moment:
     """The least that a wheel or caster carries over a trajectory, which, and when.
 
@@ -383,7 +365,7 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
     """
     support_polygon(platform)
     fine = finer(trajectory)
-    loads = contact_loads(platform, fine.posture[2], ground, of_centre(platform, fine))
+    loads = contact_loads(platform, fine.posture[2], ground, centre_acceleration(platform, Moving(*fine.in_robot())))
     at_rest = contact_loads(platform, ground=Ground(gravity=ground.gravity)) if share else None
     return _worst(loads, at_rest, fine, tuple(range(len(loads))))
 
@@ -409,7 +391,9 @@ def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LE
         When the contact points lie on one line.
     """
     fine = finer(trajectory)
-    point = zero_moment_point(platform, fine.posture[2], ground, of_centre(platform, fine))
+    point = zero_moment_point(
+        platform, fine.posture[2], ground, centre_acceleration(platform, Moving(*fine.in_robot()))
+    )
     at_rest = edge_distances(platform, (platform.x, platform.y)) if share else None
     return _worst(edge_distances(platform, point), at_rest, fine, support_polygon(platform))
 

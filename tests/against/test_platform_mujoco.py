@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from drivesizer.platform.dynamics import dynamics, wheel_torques
+from drivesizer.platform.dynamics import Moving, dynamics, wheel_torques
 from drivesizer.platform.wheels import Caster, Platform, Wheel
 
 mujoco = pytest.importorskip("mujoco", "3.7", reason="MuJoCo is not installed")
@@ -75,7 +75,7 @@ def compared(step):
     """MuJoCo's torques and ours for MuJoCo's motion, over windows of 20 ms; and that motion."""
     torques, motion = driven(step)
     middle, rate = (motion[:, 1:] + motion[:, :-1]) / 2, np.diff(motion, axis=1) / step
-    ours = wheel_torques(dynamics(platform()), middle, rate)
+    ours = wheel_torques(dynamics(platform()), Moving(middle, rate))
     window = round(0.02 / step)
     smooth = [np.array([np.convolve(c, np.ones(window) / window, "valid") for c in cs]) for cs in (torques, ours)]
     return *smooth, middle

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from following_paths import drive
-from platforms import MASS, RADIUS, WHEEL, differential, mecanum, omni_three
+from platforms import MASS, RADIUS, WHEEL, acceleration, differential, mecanum, omni_three
 from scipy.integrate import solve_ivp
 
 from drivesizer.control.path_following.following import Contact
 from drivesizer.control.path_following.kernel import grip, grip_slope
 from drivesizer.errors import InputError
-from drivesizer.platform.dynamics import Ground, acceleration, contact_loads, dynamics
+from drivesizer.platform.dynamics import Ground, contact_loads, dynamics
 from drivesizer.platform.kinematics import wheel_speeds
 from drivesizer.platform.wheels import Caster, Platform, without_motor
 

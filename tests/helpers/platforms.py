@@ -2,6 +2,9 @@
 
 import math
 
+import numpy as np
+
+from drivesizer.platform.dynamics import LEVEL, Moving, required_force
 from drivesizer.platform.wheels import Platform, Wheel, table_wheel
 
 ALPHA, LENGTH, RADIUS = math.radians(29.5), 0.27406, 0.0762  # of Table 1
@@ -38,3 +41,11 @@ def car(wheelbase, track, steering):
     rear = tuple(Wheel(x=0.0, y=y, radius=0.15, held=True) for y in (-track / 2, track / 2))
     front = Wheel(x=wheelbase, y=0.0, radius=0.15, heading=steering, held=True, drive="free")
     return Platform(wheels=(*rear, front), mass=80.0, inertia=9.0)
+
+
+def acceleration(d, eta, torques, *, theta=0.0, ground=LEVEL):
+    """Rate of change of a platform's velocity under torques of its driven wheels."""
+    S, driven = d.kinematics.motions, list(d.kinematics.driven)
+    allowed = Moving(S @ np.linalg.pinv(S) @ eta, np.zeros(3), theta, ground)
+    left = d.kinematics.E[driven].T @ torques - required_force(d, allowed)
+    return S @ np.linalg.solve(S.T @ d.M @ S, S.T @ left)

@@ -15,6 +15,7 @@ import pytest
 import yaml
 import yourdfpy
 from exports import rendered
+from platforms import acceleration
 from small_arms import catalogue
 
 from drivesizer.errors import InputError
@@ -24,7 +25,7 @@ from drivesizer.output.export import files as exported
 from drivesizer.output.export.common import torque_law
 from drivesizer.output.export.mjcf import lossless
 from drivesizer.output.export.platform import PlatformExport, platform_export
-from drivesizer.platform.dynamics import acceleration, motion, wheel_torques
+from drivesizer.platform.dynamics import Moving, motion, wheel_torques
 from drivesizer.sizing import explain
 from drivesizer.spec.description import read_description
 from drivesizer.spec.robot import RobotSpec, load_spec
@@ -257,7 +258,7 @@ def test_under_the_designed_loops_it_goes_its_way_with_the_torques_of_the_sizing
         eta, rise = seen.eta[:, at].mean(axis=1), seen.eta_dot[:, at].mean(axis=1)
         middle = round((ends[at] - seen.duration[at] / 2) / step)
         found = np.mean(torques[middle - 20 : middle + 20], axis=0)
-        expected = wheel_torques(d, eta, rise) + of.drives[0].friction * np.sign(of.kinematics.E @ eta)
+        expected = wheel_torques(d, Moving(eta, rise)) + of.drives[0].friction * np.sign(of.kinematics.E @ eta)
         assert np.abs(expected).max() > 0.9
         assert np.abs(force @ (found - expected)).max() < 0.01 * np.abs(force @ expected).max()
         assert np.abs(found - expected).max() < 0.08 * np.abs(expected).max()  # wheels push one another a little

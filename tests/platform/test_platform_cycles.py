@@ -158,7 +158,7 @@ def test_on_a_slope_the_work_is_what_it_climbs():
 
 def forces_on_the_floor(d, m):
     """Their size at each driven wheel [N]."""
-    forces = floor_forces(d, m.eta, m.eta_dot, theta=m.facing, ground=m.ground, towards=m.towards)
+    forces = floor_forces(d, m)
     return np.hypot(*forces)[list(d.kinematics.driven)]
 
 
@@ -168,7 +168,7 @@ def test_forces_on_the_floor_are_newtons():
     d, t = dynamics(p), plan(CURVES, BOTH)
     m = motion(d, t)
     size = forces_on_the_floor(d, m)
-    torque = wheel_torques(d, m.eta, m.eta_dot, towards=m.towards, rotors=False)
+    torque = wheel_torques(d, m, rotors=False)
     rest = contact_loads(p)[:, None, None]
     gain = np.einsum("ij,jkl->ikl", d.kinematics.E, m.eta_dot)
     turning = np.sign(np.einsum("ij,jkl->ikl", d.kinematics.E, m.eta).mean(axis=2, keepdims=True))

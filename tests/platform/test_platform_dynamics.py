@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from platform_vehicles import LOPSIDED
-from platforms import INERTIA, MASS, RADIUS, car, differential, mecanum
+from platforms import INERTIA, MASS, RADIUS, acceleration, car, differential, mecanum
 from scipy.integrate import solve_ivp
 from wheel_sets import wheel_sets
 
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import (
     Ground,
-    acceleration,
+    Moving,
     contact_loads,
     dynamics,
     energy,
@@ -90,14 +90,14 @@ def test_a_differential_drive_is_newtons(track, x, y, v, turn, right, left):
     by_hand = by_newton(p, (v, 0.0, turn), (right, left))
     found = acceleration(dynamics(p), (v, 0.0, turn), (right, left))
     assert found == pytest.approx(by_hand, abs=1e-9 * (1 + np.abs(by_hand).max()))
-    assert wheel_torques(dynamics(p), (v, 0.0, turn), found) == pytest.approx([right, left], abs=1e-9)
+    assert wheel_torques(dynamics(p), Moving((v, 0.0, turn), found)) == pytest.approx([right, left], abs=1e-9)
 
 
 def test_a_car_is_newtons_with_its_torque_shared_alike():
     p = car(1.1, 0.6, 0.35)
     k = kinematics(p.wheels)
     eta, rate = 1.3 * k.motions[:, 0], 0.7 * k.motions[:, 0]
-    torques = wheel_torques(dynamics(p), eta, rate)
+    torques = wheel_torques(dynamics(p), Moving(eta, rate))
     assert by_newton(p, eta, [*torques, 0.0]) == pytest.approx(rate)
     speeds = wheel_speeds(k, eta)[:2]
     assert torques[0] / torques[1] == pytest.approx(speeds[0] / speeds[1])  # least squares: the faster does more
@@ -111,7 +111,7 @@ def test_power_of_the_wheels_is_that_of_the_motion(p, eta, rate):
     d = dynamics(p)
     eta, rate = np.array(eta), np.array(rate)
     force = d.M @ rate + eta[2] * d.C @ eta
-    torques = wheel_torques(d, eta, rate)
+    torques = wheel_torques(d, Moving(eta, rate))
     power = torques @ wheel_speeds(d.kinematics, eta)
     size = np.abs(eta) @ np.abs(d.M) @ np.abs(rate) + np.abs(torques) @ np.abs(wheel_speeds(d.kinematics, eta)) + 1e-9
     assert eta @ force == pytest.approx(power, abs=1e-9 * size)
@@ -168,13 +168,13 @@ def test_a_wheel_that_stands_does_not_resist():
     d = dynamics(mecanum(rolling_resistance=0.02))
     eta = [math.cos(math.pi / 4), math.sin(math.pi / 4), 0.0]
     by_hand = 0.02 * MASS * G / 4 * RADIUS
-    assert wheel_torques(d, eta, [0.0, 0.0, 0.0]) == pytest.approx(by_hand * np.array([1, 0, 1, 0]), abs=1e-12)
+    assert wheel_torques(d, Moving(eta, [0.0, 0.0, 0.0])) == pytest.approx(by_hand * np.array([1, 0, 1, 0]), abs=1e-12)
 
 
 def test_rollers_make_the_way_to_the_side_harder():
     d = dynamics(mecanum(rolling_resistance=0.02, roller_resistance=0.03))
-    assert required_force(d, [1.0, 0.0, 0.0], [0.0] * 3)[0] == pytest.approx(0.02 * MASS * G)
-    aside = required_force(d, [0.0, 1.0, 0.0], [0.0] * 3)[1]
+    assert required_force(d, Moving([1.0, 0.0, 0.0], [0.0] * 3))[0] == pytest.approx(0.02 * MASS * G)
+    aside = required_force(d, Moving([0.0, 1.0, 0.0], [0.0] * 3))[1]
     assert aside == pytest.approx((0.02 + 0.03 * math.sqrt(2)) * MASS * G)
 
 
@@ -197,11 +197,11 @@ def test_rollers_that_stand_do_not_resist(heading, residue):
     """What is left of a sine of 180 deg, or of places of Table 1, has no direction: C_rr m g r / 4 straight ahead."""
     angle = math.radians(heading) + residue
     d = dynamics(mecanum(**HARD))
-    found = wheel_torques(d, [math.cos(angle), math.sin(angle), 0.0], [0.0] * 3)
+    found = wheel_torques(d, Moving([math.cos(angle), math.sin(angle), 0.0], [0.0] * 3))
     assert found == pytest.approx(BY_HAND[heading], rel=1e-9)
-    assert wheel_torques(d, [0.0] * 3, [0.0] * 3, towards=[math.cos(angle), math.sin(angle), 0.0]) == pytest.approx(
-        found
-    )
+    assert wheel_torques(
+        d, Moving([0.0] * 3, [0.0] * 3, towards=[math.cos(angle), math.sin(angle), 0.0])
+    ) == pytest.approx(found)
 
 
 def test_a_caster_in_the_centre_of_a_turn_does_not_roll():
@@ -216,7 +216,7 @@ def test_a_caster_in_the_centre_of_a_turn_does_not_roll():
 @given(velocities, velocities, st.floats(-1.0, 1.0).filter(lambda c: abs(c) > 1e-3))
 def test_of_all_torques_that_make_a_motion_those_are_the_least(eta, rate, c):
     d = dynamics(LOPSIDED)
-    torques = wheel_torques(d, eta, rate)
+    torques = wheel_torques(d, Moving(eta, rate))
     assert acceleration(d, eta, torques) == pytest.approx(rate, abs=1e-9)
     assert acceleration(d, eta, torques + c * NULL) == pytest.approx(rate, abs=1e-9)
     assert np.linalg.norm(torques + c * NULL) > np.linalg.norm(torques)
@@ -229,7 +229,7 @@ def test_wheel_space_is_57_to_59(eta, rate):
     M, C = wheel_space(d)
     speeds, gains = wheel_speeds(k, eta), wheel_speeds(k, rate)
     torques = M @ gains + velocity(k, speeds)[2] * C @ speeds
-    assert torques == pytest.approx(wheel_torques(d, eta, rate), abs=1e-9)
+    assert torques == pytest.approx(wheel_torques(d, Moving(eta, rate)), abs=1e-9)
     M_R = np.diag([MASS, MASS, INERTIA])
     printed = np.linalg.pinv(k.E.T) @ M_R @ k.K_plus + 0.02 * np.eye(4) @ k.E @ k.K_plus
     assert pytest.approx(printed, abs=1e-12) == M
@@ -240,21 +240,21 @@ def test_wheel_space_is_57_to_59(eta, rate):
 def test_torques_of_a_load_cycle_leave_the_rotor_to_the_drive():
     d, own = dynamics(mecanum(rotor_inertia=0.05)), dynamics(mecanum())
     eta, rate = [0.5, -0.2, 0.9], [0.4, 0.3, -1.1]
-    without = wheel_torques(d, eta, rate, rotors=False)
-    assert without == pytest.approx(wheel_torques(own, eta, rate))
+    without = wheel_torques(d, Moving(eta, rate), rotors=False)
+    assert without == pytest.approx(wheel_torques(own, Moving(eta, rate)))
     gains = wheel_speeds(d.kinematics, rate)
-    assert without + 0.05 * gains == pytest.approx(wheel_torques(d, eta, rate))
+    assert without + 0.05 * gains == pytest.approx(wheel_torques(d, Moving(eta, rate)))
 
 
 def test_three_of_four_motors():
     """Straight on with wheel 4 dead: wheels 1 and 2 do it all, the third has nothing to do; its rotor is turned too."""
     whole, left = dynamics(mecanum()), dynamics(without_motor(mecanum(rotor_inertia=0.01), 4))
     assert left.kinematics.driven == (0, 1, 2)
-    ahead = wheel_torques(dynamics(without_motor(mecanum(), 4)), [1.0, 0.0, 0.0], [0.8, 0.0, 0.0])
-    before = wheel_torques(whole, [1.0, 0.0, 0.0], [0.8, 0.0, 0.0])[0]
+    ahead = wheel_torques(dynamics(without_motor(mecanum(), 4)), Moving([1.0, 0.0, 0.0], [0.8, 0.0, 0.0]))
+    before = wheel_torques(whole, Moving([1.0, 0.0, 0.0], [0.8, 0.0, 0.0]))[0]
     assert ahead == pytest.approx([2 * before, 2 * before, 0.0], abs=1e-12)
     eta, rate = (0.4, -0.3, 0.8), (0.3, 0.5, -0.7)
-    torques = wheel_torques(left, eta, rate)
+    torques = wheel_torques(left, Moving(eta, rate))
     assert by_newton(left.platform, eta, [*torques, 0.0]) == pytest.approx(rate)
 
 
@@ -275,10 +275,9 @@ def test_the_weight_along_a_slope_points_downhill(slope, uphill, theta):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda d: wheel_torques(d, [0.0, 0.0, math.nan], [0.0] * 3), "velocity of the platform: row 3 is not a"),
-        (lambda d: wheel_torques(d, [0.0] * 3, [0.0, math.inf, 0.0]), "acceleration of the platform: row 2 is not"),
-        (lambda d: acceleration(d, [0.0] * 3, [1.0] * 3), "torques of the driven wheels: expected 4 rows"),
-        (lambda d: wheel_torques(dynamics(differential()), [1.0, 0.0, 0.0], [0.0, 0.5, 0.0]),
+        (lambda _: Moving([0.0, 0.0, math.nan], [0.0] * 3), "velocity of the platform: row 3 is not a"),
+        (lambda _: Moving([0.0] * 3, [0.0, math.inf, 0.0]), "acceleration of the platform: row 2 is not"),
+        (lambda _: wheel_torques(dynamics(differential()), Moving([1.0, 0.0, 0.0], [0.0, 0.5, 0.0])),
          "acceleration of the platform: it slides wheel 1 by 0.5 m/s^2, at sample 0"),
     ],
 )  # fmt: skip

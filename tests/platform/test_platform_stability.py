@@ -11,7 +11,7 @@ from platforms import MASS, RADIUS, car, differential, mecanum, omni_three
 from trajectories import joined, piece, straight, turning
 
 from drivesizer.errors import InputError
-from drivesizer.platform.dynamics import Ground, contact_loads, dynamics
+from drivesizer.platform.dynamics import Ground, Moving, contact_loads, dynamics
 from drivesizer.platform.grip import (
     floor_forces,
     grip_acceleration,
@@ -226,7 +226,7 @@ def test_the_floor_sees_more_than_torque_over_radius():
     """F = τ / (r cos γ): 5 N·m at a mecanum wheel of 76.2 mm is 92.8 N, not 65.6 N."""
     d = dynamics(mecanum(inertia=0.0))
     rate = 4 * 5.0 / RADIUS / MASS
-    along, across = floor_forces(d, (0.0, 0.0, 0.0), (rate, 0.0, 0.0))
+    along, across = floor_forces(d, Moving((0.0, 0.0, 0.0), (rate, 0.0, 0.0)))
     assert along == pytest.approx(4 * [5.0 / (RADIUS * math.cos(math.pi / 4))])
     assert along == pytest.approx(4 * [92.8], abs=0.05)
     assert across == pytest.approx(4 * [0.0])
@@ -248,7 +248,7 @@ def test_the_wheels_forces_make_the_motion(p):
     k = kinematics(p.wheels)
     slope = Ground(slope=0.1, uphill=0.4)
     rate, eta = k.motions @ np.linspace(0.6, -0.4, k.mobility), k.motions @ np.linspace(-0.3, 0.7, k.mobility)
-    along, across = floor_forces(dynamics(p), eta, rate, ground=slope)
+    along, across = floor_forces(dynamics(p), Moving(eta, rate, ground=slope))
     force = sum(
         f * np.exp(1j * (w.heading + w.roller_angle)) + s * np.exp(1j * (w.heading + math.pi / 2))
         for w, f, s in zip(p.wheels, along, across, strict=True)

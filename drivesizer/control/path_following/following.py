@@ -14,7 +14,16 @@ from drivesizer.control.path_following import kernel as at
 from drivesizer.errors import InputError
 from drivesizer.files.machine_code import machine_code
 from drivesizer.platform import equations as eq
-from drivesizer.platform.dynamics import LEVEL, Dynamics, Ground, contact_loads, dynamics, wheel_space, wheel_torques
+from drivesizer.platform.dynamics import (
+    LEVEL,
+    Dynamics,
+    Ground,
+    Moving,
+    contact_loads,
+    dynamics,
+    wheel_space,
+    wheel_torques,
+)
 from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, map_columns, to_robot
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import Trajectory
@@ -324,7 +333,7 @@ def follow(
         ahead, allowed = sampled(trajectory, late), d.kinematics.motions @ np.linalg.pinv(d.kinematics.motions)
         # between the ends of a piece a held wheel would slide by rounding
         eta, rate = (map_columns(allowed, found) for found in ahead.in_robot())
-        fed[:, d.kinematics.driven] = wheel_torques(d, eta, rate, theta=ahead.posture[2], ground=ground).T
+        fed[:, d.kinematics.driven] = wheel_torques(d, Moving(eta, rate, ahead.posture[2], ground)).T
     start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
     return simulated(a, d, plan, speeds, poses, fed, start, tolerance)
 
