@@ -28,10 +28,10 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
 from drivesizer.load_cases.platform import WheelLoad, motion_of
-from drivesizer.load_cases.profile import SPEED
 from drivesizer.load_cases.profile import profile as named
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
+from drivesizer.loads.motions import SPEED
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.part_curves import torque_of_drive

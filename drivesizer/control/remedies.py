@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.load_cases.profile import profile_of
+from drivesizer.loads.motions import Move, SCurve, Trapezoid, Triangle
 from drivesizer.spec.drive import Control, VelocityLoop
-from drivesizer.spec.motions import Move, SCurve, Trapezoid, Triangle
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show, to_si
 

@@ -20,6 +20,7 @@ from drivesizer.load_cases.profile import profile_of
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.loads.course import Course, Profile
 from drivesizer.loads.hoist import Hoist
+from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle, rolling_resistance, turning_inertia, wheel_friction
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
@@ -30,7 +31,6 @@ from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.planner import Limits, Waypoint, plan, read_track
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.drive_set import Requirement
-from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.platform import Platform
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.units import show

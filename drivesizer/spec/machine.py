@@ -18,12 +18,12 @@ from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource, overlay, read, written
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.kinds import Load
+from drivesizer.loads.motions import Cam, Harmonic
 from drivesizer.loads.rotary_table import RotaryTable
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.machine_record import AxisSpec, Carried, MachineSpec
 from drivesizer.spec.messages import explained
-from drivesizer.spec.motions import Cam, Harmonic
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.robot_section import RobotSection

@@ -14,9 +14,9 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.loads.kinds import MODULES
+from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.drive import DIRECT, DirectStage, GearheadStage
-from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.sections import Lives
 from drivesizer.units import KINDS, noun
 

@@ -18,6 +18,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, Load
+from drivesizer.loads.motions import Motion, Trapezoid
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.figures import Figures, once_per_part
@@ -26,7 +27,6 @@ from drivesizer.physics.power_stage import PowerStage as StageFigures
 from drivesizer.spec import drive, sections
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.messages import explained, refuse_contradictions
-from drivesizer.spec.motions import Motion, Trapezoid
 from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances

@@ -8,8 +8,9 @@ import pytest
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import starts_farther_on
-from drivesizer.load_cases.profile import LAWS, profile_of
+from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
+from drivesizer.loads.motions import LAWS
 from drivesizer.physics.load_cycle import rms
 from drivesizer.spec.robot import load_spec
 

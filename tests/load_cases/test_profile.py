@@ -14,18 +14,21 @@ from pydantic import ValidationError
 from rows import hold
 
 from drivesizer.errors import FieldError, InputError
-from drivesizer.load_cases.profile import (
+from drivesizer.load_cases.profile import profile, profile_of
+from drivesizer.loads.course import course
+from drivesizer.loads.motions import (
+    Harmonic,
+    SCurve,
+    Segments,
+    Trapezoid,
+    Triangle,
     from_csv,
     harmonic,
-    profile,
-    profile_of,
     s_curve,
     segments,
     trapezoid,
     triangle,
 )
-from drivesizer.loads.course import course
-from drivesizer.spec.motions import Harmonic, SCurve, Segments, Trapezoid, Triangle
 from drivesizer.spec.robot import load_spec
 
 

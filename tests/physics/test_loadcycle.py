@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.profile import trapezoid
 from drivesizer.loads.course import Profile
+from drivesizer.loads.motions import trapezoid
 from drivesizer.physics.load_cycle import LoadCycle, integral, rms
 from drivesizer.spec.robot import read_spec
 

@@ -17,8 +17,8 @@ from drivesizer.control.loop_design import stated_margin
 from drivesizer.control.validation import Gains
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import floor_friction
-from drivesizer.load_cases.profile import SPEED, TRAVEL
 from drivesizer.loads.course import Profile, course
+from drivesizer.loads.motions import SPEED, TRAVEL
 from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics import thermal

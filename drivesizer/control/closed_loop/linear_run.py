@@ -28,7 +28,7 @@ from drivesizer.control.loop_models import (
     voltage_open_loop,
 )
 from drivesizer.control.validation import Cascade, Gains, LinearFigure, LinearRun
-from drivesizer.load_cases.profile import SPEED
+from drivesizer.loads.motions import SPEED
 from drivesizer.results.check import Figure
 
 Array = NDArray[np.float64]

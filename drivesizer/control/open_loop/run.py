@@ -17,8 +17,8 @@ from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.machine_code import machine_code
 from drivesizer.load_cases.platform import remaining_torque
-from drivesizer.load_cases.profile import SPEED, TRAVEL
 from drivesizer.loads.course import Profile
+from drivesizer.loads.motions import SPEED, TRAVEL
 from drivesizer.physics.figures import Range
 from drivesizer.physics.stepper import natural_frequency
 from drivesizer.results.check import Check, Figure, verdict

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from drivesizer import equations as eq
 from drivesizer.catalog import Catalog
+from drivesizer.loads.motions import Trapezoid
 from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
 from drivesizer.physics.figures import Figures
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.drive_set import DriveSet, Requirement
-from drivesizer.spec.motions import Trapezoid
 from drivesizer.spec.robot import RobotSpec
 
 # -- The paper's method: equations (1)-(20) for a spec.

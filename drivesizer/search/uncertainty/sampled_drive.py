@@ -22,6 +22,7 @@ from drivesizer.catalog.tolerances import Class
 from drivesizer.catalog.view.mounted import OWN, STEPPER, has_steppers
 from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases import load_cycle, platform
+from drivesizer.loads.motions import Cam
 from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
@@ -45,7 +46,6 @@ from drivesizer.search.columns.steppers import Frictionless, PullOut
 from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths, enters_checks, holding
-from drivesizer.spec.motions import Cam
 from drivesizer.spec.mounting import controller_needed, loss_at_flange
 from drivesizer.spec.robot import RobotSpec
 

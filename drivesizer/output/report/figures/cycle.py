@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import trajectory_of
-from drivesizer.load_cases.profile import SPEED, profile_of
+from drivesizer.load_cases.profile import profile_of
+from drivesizer.loads.motions import SPEED, Track, Trapezoid, Waypoints
 from drivesizer.machine.set_cycle import SetCycle, WarmUp
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import style
@@ -22,7 +23,6 @@ from drivesizer.output.report.figures.field import TOGETHER
 from drivesizer.output.report.figures.style import CASES, COLOURS, Window, figure, placed, reads
 from drivesizer.physics.load_cycle import LoadCycle, end_times
 from drivesizer.results.prediction import Prediction
-from drivesizer.spec.motions import Track, Trapezoid, Waypoints
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label
 

@@ -10,6 +10,7 @@ from drivesizer.control.path_following.runs import drawn as shown_runs
 from drivesizer.control.path_following.runs import follow_runs
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import Driving, WheelLoad, driving, with_trajectory
+from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
 from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow, energy_flow
@@ -29,7 +30,6 @@ from drivesizer.results.check import Figure
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
-from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.mounting import rise_left
 from drivesizer.units import show
 

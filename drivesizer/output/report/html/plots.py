@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.validation import Loop, Validation
+from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.machine.battery import charge_over_mission
 from drivesizer.machine.operating_field import OperatingField, hot_winding
 from drivesizer.output.loop_table import cell, loop_figures, loop_name, settled
@@ -24,7 +25,6 @@ from drivesizer.output.thinning import curve_points
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.drive_set import EnergyBudget
 from drivesizer.results.machine import MachinePower
-from drivesizer.spec.motions import Track, Waypoints
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label, show
 
