@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from drivesizer.catalog.catalog_file import RATIO, parse
 from drivesizer.catalog.exporting import plain
-from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.parts import PARTS, RELATIONS, Column, columns_of
 from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
@@ -507,7 +507,9 @@ _YAML_WORDS = {"null", "true", "false"}
 _QUOTE = '"'  # of tokens, left out in messages
 
 
-def import_table(sheets: Sequence[Sheet], path: Path, given: Plan, target: Path) -> Imported:
+def import_table(
+    sheets: Sequence[Sheet], path: Path, given: Plan, target: Path, partners: Mapping[str, Catalog] | None = None
+) -> Imported:
     """Make the text of a catalogue file from the tables of a file.
 
     Parameters
@@ -520,6 +522,8 @@ def import_table(sheets: Sequence[Sheet], path: Path, given: Plan, target: Path)
         What the user says of it.
     target
         The catalogue file that is to be.
+    partners
+        Catalogues by name whose motors, gearheads and encoders the parts go with.
 
     Returns
     -------
@@ -553,7 +557,13 @@ def import_table(sheets: Sequence[Sheet], path: Path, given: Plan, target: Path)
                 raise InputError(f"{option}: the source of the figures is missing; expected e.g. 'data sheet, 2024-05'")
             source[key] = value
             assumed.append(f"{key} {value} ({option})")
-    text = _written(section, maker, groups, heads, common, given.source_name or "table", source)
+    if section == "gearheads" and given.columns is None and "max_motor_shaft" in used \
+            and "mounting" not in {*common, *(head.column for head in heads)}:  # fmt: skip
+        common["mounting"] = "clamping hub"
+        assumed.append("mounting clamping hub, which takes any motor whose shaft it holds (--set mounting=flange)")
+    named = given.source_name or "table"
+    text = _written(section, maker, groups, heads, common, named, source)
+    text += _compatibility(section, list(groups), named, partners or {})
     try:
         catalog = parse(YamlSource(text, str(target)), target.stem, "")
     except (CatalogError, InputError) as error:
@@ -689,6 +699,28 @@ def _written(
         lines += [f"  - [{', '.join(row.get(one, '~') for one in names)}]" for row in rows]
         lines.append("")
     return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _compatibility(section: str, families: Sequence[str], source: str, partners: Mapping[str, Catalog]) -> str:
+    """What the parts go with: motors drive without a gearhead, and with the parts of catalogues that are named."""
+    lists: dict[str, list[str]] = {}
+    own = f"[{', '.join(families)}]"
+    if section == "motors":
+        entry = f"  - {{name: direct drive, source: {_token(source)}, motors: {own}, gearheads: [direct]}}"
+        lists["motor_gearhead"] = [entry]
+    for relation, other in RELATIONS.items():
+        for name, catalog in partners.items() if section in ("motors", other) else ():
+            side = other if section == "motors" else "motors"
+            found = dict.fromkeys(str(one) for one in catalog.table(side)["family"] if one)
+            across = ", ".join(f"{{{_token(name)}: {_token(one)}}}" for one in found)
+            sides = (
+                {"motors": own, other: f"[{across}]"} if section == "motors" else {"motors": f"[{across}]", other: own}
+            )
+            text = ", ".join(f"{key}: {value}" for key, value in sides.items())
+            if found:
+                lists.setdefault(relation, []).append(f"  - {{name: assumed, source: {_token(source)}, {text}}}")
+    lines = [line for relation, entries in lists.items() for line in (f"  {relation}:", *entries)]
+    return "\n".join(["", "compatibility:", *lines, ""]) if lines else ""
 
 
 def map_text(imported: Imported, given: Plan) -> str:

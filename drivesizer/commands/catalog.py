@@ -109,6 +109,10 @@ def take_in(
     output: Annotated[Path | None, file_option("--output", "-o", help="The catalogue file to write.")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Only show what would be read.")] = False,
     set_: Annotated[list[str] | None, typer.Option("--set", metavar="COLUMN=FIGURE", help="Of all parts.")] = None,
+    with_: Annotated[
+        list[str] | None,
+        typer.Option("--with", metavar="NAME_OR_FILE", help="A catalogue whose motors, gearheads, encoders they fit."),
+    ] = None,
     manufacturer: Stated = None,
     family: Stated = None,
     name: Stated = None,
@@ -128,7 +132,8 @@ def take_in(
     stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
     planned = plan(section, map_, stated, set_ or ())
-    imported = import_table(sheets(file), file, planned, target)
+    partners = open_named(with_) if with_ else {}
+    imported = import_table(sheets(file), file, planned, target, partners)
     written = []  # before anything is printed, whose reader may go away
     if map_ is None and not dry_run and any(head.column not in ("", head.theirs) for head in imported.heads):
         beside = target.with_suffix(".map.yaml")
@@ -139,7 +144,9 @@ def take_in(
         )
     if not dry_run:
         new(target, imported.text.encode())
-        written.append(f"{target} written; it states no compatibility yet: add it at its end")
+        stands = "what fits is assumed at its end: look at it" if "\ncompatibility:" in imported.text else ""
+        fits = stands or "it states no compatibility: name a catalogue by --with, or add it at its end"
+        written.append(f"{target} written; {fits}")
     terminal_findings.imported(imported, guessed=map_ is None)
     wrong = [one for one in checked(imported.catalog) if one.unexplained]
     if wrong:

@@ -5,6 +5,7 @@ The files are renditions of our own of layouts that makers, shops and other prog
 
 import io
 import json
+import re
 from types import SimpleNamespace
 
 import pytest
@@ -257,3 +258,23 @@ def test_a_price_keeps_its_currency(unit, kept, run, tmp_path):
     motor = parts(tmp_path).record(0)
     column, amount, currency = kept
     assert (getattr(motor, column), motor.currency, motor.kind) == (amount, currency, "brushed")
+
+
+def test_parts_of_two_makers_go_together_and_are_sized(run, tmp_path):
+    """A motor and a gearhead out of two files: what fits is assumed, said, and enough for a sizing."""
+    motor = run(
+        "motors.csv", LIST, "--manufacturer", "Anymaker", "--set", "kind=brushed", "--set", "shaft_diameter=4 mm"
+    )
+    assert "what fits is assumed at its end" in motor.output
+    (tmp_path / "am.yaml").write_text((tmp_path / "own.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    gears = run(
+        "gears.csv", f"{OTHERS['gears.csv'][1].splitlines()[0]}\nG5;5:1;14;25;97;15;6000;0,035\n", "--with", "am.yaml"
+    )
+    assert gears.exit_code == 0 and "{am: motors}" in (tmp_path / "own.yaml").read_text(encoding="utf-8")
+    started = CliRunner().invoke(app, ["init", "--kind", "conveyor", "-o", "robot.yaml"])
+    text = (tmp_path / "robot.yaml").read_text(encoding="utf-8").replace("12 kg", "1 kg")
+    (tmp_path / "robot.yaml").write_text(
+        re.sub("catalogs: .*", "catalogs: [am.yaml, own.yaml]", text), encoding="utf-8"
+    )
+    sized = CliRunner().invoke(app, ["size", "robot.yaml", "--json"])
+    assert started.exit_code == 0 and "the closest rejected drive" not in sized.output and '"G5"' in sized.stdout
