@@ -144,8 +144,8 @@ def take_in(
         )
     if not dry_run:
         new(target, imported.text.encode())
-        stands = "what fits is assumed at its end: look at it" if "\ncompatibility:" in imported.text else ""
-        fits = stands or "it states no compatibility: name a catalogue by --with, or add it at its end"
+        assumed = "what fits is assumed at its end: look at it" if "\ncompatibility:" in imported.text else ""
+        fits = assumed or "it states no compatibility: name a catalogue by --with, or add it at its end"
         written.append(f"{target} written; {fits}")
     terminal_findings.imported(imported, guessed=map_ is None)
     wrong = [one for one in checked(imported.catalog) if one.unexplained]
