@@ -144,7 +144,8 @@ def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``part``: figures with confidence and document of each, tables, remarks and curves."""
-    from drivesizer.output.report.html.curves import part_plots
+    from drivesizer.output.report.figures.parts import part_plots
+    from drivesizer.output.report.html.plots import movable
 
     hit = hit_of(held, request["catalogue"], request["section"], request["part"])
     sheet = tables.datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
@@ -160,7 +161,7 @@ def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         "head": tables.head(hit), "role": singular(hit.section),
         "tables": [{"title": one.title, "heads": [list(head) for head in one.heads], "closing": one.closing,
                     "rows": [list(row) for row in one.rows]} for one in _tables(hit)],
-        "figures": part_plots(hit), "rows": rows,
+        "figures": {name: movable(plot) for name, plot in part_plots(hit).items()}, "rows": rows,
         "documents": [[source.document, source.date, source.url] for source in documents],
         "remarks": [*([tables.EXCLUDED] if hit.table.excluded[hit.row] else []), *partners,
                     *(f"tolerances: {line}" for line in tables.tolerance_lines(hit)),

@@ -56,8 +56,12 @@ def printed(*given: Any, **more: Any) -> Printed:
 def blank_figures() -> Iterator[None]:
     """Reports whose figures are blank, where a test reads words and tables: the figures take longest."""
     with pytest.MonkeyPatch.context() as patch:
-        drawings = all_figures.report_drawings
-        patch.setattr(
-            all_figures, "report_drawings", lambda *given: dict.fromkeys(drawings(*given), lambda form: _BLANK)
-        )
+        pictures = all_figures.report_pictures
+
+        def blank(*given: Any) -> dict[str, Any]:
+            return {
+                name: one._replace(paper=lambda form: _BLANK) for name, one in pictures(*given).items() if one.paper
+            }
+
+        patch.setattr(all_figures, "report_pictures", blank)
         yield

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.output.report.html.candidate_plots import choices_plot, unbeaten
+from drivesizer.output.report.html.plots import movable
 from drivesizer.results.sizing import Choice
 
 
@@ -33,10 +34,10 @@ def test_the_front_is_that_of_all_pairs() -> None:
 def test_drives_without_a_price_are_left_out_and_names_are_shown_letter_by_letter() -> None:
     found = drives(5, 2)
     found[3].figures["price"] = float("nan")
-    plot = choices_plot(SimpleNamespace(drives=tuple(found)))  # type: ignore[arg-type]
-    assert plot is not None
-    (trace,) = plot["data"]
-    assert len(trace["x"]) == 4 and all("&lt;b&gt;" in said[0] for said in trace["customdata"])
+    picture = choices_plot(SimpleNamespace(drives=tuple(found)))  # type: ignore[arg-type]
+    assert picture is not None
+    (trace,) = movable(picture)["data"]
+    assert len(trace["x"]) == 4 and all("&lt;b&gt;" in said[1] for said in trace["customdata"])
     assert np.allclose(trace["x"], [1e3 * one.figures["mass"] for n, one in enumerate(found) if n != 3])
     assert choices_plot(None) is None
     assert choices_plot(SimpleNamespace(drives=tuple(found[3:4]))) is None  # type: ignore[arg-type]

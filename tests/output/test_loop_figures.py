@@ -22,6 +22,7 @@ from drivesizer.output.report import pdf, write_loop_figures
 from drivesizer.output.report.figures import cycle
 from drivesizer.output.report.figures import loops as bode_and_step
 from drivesizer.output.report.figures.loops import block_diagram
+from drivesizer.output.report.figures.picture import on_paper
 from drivesizer.output.terminal import sizing as terminal
 from drivesizer.output.thinning import curve_points, extremes
 from drivesizer.results.sizing import SizingResult
@@ -53,7 +54,7 @@ def marks(axes) -> dict[str, tuple[float, float]]:
 
 
 def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_them(canvas):
-    opened, phase, closed = canvas(bode_and_step.bode, CASCADE).axes
+    opened, phase, closed = canvas(on_paper, bode_and_step.bode(CASCADE)).axes
     for loop in CASCADE:
         colour = bode_and_step.COLOURS[bode_and_step.look_of(loop)[0]]
         assert marks(opened)[colour] == (loop.crossover, 0.0)
@@ -67,14 +68,14 @@ def test_crossover_margin_and_bandwidth_are_marked_where_the_closed_forms_have_t
 def test_two_integrators_start_at_minus_180_degrees_on_either_side_of_the_cut():
     for start in (np.pi, np.pi - 1e-9, -np.pi):
         bode = replace(VELOCITY.bode, open_phase=np.linspace(start, start - 1.0, 1500))
-        assert bode_and_step.curve_of(replace(VELOCITY, bode=bode)).phase[0] == pytest.approx(-180.0)
+        assert bode_and_step.response_of(replace(VELOCITY, bode=bode)).phase[0] == pytest.approx(-180.0)
 
 
 def test_an_unstable_loop_is_drawn_without_marks_and_says_so(canvas):
-    opened, phase, closed = canvas(bode_and_step.bode, UNSTABLE).axes
+    opened, phase, closed = canvas(on_paper, bode_and_step.bode(UNSTABLE)).axes
     assert [len(marks(axes)) for axes in (opened, phase, closed)] == [1, 1, 1]  # those of the current loop
     assert len([line for line in opened.lines if len(line.get_xdata()) > 2]) == 2
-    said = labels(bode_and_step.bode(UNSTABLE))
+    said = labels(on_paper(bode_and_step.bode(UNSTABLE)))
     assert "velocity, braking: unstable, largest pole 1.6" in said
     steps = canvas(bode_and_step.step, UNSTABLE).axes
     assert [len(axes.lines) > 0 for axes in steps] == [True, False]
@@ -92,14 +93,14 @@ def test_a_step_is_drawn_until_it_has_settled_with_a_mark_where(canvas):
 
 
 def test_the_closed_loop_shows_what_is_known_and_no_more(proof):
-    said = labels(cycle.closed_loop(proof))
+    said = labels(on_paper(cycle.closed_loop(proof)))
     assert {"position", "error", "(mm)", "winding", "temperature", "(°C)", "(V)", "(A)", "(m/s)"} <= said
     turning = replace(proof, series_units=proof.series_units | {"position_error": ("angle", "deg")})
-    assert "(°)" in labels(cycle.closed_loop(turning))
+    assert "(°)" in labels(on_paper(cycle.closed_loop(turning)))
     unknown = {"winding_temperature": np.full_like(proof.series["time"], nan)}
-    assert "winding" not in labels(cycle.closed_loop(replace(proof, series=proof.series | unknown)))
+    assert "winding" not in labels(on_paper(cycle.closed_loop(replace(proof, series=proof.series | unknown))))
     held = {"winding_temperature": np.full_like(proof.series["time"], 298.15)}  # kept, as it is not known
-    assert "winding" not in labels(cycle.closed_loop(replace(proof, series=proof.series | held)))
+    assert "winding" not in labels(on_paper(cycle.closed_loop(replace(proof, series=proof.series | held))))
     bare = {name: values for name, values in proof.series.items() if name not in ("position_error", "voltage")}
     titles = [title for _, title in cycle.closed_loop_rows(replace(proof, series=bare))]
     assert titles == ["speed", "speed error", "current", "winding temperature"]

@@ -13,7 +13,8 @@ import pytest
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit, every, find, open_catalogs
 from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
-from drivesizer.output.report.html.curves import part_plots
+from drivesizer.output.report.figures import parts
+from drivesizer.output.report.html.plots import movable
 
 V, R, K, I_0 = 24.0, 2.0, 0.024, 0.05
 IDEAL = {"kind": "brushed", "nominal_voltage": f"{V} V", "resistance": f"{R} ohm", "torque_constant": f"{K} N*m/A",
@@ -27,6 +28,11 @@ def own(tmp_path: Path, section: str, **figures: str) -> Hit:
         f"{section}:\n- family: F 1\n  source: sheet\n  common: {{{rows}}}\n  columns: [part]\n  rows: [[P1]]\n"
     )
     return find(open_catalogs([str(tmp_path / "own.yaml")]), "P1")[0]
+
+
+def part_plots(hit: Hit) -> dict[str, Any]:
+    """Curves of a part as the page has them."""
+    return {name: movable(plot) for name, plot in parts.part_plots(hit).items()}
 
 
 def trace(plot: Any, begins: str) -> tuple[Any, Any]:

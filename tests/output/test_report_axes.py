@@ -172,7 +172,7 @@ def test_power_is_stacked_by_axis_and_written_with_the_records_figures(whole, tm
     cells = [row["cells"] for row in block(sections["supply"], "machine_figures")["rows"]]
     figures = {title: value["text"] for title, value, *_ in cells}
     assert figures == {figure.title: figure.text for figure in whole.power.figures}
-    assert block(sections["supply"], "power")["kind"] == "picture" and b"<svg" in content.drawings["power"]("svg")
+    assert block(sections["supply"], "power")["kind"] == "picture" and b"<svg" in content.pictures["power"].paper("svg")
     rows = [row["cells"][0][0] for row in block(sections["summary"], "machine_checks")["rows"]]
     assert rows == [check.title for check in whole.power.checks]
     files = files_csv(content, tmp_path / "a.csv")

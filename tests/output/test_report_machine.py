@@ -126,7 +126,7 @@ def test_the_profile_of_a_platform_is_its_own_motion(canvas, result):
 
 def test_each_wheel_has_a_row_of_its_torque_and_its_speed(canvas, result):
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
-    axes = canvas(wheels.wheels_over_time, cycles).axes
+    axes = canvas(wheels.each_over_time, wheels.load(cycles)).axes
     assert [a.get_title(loc="left") for a in axes] == [
         f"{name}: {what}" for name, _ in cycles for what in ("torque (N·m)", "speed (rpm)")
     ]
@@ -286,7 +286,7 @@ def test_path_following_is_in_the_report_of_a_spec_that_has_it(result):
     assert by["a_robot_measured_position"] == 2.0
     wanted = content.behaviour.followed["dynamic model"]
     assert by["dynamic_model_position"] == pytest.approx(np.hypot(*(wanted.posture - wanted.planned.posture)[:2]).max())
-    assert content.drawings["followed"]("svg") == content.drawings["followed"]("svg")
+    assert content.pictures["followed"].paper("svg") == content.pictures["followed"].paper("svg")
     assert list(json.loads(report_json(content))["axes"][0]["path"]["following"]) == names[1:]
 
 
@@ -295,4 +295,4 @@ def test_a_platform_that_tips_over_is_not_followed_and_its_report_says_so():
     content = Content(size(changed(SHORT, tall), top=1), None)
     (words,) = FOLLOWED.blocks(content)
     assert "the platform tips over" in words.text
-    assert "followed" not in content.drawings and report_json(content)
+    assert "followed" not in content.pictures and report_json(content)

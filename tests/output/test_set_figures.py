@@ -14,6 +14,7 @@ from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
+from drivesizer.output.report.figures.picture import scatter
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check
 from drivesizer.results.sizing import SizingResult
@@ -148,7 +149,9 @@ def test_names_of_a_front_cover_neither_each_other_nor_a_mark(canvas, seed):
     x, y = np.sort(random.gamma(1.5, 100.0, 40)), np.sort(random.gamma(1.5, 60.0, 40))[::-1]
     numbers = [str(n) for n in range(1, 41)]
     names = [f"EC-i 40 48{n}669 + GP 32 HP 14:1" for n in range(40)]
-    figure = canvas(choice.trade_off, numbers, names, x.tolist(), y.tolist(), ["mass (g)", "EUR"])
+    texts = [(f"{number}  {name}"[:34], number) for number, name in zip(numbers, names, strict=True)]
+    heads = [("mass", "g"), ("price", "EUR")]
+    figure = canvas(scatter, choice.front([*zip(x.tolist(), y.tolist(), strict=True)], texts, heads, numbers))
     axes = figure.axes[0]
     figure.canvas.draw()
     boxes = [text.get_window_extent() for text in axes.texts]

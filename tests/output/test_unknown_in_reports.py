@@ -15,6 +15,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
 from drivesizer.output.report.figures.field import Panel, torque_speed
+from drivesizer.output.report.figures.picture import on_paper
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
@@ -45,7 +46,7 @@ def rubs_unknown(chosen: DriveSet) -> DriveSet:
 def test_an_unknown_rms_current_is_no_point_of_the_field(spec, rubs_unknown):
     found = field(spec, rubs_unknown)
     assert isnan(found.rms_torque) and not np.isnan(found.cycle_torque).any()
-    said = labels(torque_speed([Panel(cases=((0, "", found),))]))
+    said = labels(on_paper(torque_speed(Panel(cases=((0, "", found),)))))
     assert "load cycle" in said and not any("nan" in text or "RMS" in text for text in said)
 
 

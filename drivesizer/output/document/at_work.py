@@ -226,7 +226,7 @@ def _field(content: Content) -> Iterator[Block]:
     more = ""
     if content.result.method == "paper":
         more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
-    if "fields" in content.drawings and content.cycles[0][0]:
+    if "fields" in content.pictures and content.cycles[0][0]:
         more += f" The load cycle is that of {content.cycles[0][0]}; each load case has a diagram of its own below."
     yield Picture(
         "field", f"Torque and speed of the motor: the shaded field is allowed continuously. {_VOLTAGE} {_DOT}{more}",
@@ -261,9 +261,9 @@ def _cycle_pictures(content: Content) -> Iterator[Block]:
     best = content.drive
     if best is None:
         return
-    if not best.steps and "demand" not in content.drawings:
+    if not best.steps and "demand" not in content.pictures:
         yield _unknown("The motor's current over time is unknown")
-    if "fields" in content.drawings:
+    if "fields" in content.pictures:
         yield Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
                       "torque-speed field of the motor with each load cycle",
                       about="sets each load case against the limits of the motor.")  # fmt: skip

@@ -57,8 +57,8 @@ from drivesizer.results.sizing import SizingResult
 from drivesizer.units import show
 
 if TYPE_CHECKING:
+    from drivesizer.output.report.figures.all_figures import Pictured
     from drivesizer.output.report.figures.field import Panel
-    from drivesizer.output.report.figures.style import Drawing
 
 
 _FIELDS = 6  # of axes in one figure, which leaves room for a heading on its page
@@ -142,13 +142,14 @@ class MachineContent:
         return self.sizing.machine.file.replace("\\", "/").rsplit("/", 1)[-1]
 
     @cached_property
-    def loads(self) -> dict[str, Drawing]:
+    def loads(self) -> dict[str, Pictured]:
         """Figures with the field of every axis, as many on each as a page has room for."""
+        from drivesizer.output.report.figures.all_figures import Pictured
         from drivesizer.output.report.figures.field import torque_speed_panels
 
         fields = [*self._fields()]
         parts = [fields[n : n + _FIELDS] for n in range(0, len(fields), _FIELDS)]
-        return {f"loads{n}": torque_speed_panels(part) for n, part in enumerate(parts, 1)}
+        return {f"loads{n}": Pictured(torque_speed_panels(part)) for n, part in enumerate(parts, 1)}
 
     def _fields(self) -> Iterator[Panel]:
         """The field of each axis' drive with its first load case, under the name of the axis."""
@@ -162,15 +163,17 @@ class MachineContent:
                 yield replace(panel, cases=((number, one.name, field),), points=())
 
     @cached_property
-    def drawings(self) -> dict[str, Drawing]:
+    def pictures(self) -> dict[str, Pictured]:
         """Every figure by name: those of all axes, then those of each."""
+        from drivesizer.output.report.figures.all_figures import Pictured
         from drivesizer.output.report.figures.machine import axes_power
+        from drivesizer.output.report.figures.picture import on_paper
 
-        power = self.sizing.power
-        known = power is not None and len(power.unknown) < len(power.axes)
-        shared = {"power": axes_power(power)} if power is not None and known else {}
-        own = {f"{one.key}{name}": draw for one in self.axes for name, draw in one.content.drawings.items()}
-        return self.loads | shared | own
+        made, power = dict(self.loads), self.sizing.power
+        if power is not None and len(power.unknown) < len(power.axes):
+            plot = axes_power(power)
+            made["power"] = Pictured(on_paper(plot), [plot])
+        return made | {f"{one.key}{name}": figure for one in self.axes for name, figure in one.content.pictures.items()}
 
 
 # -- The first page: the verdict, a row for each axis, all parts, and the machine's own checks.
@@ -541,8 +544,8 @@ def content_of(
     return Content(alone, next(iter(proof.values()), None) if isinstance(proof, Mapping) else proof)
 
 
-def drawings_of(content: Content | MachineContent) -> dict[str, Drawing]:
+def pictures_of_content(content: Content | MachineContent) -> dict[str, Pictured]:
     """Every figure by name."""
     if isinstance(content, MachineContent) and len(content.axes) == 1:
-        return content.axes[0].content.drawings
-    return content.drawings
+        return content.axes[0].content.pictures
+    return content.pictures

@@ -23,8 +23,8 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
+    from drivesizer.output.report.figures.all_figures import Pictured
     from drivesizer.output.report.figures.set_behaviour import Behaviour
-    from drivesizer.output.report.figures.style import Drawing
 
 
 @dataclass(frozen=True)
@@ -94,11 +94,11 @@ class Content:
         return Behaviour(self.result.problem, self.drive) if self.drive else None
 
     @cached_property
-    def drawings(self) -> dict[str, Drawing]:
+    def pictures(self) -> dict[str, Pictured]:
         """Every figure by name."""
-        from drivesizer.output.report.figures.all_figures import report_drawings
+        from drivesizer.output.report.figures.all_figures import report_pictures
 
-        return report_drawings(self.result, self.validation, self.behaviour)
+        return report_pictures(self.result, self.validation, self.behaviour)
 
     @cached_property
     def cycles(self) -> list[tuple[str, LoadCycle]]:

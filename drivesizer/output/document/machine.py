@@ -84,8 +84,6 @@ def _battery_picture(content: Content) -> Iterator[Block]:
     charge = "The charge that is left over time, from full."
     yield Picture("battery", f"{mean} {charge}", "consumers, and the battery's charge over time",
                   about="shows the consumers and the battery's charge over time.")  # fmt: skip
-    yield Pair([Picture("consumers", mean, "consumers of the battery, mean power")],
-               [Picture("charge", charge, "charge of the battery over time")])  # fmt: skip
 
 
 def _battery(_: OfDrives, drive: DriveSet) -> Iterator[Block]:

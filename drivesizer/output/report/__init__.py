@@ -177,9 +177,9 @@ def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:
 
 def write_loop_figures(validation: Validation, folder: Path) -> list[Path]:
     """Write the figures of the closed loop as SVG and as PNG of 200 dots per inch."""
-    from drivesizer.output.report.figures.all_figures import figures_into, loop_drawings
+    from drivesizer.output.report.figures.all_figures import figures_into, loop_pictures, on_sheets
 
-    return figures_into(loop_drawings(validation), folder)
+    return figures_into(on_sheets(loop_pictures(validation)), folder)
 
 
 def write_figures(
@@ -200,6 +200,6 @@ def write_figures(
         The files that were written.
     """
     from drivesizer.output.document.axes import content_of
-    from drivesizer.output.report.figures.all_figures import figures_into
+    from drivesizer.output.report.figures.all_figures import figures_into, on_sheets
 
-    return figures_into(content_of(result, proof).drawings, folder)
+    return figures_into(on_sheets(content_of(result, proof).pictures), folder)

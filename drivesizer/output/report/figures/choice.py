@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import isfinite, isnan
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING, Any
 
 from drivesizer.output.derivation import clean, margin, minus, short, use
+from drivesizer.output.report.figures import picture
+from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import COLOURS, bars, beside, figure, placed, width
 from drivesizer.results.check import Check, Driver
+from drivesizer.results.sizing import SizingResult, objective_figure
+from drivesizer.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,74 +62,36 @@ def margins(figure: Figure, checks: Sequence[Check]) -> None:
 
 
 _SIZE = 6.5  # pt, of a name
-_GAP = 3.5  # pt, between a mark and its name
-_DOT = 2.5  # pt, half of a mark
+_ROOM = (405.0, 173.0)  # pt, of the axes on paper
 _LONGEST = 34  # letters of a name
+_FEW = 10  # drives with a number beside their point
 
 
-class Box(NamedTuple):
-    """A rectangle on paper [pt]."""
-
-    left: float
-    low: float
-    right: float
-    high: float
-
-
-def overlap(a: Box, b: Box) -> bool:
-    """Whether two rectangles share more than an edge."""
-    return a.left < b.right and b.left < a.right and a.low < b.high and b.low < a.high
-
-
-@figure
-def trade_off(
-    figure: Figure,
-    numbers: Sequence[str],
-    names: Sequence[str],
-    across: Sequence[float],
-    up: Sequence[float],
-    heads: Sequence[str],
-) -> None:
-    """Sets of a Pareto front by two of their objectives, with numbers as in the table, and names.
-
-    Names stand beside their marks, one after the other, where none covers another, a mark or the edge.
-    """
-    known = [n for n, (x, y) in enumerate(zip(across, up, strict=True)) if isfinite(x + y)]
-    points = [(across[n], up[n]) for n in known]
-    ((axes,),) = placed(figure, 2.9)
-    axes.plot([x for x, _ in points], [y for _, y in points], "o", color=COLOURS["blue"], markersize=2 * _DOT)
-    axes.margins(0.08, 0.12)
-    axes.set(xlabel=heads[0], ylabel=heads[1])
-    axes.autoscale_view()  # now, and not when it is drawn: places on paper follow from it
-    corners = np.array([*axes.get_window_extent().get_points(), *axes.transData.transform(points)])
-    corners *= 72.0 / figure.dpi  # pt
-    frame, marks = Box(*corners[:2].ravel().tolist()), corners[2:].tolist()
-    taken = [Box(x - _DOT, y - _DOT, x + _DOT, y + _DOT) for x, y in marks]
-    for n, (x, y), at in zip(known, marks, points, strict=True):
-        for text in (f"{numbers[n]}  {short(clean(names[n]), _LONGEST)}", numbers[n]):
-            spot = next(_free(x, y, text, taken, frame), None)
-            if spot is not None:
-                box, offset = spot
-                beside(axes, text, at, offset, fontsize=_SIZE, va="bottom")
-                taken.append(box)
-                break
+def trade_off(result: SizingResult) -> Plot | None:
+    """Drives of a front by its first two figures, with numbers as in the table; None where fewer than two are known."""
+    every = [[objective_figure(one, name) for name in result.pareto] for one in result.front]
+    places = [[float(from_si(f.value, f.unit, f.kind)) for f in row[:2]] for row in every]
+    known = [n for n, place in enumerate(places) if isfinite(sum(place))]
+    if len(known) < 2:
+        return None
+    drives = [result.front[n] for n in known]
+    texts = [f"{one.rank}  {one.label}\n" + "\n".join(f"{f.title} {f.text}" for f in every[n])
+             for n, one in zip(known, drives, strict=True)]  # fmt: skip
+    names = [(f"{one.rank}  {short(clean(one.label), _LONGEST)}", str(one.rank)) for one in drives]
+    return front([places[n] for n in known], names, [(f.title, f.unit) for f in every[0][:2]], texts)
 
 
-def _free(x: float, y: float, text: str, taken: Sequence[Box], frame: Box) -> Iterator[tuple[Box, tuple[float, float]]]:
-    """Places beside a mark that are free: the rectangle, and how far its lower left corner is from the mark."""
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import text_to_path
-
-    width, _, _ = text_to_path.get_text_width_height_descent(text, FontProperties(size=_SIZE), False)
-    height = 1.25 * _SIZE
-    for left in (_GAP, -_GAP - width, -width / 2):
-        for low in (-height / 2, _GAP, -_GAP - height):
-            if left == -width / 2 and low == -height / 2:
-                continue
-            box = Box(x + left, y + low, x + left + width, y + low + height)
-            inside = frame.left <= box.left and box.right <= frame.right and frame.low <= box.low <= frame.high - height
-            if inside and not any(overlap(box, other) for other in taken):
-                yield box, (left, low)
+def front(
+    places: Sequence[Sequence[float]], names: Sequence[tuple[str, ...]], heads: Sequence[tuple[str, str]],
+    texts: Sequence[str],
+) -> Plot:  # fmt: skip
+    """Points with the longest of their names that has room."""
+    x, y = zip(*places, strict=True)
+    spots = picture.spots([*zip(x, y, strict=True)], names, _ROOM, _SIZE)
+    points = Curve(name="front", x=x, y=y, mark="o", joined=False, listed=False, texts=texts, spots=spots,
+                   keys=[one[-1] for one in names])  # fmt: skip
+    (across, unit), (up, of) = heads
+    return Plot(diagrams=[Diagram(name=up, unit=of, curves=[points])], across=across, unit=unit)
 
 
 # -- Effect of each assumption on a drive's smallest margin, the largest on top: a tornado.

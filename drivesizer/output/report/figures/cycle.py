@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,9 +17,9 @@ from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.motions import SPEED, Track, Trapezoid, Waypoints
 from drivesizer.machine.set_cycle import SetCycle, WarmUp
 from drivesizer.machine.supply_power import EnergyFlow
-from drivesizer.output.report.figures import style
-from drivesizer.output.report.figures.field import TOGETHER
-from drivesizer.output.report.figures.style import CASES, COLOURS, Window, figure, placed, reads
+from drivesizer.output.report.figures import picture, style
+from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
+from drivesizer.output.report.figures.style import CASES, COLOURS, Drawing, Window, figure, placed, reads
 from drivesizer.physics.load_cycle import LoadCycle, end_times
 from drivesizer.results.prediction import Prediction
 from drivesizer.spec.robot import RobotSpec
@@ -34,80 +33,59 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-# -- The motion of a cycle.
-
-
-def speed_required(spec: RobotSpec) -> tuple[Array, Array, tuple[str, str]]:
-    """Speed over one cycle [s, SI], and its kind and unit of the trade; of a recorded load that of the driven shaft."""
-    if spec.motion is None:
-        cycle = load_cycle(spec)
-        return cycle.time.ravel(), cycle.speed.ravel(), SPEED["rotary"]
-    required = profile_of(spec)
-    return np.array(required.time) - required.time[0], np.array(required.speed), SPEED[spec.load.axis]
-
-
-class Moved(NamedTuple):
-    """A velocity of a platform over time."""
-
-    name: str
-    values: Array  # SI
-    kind: str
-    unit: str
+# -- The motion of a cycle: speed over time, of a platform on a path its velocities along the floor and its turning.
 
 
 _STILL = 1e-6  # of the largest speed: what a platform never does
-
-
-def platform_motion(spec: RobotSpec) -> tuple[Array, list[Moved]]:
-    """The motion of a platform on its path, in its own axes: time [s], forwards and to the left, then turning.
-
-    What it never does, such as going sideways, is left out; turning is last and is always there.
-    """
-    path = trajectory_of(spec)
-    assert path is not None
-    (forwards, left, turning), _ = path.in_robot()
-    found = [Moved("forwards", forwards.ravel(), "speed", "m/s"), Moved("to the left", left.ravel(), "speed", "m/s")]
-    largest = max(float(np.abs(one.values).max()) for one in found)
-    straight = [one for one in found if np.abs(one.values).max() > _STILL * largest]
-    return path.time.ravel(), [*straight, Moved("turning", turning.ravel(), "rotary_speed", "deg/s")]
-
-
-_HEIGHT = 1.45  # in
 _NARROWEST = 0.2  # of a phase that is drawn, as a share of the cycle
 
 
-@figure
-def speed_profile(figure: Figure, spec: RobotSpec) -> None:
-    """The speed of the spec over one cycle: a trapezoid by its phases, any other motion to scale.
-
-    Of a platform on a path it is that of the platform: velocities along the floor over that of turning.
-    """
-    looks: Any = (("blue", "solid"), ("vermillion", (0, (5, 2)))), (("green", "solid"),)
+def motion(spec: RobotSpec) -> Plot:
+    """The speed of the spec over one cycle, to scale; of a recorded load that of the driven shaft."""
     if isinstance(spec.motion, Track | Waypoints):
-        time, (*straight, turning) = platform_motion(spec)
-        rows, labels, width = [straight, [turning]], ["speed (m/s)", "turning (°/s)"], 1.1
-        grid = [axes for (axes,) in placed(figure, 2.1, 2, top=0.24)]
+        return _platform_motion(spec)
+    if spec.motion is None:
+        cycle = load_cycle(spec)
+        time, speed, (kind, unit) = cycle.time.ravel(), cycle.speed.ravel(), SPEED["rotary"]
     else:
-        ((axes,),) = placed(figure, _HEIGHT)
-        if isinstance(spec.motion, Trapezoid):
-            _phases(axes, spec.motion, spec.load.axis)
-            return
-        time, speed, (kind, unit) = speed_required(spec)
-        grid, rows, labels, width = [axes], [[Moved("", speed, kind, unit)]], [reads("speed", unit)], 1.6
-    for axes, row, said, of_row in zip(grid, rows, labels, looks, strict=False):
-        for one, (colour, dashes) in zip(row, of_row, strict=False):
-            some = style.thinned(time, one.values, Window("", float(time[0]), float(time[-1])))
-            axes.plot(time[some], from_si(one.values[some], one.unit, one.kind), color=COLOURS[colour],
-                      linestyle=dashes, linewidth=width, label=one.name)  # fmt: skip
-        axes.axhline(0.0, color="black", linewidth=0.6)
-        axes.set(xlim=(time[0], time[-1]), ylabel=said)
-    grid[-1].set_xlabel("time (s)")
-    if len(grid) > 1:
-        style.heading(figure, *grid[0].get_legend_handles_labels(), 2)
+        required, (kind, unit) = profile_of(spec), SPEED[spec.load.axis]
+        time, speed = np.array(required.time) - required.time[0], np.array(required.speed)
+    curve = Curve(name="speed", x=time, y=from_si(speed, unit, kind), width=1.6, listed=False)
+    return picture.over_time(Diagram(name="speed", unit=unit, curves=[curve], zero=True),
+                             windows=style.windows({"time": time, "speed_reference": speed}))  # fmt: skip
 
 
-def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
+def _platform_motion(spec: RobotSpec) -> Plot:
+    """Without what the platform never does, such as going sideways."""
+    path = trajectory_of(spec)
+    assert path is not None
+    (forwards, left, turning), _ = path.in_robot()
+    time, largest = path.time.ravel(), max(float(np.abs(one).max()) for one in (forwards, left))
+    along = [
+        Curve(name=name, x=time, y=values.ravel(), colour=colour, dashes=dashes)
+        for name, values, colour, dashes in (("forwards", forwards, "blue", "solid"),
+                                             ("to the left", left, "vermillion", picture.DASHED))
+        if np.abs(values).max() > _STILL * largest
+    ]  # fmt: skip
+    around = Curve(name="turning", x=time, y=from_si(turning.ravel(), "deg/s", "rotary_speed"), colour="green",
+                   listed=False)  # fmt: skip
+    return picture.over_time(
+        Diagram(name="speed", unit="m/s", curves=along, zero=True),
+        Diagram(name="turning", unit="deg/s", curves=[around], zero=True), windows=(),
+    )  # fmt: skip
+
+
+def speed_profile(spec: RobotSpec) -> Drawing:
+    """The motion as paper has it: a trapezoid by its phases, any other to scale."""
+    if isinstance(spec.motion, Trapezoid):
+        return _phases(spec.motion, spec.load.axis)
+    return picture.on_paper(motion(spec))
+
+
+@figure
+def _phases(figure: Figure, motion: Trapezoid, axis: str) -> None:
     """A trapezoid with its phases marked; short ones are drawn wider than to scale, so that each has its name."""
+    ((axes,),) = placed(figure, 1.45)
     kind, unit = SPEED[axis]
     up, cruise, down, reached = motion.phases
     top = float(from_si(reached, unit, kind))
@@ -134,59 +112,26 @@ def _phases(axes: Axes, motion: Trapezoid, axis: str) -> None:
 # -- Quantities of load cases over time: a row each, or for each driven wheel or case small diagrams beside each other.
 
 
-class Trace(NamedTuple):
-    """A load case over time."""
-
-    name: str
-    time: Array  # s
-    columns: Mapping[str, Array]  # SI
-
-
-class Row(NamedTuple):
-    """A quantity of a figure over time."""
-
-    column: str
-    kind: str
-    unit: str
-    limits: tuple[tuple[str, float], ...] = ()  # name and figure [SI]
-
-    @property
-    def in_unit(self) -> list[tuple[str, float]]:
-        """The limits in the unit of the trade."""
-        return [(name, float(from_si(value, self.unit, self.kind))) for name, value in self.limits]
-
-    def said(self, name: str, value: float) -> str:
-        """A limit in words."""
-        return f"{name} {value:.4g} {label(self.unit)}"
-
-
 MOST_WHEELS = 8  # rows of a figure
-_ABREAST = 2  # names of load cases beside each other
-_LINE = 0.16  # in, of a legend
+TOGETHER = 2  # load cases that one diagram shows apart; more are drawn one by one
 _IN_SIGHT = 3.0  # times what is drawn: a limit beyond is named and not drawn
-_HEADROOM = 1.15  # for the name above a limit
-_HEIGHT_OF_A_NAME = 0.16  # of the axis
 
 
-@figure
-def load_over_time(figure: Figure, cycles: Sequence[tuple[str, LoadCycle]]) -> None:
+def load(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:
     """Torque and speed of the driven shaft over the cycle, of one load case or of several."""
-    over_time(figure, *_loads(cycles[: len(CASES)]))
-
-
-@figure
-def wheels_over_time(figure: Figure, cycles: Sequence[tuple[str, LoadCycle]]) -> None:
-    """Torque at the left and speed at the right, of each wheel or of several of equal demand."""
-    each_over_time(figure, *_loads(cycles[:MOST_WHEELS]))
-
-
-def _loads(cycles: Sequence[tuple[str, LoadCycle]]) -> tuple[list[Trace], tuple[Row, ...], list[Window]]:
     unit = style.torque_unit(max(float(np.abs(cycle.torque).max()) for _, cycle in cycles))
-    traces = [
-        Trace(name, cycle.time.ravel(), {"torque": cycle.torque.ravel(), "speed": cycle.speed.ravel()})
-        for name, cycle in cycles
-    ]
-    return traces, (Row("torque", "torque", unit), Row("speed", "rotary_speed", "rpm")), stretches(cycles)
+    made = []
+    for name, kind, of in (("torque", "torque", unit), ("speed", "rotary_speed", "rpm")):
+        curves = [_of_case(n, case, cycle.time.ravel(), from_si(getattr(cycle, name).ravel(), of, kind))
+                  for n, (case, cycle) in enumerate(cycles)]  # fmt: skip
+        made.append(Diagram(name=name, unit=of, curves=curves, zero=True))
+    return picture.over_time(*made, windows=stretches(cycles))
+
+
+def _of_case(number: int, name: str, time: Array, values: Array) -> Curve:
+    """A load case in its colour and dashes; those beyond the first few the page shows when they are selected."""
+    colour, dashes = CASES[number % len(CASES)]
+    return Curve(name=name or "load cycle", x=time, y=values, colour=colour, dashes=dashes, first=number < len(CASES))
 
 
 def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
@@ -202,97 +147,65 @@ def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
     return [Window("", 0.0, max(cycle.total for _, cycle in cycles))]
 
 
-def over_time(figure: Figure, traces: Sequence[Trace], rows: Sequence[Row], shown: Sequence[Window]) -> None:
-    """Quantities over time, a row each, in the stretches in which something changes."""
-    legend = _LINE * math.ceil(len(traces) / _ABREAST) if len(traces) > 1 else 0.0
-    strip = style.strip(shown)
-    grid = [axes for (axes,) in placed(figure, 0.95 * len(rows) + 0.5 + legend, len(rows), top=0.1 + legend)]
-    for axes, row in zip(grid, rows, strict=True):
-        axes.set_ylabel(reads(row.column, row.unit))
-        for trace, (colour, dashes) in zip(traces, CASES, strict=False):
-            style.plotted(axes, trace.time, trace.columns[row.column], strip, row.kind, row.unit,
-                          style.named(trace.name), color=COLOURS[colour], linestyle=dashes)  # fmt: skip
-            axes.axhline(0.0, color="black", linewidth=0.6)
-        if row.limits:
-            _limits(axes, row)
-        style.across(axes, strip)
-    grid[-1].set_xlabel("time (s)")
-    if legend:
-        style.heading(figure, *grid[0].get_legend_handles_labels(), min(len(traces), _ABREAST))
+Limits = Sequence[tuple[str, float]]  # name and figure [SI]
 
 
-def _limits(axes: Axes, row: Row) -> None:
-    """Limits in sight as lines, those beyond it in words."""
-    reach = max(abs(end) for end in axes.get_ylim())
-    inside = {name: value for name, value in row.in_unit if value <= _IN_SIGHT * reach}
-    beyond = [row.said(name, value) for name, value in row.in_unit if name not in inside]
-    near = _HEIGHT_OF_A_NAME * max(reach, *inside.values(), 0.0)
-    for look, (name, value) in enumerate(inside.items()):
-        below = any(value < other < value + near for other in inside.values())
-        style.limit(axes, value, row.said(name, value), look, below=below)
-    axes.set_ylim(top=_HEADROOM * max(axes.get_ylim()[1], *inside.values(), 0.0))
-    if beyond:
-        style.beside(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
+def demand(cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits) -> Plot:
+    """Current and voltage of each moment by the drive model, with the winding as warm as it then is, and limits."""
+    made: list[list[Curve]] = [[], []]
+    for n, (name, found) in enumerate(cases[:MOST_WHEELS]):
+        d, p = found.drive, found.pieces
+        current, speed, rise = (np.stack(x, axis=1) for x in ((p.I_0, p.I_1), (p.w_0, p.w_1), (p.rise_0, p.rise_1)))
+        voltage = d.emf * speed + (d.R + d.R_rise * rise) * current
+        for curves, values in zip(made, (current, voltage), strict=True):
+            curves.append(_of_case(n, name, end_times(p.duration).ravel(), values.ravel()))
+    shown = [_limited(name, unit, curves, limits) for name, unit, curves, limits in
+             (("current", "A", made[0], currents), ("voltage", "V", made[1], voltages))]  # fmt: skip
+    return picture.over_time(*shown, windows=stretches([(name, found.cycle.load_cycle) for name, found in cases]))
+
+
+def _limited(name: str, unit: str, curves: Sequence[Curve], limits: Limits) -> Diagram:
+    """A diagram with its known limits, those in sight on its axis."""
+    values = np.concatenate([curve.y for curve in curves])
+    low, high = min(float(np.nanmin(values)), 0.0), max(float(np.nanmax(values)), 0.0)
+    known = [one for one in limits if np.isfinite(one[1])]
+    top = max([high, *(value for _, value in known if value <= _IN_SIGHT * max(high, -low))])
+    beyond = any(value > top for _, value in known)  # room for the names of limits
+    ends = low - 0.07 * (top - low) * (low < 0.0), top + (0.28 if beyond else 0.15) * (top - low or 1.0)
+    return Diagram(name=name, unit=unit, curves=curves, zero=True, levels=known, ends=ends)
 
 
 _ROW, _NAME = 0.6, 0.19  # in, of a small diagram and of the name above it
-_LIMIT_LINE = 0.19  # in, of the names of limits
-_IN_SIGHT_OF_WHEELS = 2.0  # times what is drawn: a limit beyond is not drawn
 
 
-def each_over_time(figure: Figure, traces: Sequence[Trace], sides: Sequence[Row], shown: Sequence[Window]) -> None:
-    """Two quantities of each load case, beside each other; an axis for all of them, with 0 and the limits in sight."""
-    traces, strip = traces[:MOST_WHEELS], style.strip(shown)
-    ends, limits = [], []
-    for side in sides:
-        values = np.concatenate([from_si(trace.columns[side.column], side.unit, side.kind) for trace in traces])
+@figure
+def each_over_time(figure: Figure, plot: Plot) -> None:
+    """Two quantities of each load case beside each other as small diagrams; an axis for all of each."""
+    strip, count = style.strip(plot.windows), min(len(plot.diagrams[0].curves), MOST_WHEELS)
+    names = _NAME if any(one.levels for one in plot.diagrams) else 0.0
+    height = (_ROW + _NAME) * count + 0.46 + names
+    grid = placed(figure, height, count, 2, top=_NAME + 0.04 + names, gaps=(_NAME, 0.62), shared=False)
+    for column, (one, colour) in enumerate(zip(plot.diagrams, ("vermillion", "blue"), strict=True)):
+        values = np.concatenate([curve.y for curve in one.curves[:count]])
         low, high = min(float(values.min()), 0.0), max(float(values.max()), 0.0)
-        near = [(name, value) for name, value in side.in_unit if value <= _IN_SIGHT_OF_WHEELS * max(high, -low)]
-        high = max(high, *(value for _, value in near), 0.0)
         room = 0.07 * (high - low) or 1.0
-        ends.append((low - room * (low < 0.0), high + room))
-        limits.append(near)
-    names = _LIMIT_LINE if any(limits) else 0.0
-    height = (_ROW + _NAME) * len(traces) + 0.46 + names
-    grid = placed(figure, height, len(traces), 2, top=_NAME + 0.04 + names, gaps=(_NAME, 0.62), shared=False)
-    for column, (side, colour) in enumerate(zip(sides, ("vermillion", "blue"), strict=True)):
-        for row, trace in enumerate(traces):
+        ends = one.ends or (low - room * (low < 0.0), high + room)
+        for row, curve in enumerate(one.curves[:count]):
             axes = grid[row][column]
-            style.plotted(axes, trace.time, trace.columns[side.column], strip, side.kind, side.unit,
-                          color=COLOURS[colour])  # fmt: skip
-            axes.axhline(0.0, color="black", linewidth=0.6)
+            alone = replace(curve, colour=colour, dashes="solid", listed=False)
+            picture.draw(axes, replace(one, curves=[alone], levels=(), ends=ends), strip)
             style.across(axes, strip)
-            for (name, value), dashes in zip(limits[column], style.LIMITS, strict=False):
-                axes.axhline(value, color="black", linewidth=0.7, linestyle=dashes, label=side.said(name, value))
-            axes.set_ylim(*ends[column])
-            axes.tick_params(labelbottom=row == len(traces) - 1)
-            axes.set_title(f"{style.named(trace.name)}: {reads(side.column, side.unit)}", pad=2.5)
+            for (name, value), dashes in zip(one.levels, style.LIMITS, strict=False):
+                if value <= ends[1]:
+                    axes.axhline(value, color="black", linewidth=0.7, linestyle=dashes,
+                                 label=f"{name} {value:.4g} {label(one.unit)}")  # fmt: skip
+            axes.tick_params(labelbottom=row == count - 1)
+            axes.set_title(f"{style.named(curve.name)}: {one.reads}", pad=2.5)
+            axes.set_ylabel("")
         grid[-1][column].set_xlabel("time (s)")
     if names:
         left, right = (axes.get_legend_handles_labels() for axes in grid[0])
         style.heading(figure, [*left[0], *right[0]], [*left[1], *right[1]], 4)
-
-
-Limits = Sequence[tuple[str, float]]  # name and figure [SI]
-
-
-@figure
-def current_and_voltage(
-    figure: Figure, cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits
-) -> None:
-    """Current and voltage of each moment by the drive model, with the winding as warm as it then is, and limits."""
-    cases = cases[:MOST_WHEELS]
-    traces = []
-    for name, found in cases:
-        d, p = found.drive, found.pieces
-        current, speed, rise = (np.stack(x, axis=1) for x in ((p.I_0, p.I_1), (p.w_0, p.w_1), (p.rise_0, p.rise_1)))
-        voltage = d.emf * speed + (d.R + d.R_rise * rise) * current
-        columns = {"current": current.ravel(), "voltage": voltage.ravel()}
-        traces.append(Trace(name, end_times(p.duration).ravel(), columns))
-    known = [tuple(one for one in limits if math.isfinite(one[1])) for limits in (currents, voltages)]
-    rows = (Row("current", "current", "A", known[0]), Row("voltage", "voltage", "V", known[1]))
-    draw = each_over_time if len(cases) > TOGETHER else over_time
-    draw(figure, traces, rows, stretches([(name, found.cycle.load_cycle) for name, found in cases]))
 
 
 # -- The closed loop.
@@ -308,12 +221,6 @@ _ROWS = (  # columns of the series, and how the axis is called
     (("voltage",), "voltage"),
     (("winding_temperature",), "winding temperature"),
 )
-_LOOKS: dict[str, dict[str, Any]] = {  # in layers: reference and linear model hardly differ from the speed
-    "reference": {"color": "black", "linestyle": (0, (1, 2.5)), "linewidth": 1.3, "zorder": 4.0},
-    "own": {"color": COLOURS["blue"], "linestyle": "solid", "linewidth": 1.4, "zorder": 2.5},
-    LINEAR: {"color": COLOURS["orange"], "linestyle": (0, (5, 2.5)), "linewidth": 0.9, "zorder": 3.5},
-}
-_WIDEST = 11  # letters of a row's title on a line
 
 
 def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]]:
@@ -328,28 +235,24 @@ def closed_loop_rows(validation: Validation) -> list[tuple[tuple[str, ...], str]
     return [row for row in _ROWS if known.issuperset(row[0])]
 
 
-@figure
-def closed_loop(figure: Figure, validation: Validation) -> None:
-    """Reference and speed, errors, current, voltage and winding over the moments in which something changes."""
-    strip, rows = style.strip(style.windows(validation.series)), closed_loop_rows(validation)
-    linear = validation.linear.series if validation.linear else {}
-    legend = _LINE if validation.linear and len(strip.windows) > 1 else 0.0  # above the titles of the stretches
-    height = 0.62 * len(rows) + 0.6 + legend
-    grid = [axes for (axes,) in placed(figure, height, len(rows), left=0.8, top=0.22 + legend)]
-    for axes, (names, title) in zip(grid, rows, strict=True):
+def closed_loop(validation: Validation) -> Plot:
+    """Reference and speed, errors, current, voltage and winding over the moments in which something changes.
+
+    In layers: reference and linear model hardly differ from the speed.
+    """
+    series, linear, rows = validation.series, validation.linear.series if validation.linear else {}, []
+    for names, title in closed_loop_rows(validation):
         kind, unit = validation.series_units[names[-1]]
-        axes.set_ylabel("\n".join([*textwrap.wrap(title, _WIDEST), f"({label(unit)})"]))
-        traces = [
-            (validation.series, name, *(("reference", "reference") if name.endswith("reference") else (name, "own")))
-            for name in names
-        ]
-        traces += [(linear, names[-1], LINEAR, LINEAR)] * (names[-1] in linear)
-        for series, name, said, look in traces:
-            style.plotted(axes, series["time"], series[name], strip, kind, unit, said, **_LOOKS[look])
-        style.across(axes, strip, titled=axes is grid[0])
-    grid[-1].set_xlabel("time (s)")
-    if len(rows[0][0]) > 1 or validation.linear:
-        figure.legend(*grid[0].get_legend_handles_labels(), loc="upper right", ncols=3, borderaxespad=0.2)
+        curves = [Curve(name=names[-1].replace("_", " "), x=series["time"], y=from_si(series[names[-1]], unit, kind),
+                        width=1.4, listed=len(names) > 1)]  # fmt: skip
+        if names[-1] in linear:
+            curves.append(Curve(name=LINEAR, x=linear["time"], y=from_si(linear[names[-1]], unit, kind),
+                                colour="orange", dashes=(0, (5, 2.5)), width=0.9))  # fmt: skip
+        if len(names) > 1:
+            curves.append(Curve(name="reference", x=series["time"], y=from_si(series[names[0]], unit, kind),
+                                colour="ink", dashes=(0, (1, 2.5)), width=1.3))  # fmt: skip
+        rows.append(Diagram(name=title, unit=unit, curves=curves, height=0.62))
+    return picture.over_time(*rows, windows=style.windows(series), columns=3)
 
 
 # -- Temperatures: of winding and housing from cold, and over the cycle that repeats; of a set at the bench.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from dataclasses import field as data_field
 from math import isnan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,7 +14,9 @@ from numpy.typing import NDArray
 from drivesizer import equations as eq
 from drivesizer.machine.operating_field import OperatingField, Operation, field, hot_winding, operation, with_pull_out
 from drivesizer.machine.set_cycle import SetCycle
-from drivesizer.output.report.figures import style
+from drivesizer.output.report.figures import picture, style
+from drivesizer.output.report.figures.cycle import TOGETHER
+from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import CASES, COLOURS, figure, named, placed, reads, torque_unit
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
 from drivesizer.results.drive_set import DriveSet, Requirement
@@ -29,7 +32,6 @@ if TYPE_CHECKING:
 
 
 Array = NDArray[np.float64]
-TOGETHER = 2  # load cases that one diagram shows apart; more are drawn one by one
 _FAR = 6.0  # times the continuous torque; an intermittent line beyond would leave the rest no room
 
 
@@ -48,6 +50,7 @@ class Panel:
 
     cases: tuple[tuple[int, str, OperatingField], ...]  # number and name; without a name where there is but one
     points: tuple[OperatingPoint, ...] = ()
+    times: Mapping[int, Array] = data_field(default_factory=dict)  # s, of the segments of each case
 
 
 def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> list[Panel]:
@@ -59,7 +62,8 @@ def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requiremen
             found = with_pull_out(found, case.spec, problem.catalog, drive_set.motor.part)
         alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
     points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
-    return [Panel(cases=tuple(cases), points=points) for cases in alike.values()]
+    times = {number: case.cycle.time for number, case in enumerate(problem.cases)}
+    return [Panel(cases=tuple(cases), points=points, times=times) for cases in alike.values()]
 
 
 def leading(found: Sequence[Panel]) -> Panel:
@@ -119,9 +123,7 @@ def reach_of(panel: Panel) -> float:
 MOST_FIELDS = 8
 _NAME = 88.0  # pt, of a name above a small diagram
 _ABREAST, _SMALL = 2, 1.75  # small diagrams beside each other, and the height of one [in]
-_LEGEND, _LOWEST = 2.05, 2.3  # in, of room beside a field, and of a field
-_LINES = 5  # of a motor that have a name
-_BESIDE = 0.45  # in, of a legend that may stand beside the axis below a field
+_LOWEST = 2.3  # in, of a field
 _ROOM = 1.12  # of an axis beyond what must be seen
 _HEADROOM = 1.06  # above the highest speed
 _SLOWEST = 0.1  # rad/s, highest speed of a diagram at least: a stepper that holds its load has none
@@ -135,23 +137,28 @@ def conditions(panel: Panel) -> str:
     return f"{show(lines.voltage, 'V', 'voltage')} usable, ambient {show(lines.ambient, 'degC', 'temperature')}"
 
 
-@figure
-def torque_speed(figure: Figure, panels: Sequence[Panel]) -> None:
-    """The motor's field, winding hot and cold, with the load cases in it; each panel as high as its legend."""
-    heights = []
-    for panel in panels:
-        cases = sum(number < len(CASES) for number, *_ in panel.cases)
-        names = 0.2 * _LINES + (0.66 if cases > 1 else 0.53) * cases + 0.33 * len(panel.points)
-        heights.append(max(_LOWEST, names - _BESIDE))
-    height = sum(heights) + 0.6 * len(panels)
-    grid = placed(
-        figure, height, len(panels), right=_LEGEND, top=0.2, gaps=(0.6, 0.0), heights=heights, shared=False
-    )  # fmt: skip
-    for (axes,), panel in zip(grid, panels, strict=True):
-        _field(axes, panel)
-        style.outside(axes)
-        if len(panels) > 1:
-            axes.set_title(conditions(panel))
+def torque_speed(panel: Panel, *, plain: bool = False) -> Plot:
+    """The motor's field, winding hot and cold, with the load cases in it; plain: without figures in the names."""
+    first, reach = panel.cases[0][-1], reach_of(panel)
+    unit = torque_unit(reach)
+    curves = _lines(first, unit, reach, plain=plain)
+    for place, (number, name, found) in enumerate(panel.cases):
+        shown = place == 0 or len(panel.cases) <= TOGETHER
+        colour, dashes = CASES[0 if plain else number % len(CASES)]
+        curves += [replace(one, colour=colour, dashes=one.dashes and dashes, first=shown)
+                   for one in _cycle(found, "" if plain else name, unit, panel.times.get(number))]  # fmt: skip
+    # points with a shape each, named in the legend: labels beside them would overlap where points lie close
+    curves += [replace(_dot(f"paper: {point.name}", point.torque, point.speed, unit), mark=mark, hollow=True,
+                       colour=colour)
+               for point, (mark, colour) in zip(panel.points, _MARKERS, strict=False)]  # fmt: skip
+    right = float(from_si(_ROOM * reach, unit, "torque"))
+    left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
+    top = max(_SLOWEST, first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
+    names = len({curve.name for curve in curves}) + sum(bool(curve.detail) for curve in curves)
+    field = Diagram(name="motor speed", unit="rpm", curves=curves, ends=(0.0, float(_rpm(_HEADROOM * top))),
+                    height=max(_LOWEST, 0.175 * names))  # fmt: skip
+    low = _ROOM * float(from_si(left, unit, "torque")) - 0.03 * right
+    return Plot(diagrams=[field], across="torque at the motor's shaft", unit=unit, ends=(low, right), legend="right")
 
 
 @figure
@@ -164,7 +171,10 @@ def torque_speed_panels(figure: Figure, panels: Sequence[Panel]) -> None:
     places = [axes for row in grid for axes in row]
     lines: dict[str, Any] = {}  # those of a name once: a stepper has others than a motor
     for axes, panel in zip(places, shown, strict=False):
-        _field(axes, panel, plain=True)
+        plot = torque_speed(panel, plain=True)
+        picture.draw(axes, plot.diagrams[0])
+        axes.axvline(0, color="black", linewidth=0.6)
+        axes.set(xlim=plot.ends, xlabel=reads(plot.across, plot.unit))
         name = named(panel.cases[0][1], _NAME).strip()
         axes.set_title(f"{name}: {conditions(panel).replace(' usable, ambient', ',')}" if several else name)
         for line, said in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -178,72 +188,72 @@ def _rpm(speed: Any) -> Any:
     return from_si(speed, "rpm", "rotary_speed")
 
 
-def _field(axes: Axes, panel: Panel, *, plain: bool = False) -> None:
-    """Limits of the motor and load cycles; plain: names without figures, for a legend that several diagrams share."""
-    first, reach = panel.cases[0][-1], reach_of(panel)
-    unit = torque_unit(reach)
-    _lines(axes, first, unit, reach, plain=plain)
-
-    def dot(name: str, torque: float, speed: float, **look: Any) -> None:
-        x, y = float(from_si(torque, unit, "torque")), float(_rpm(speed))
-        said = f"{name}\n{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
-        axes.plot(x, y, markersize=5.5, linestyle="none", label=name if plain else said, **look)
-
-    for number, name, found in panel.cases:
-        speed, torque = signed(found)
-        if np.isnan(torque).any() or not (plain or number < len(CASES)):
-            continue
-        colour, dashes = CASES[0 if plain else number]
-        extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
-        rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
-        said = "load cycle" if plain or not name else f"load cycle,\n{named(name)}"
-        axes.plot(from_si(torque[rows].ravel(), unit, "torque"), _rpm(speed[rows].ravel()), color=COLOURS[colour],
-                  linestyle=dashes, zorder=4, label=said)  # fmt: skip
-        if not np.isnan(found.rms_torque):  # of a motor of unknown friction the RMS current is unknown
-            dot("RMS current and speed", found.rms_torque, found.rms_speed, marker="o", color=COLOURS[colour], zorder=5)
-    # points with a shape each, named in the legend: labels beside them would overlap where points lie close
-    for point, (marker, colour) in zip(panel.points, _MARKERS, strict=False):
-        dot(f"paper: {point.name}", point.torque, point.speed, marker=marker, markerfacecolor="none",
-            markeredgewidth=1.2, color=COLOURS[colour], zorder=6)  # fmt: skip
-    right = float(from_si(_ROOM * reach, unit, "torque"))
-    left = min(0.0, *(np.nan_to_num(signed(f)[1]).min() for *_, f in panel.cases), *(p.torque for p in panel.points))
-    top = max(_SLOWEST, first.speed[-1], *(f.speed[-1] for *_, f in panel.cases), *(p.speed for p in panel.points))
-    axes.set_xlim(_ROOM * float(from_si(left, unit, "torque")) - 0.03 * right, right)
-    axes.set_ylim(0, float(_rpm(_HEADROOM * top)))
-    axes.axvline(0, color="black", linewidth=0.6)
-    axes.set(xlabel=reads("torque at the motor's shaft", unit), ylabel="motor speed (rpm)")
+def _dot(name: str, torque: float, speed: float, unit: str) -> Curve:
+    x, y = float(from_si(torque, unit, "torque")), float(_rpm(speed))
+    said = f"{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
+    return Curve(name=name, x=[x], y=[y], mark="o", joined=False, dashes="", detail=said)
 
 
-def _lines(axes: Axes, found: OperatingField, unit: str, reach: float, *, plain: bool) -> None:
+def _cycle(found: OperatingField, name: str, unit: str, time: Array | None) -> Iterator[Curve]:
+    """The way of a load cycle through the field, and the point of its RMS current and speed."""
+    speed, torque = signed(found)
+    if np.isnan(torque).any():
+        return
+    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
+    rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
+    texts = []
+    if time is not None:
+        power = (speed * torque)[rows].ravel()
+        texts = [f"at {at:.6g} s of the cycle, {watts:.4g} W at the shaft".replace("-", "−")
+                 for at, watts in zip(time[rows].ravel(), power, strict=True)]  # fmt: skip
+    of = f", {name}" if name else ""
+    yield Curve(name=f"load cycle{of}", x=from_si(torque[rows].ravel(), unit, "torque"),
+                y=_rpm(speed[rows].ravel()), texts=texts, mark="o" if len(rows) <= _EACH_MARKED else "")  # fmt: skip
+    if not np.isnan(found.rms_torque):  # of a motor of unknown friction the RMS current is unknown
+        yield _dot(f"RMS current and speed{of}", found.rms_torque, found.rms_speed, unit)
+
+
+_EACH_MARKED = 30  # segments of a cycle
+
+
+def _lines(found: OperatingField, unit: str, reach: float, *, plain: bool) -> list[Curve]:
     """Limits of the motor: continuous by heat, voltage and speed, by voltage hot and cold, short-time, and by speed."""
+    rpm, made = _rpm(found.speed), list[Curve]()
 
-    def line(values: Array, colour: str, dashes: Any, name: str) -> None:
+    def line(name: str, values: Array, colour: str, dashes: Any) -> None:
         if not np.isnan(values).all():
-            torque = from_si(values, unit, "torque")
-            axes.plot(torque, _rpm(found.speed), color=COLOURS[colour], linestyle=dashes, label=name)
+            made.append(Curve(name=name, x=from_si(values, unit, "torque"), y=rpm, colour=colour, dashes=dashes))
+
+    def region(name: str, low: Array, high: Array, colour: str, opacity: float) -> None:
+        outline = from_si(np.concatenate([low, high[::-1]]), unit, "torque")
+        made.append(Curve(name=name, x=outline, y=np.concatenate([rpm, rpm[::-1]]), colour=colour, filled=opacity))
 
     if found.pull_out is not None:
-        line(found.pull_out, "blue", "solid", "pull-out torque" if plain else "pull-out torque, lowest supply")
-        line(found.pull_out / found.factor, "blue", (0, (5, 2)), f"1/{found.factor:g} of it")
-        return
+        line("pull-out torque" if plain else "pull-out torque, lowest supply", found.pull_out, "blue", "solid")
+        line(f"1/{found.factor:g} of it", found.pull_out / found.factor, "blue", picture.DASHED)
+        return made
+    hot = np.maximum(found.voltage_hot, 0.0)
+    if not np.isnan(found.permissible_speed):
+        hot = np.where(found.speed > found.permissible_speed, 0.0, hot)
+    allowed = np.fmin(np.nan_to_num(found.continuous), hot)
     if not np.isnan(found.continuous).any():
-        allowed = np.fmin(found.continuous, np.maximum(found.voltage_hot, 0.0))
-        if not np.isnan(found.permissible_speed):
-            allowed = np.where(found.speed > found.permissible_speed, 0.0, allowed)
-        name = "continuous" if found.thermal else "continuous, nominal torque"
-        axes.fill_betweenx(_rpm(found.speed), 0.0, from_si(allowed, unit, "torque"), color=COLOURS["blue"], alpha=0.12,
-                           linewidth=0, label=name)  # fmt: skip
+        region("continuous" if found.thermal else "continuous, nominal torque", np.zeros_like(hot), allowed, "blue",
+               0.15)  # fmt: skip
+    if not np.isnan(for_a_while := np.fmin(found.intermittent, hot)).any():
+        region("intermittent", allowed, np.maximum(allowed, for_a_while), "vermillion", 0.08)
     ambient = show(found.ambient, "degC", "temperature", 3)
     for values, word, winding, dashes in ((found.voltage_hot, "hot", hot_winding(found), "solid"),
-                                          (found.voltage_cold, "cold", ambient, (0, (5, 2)))):  # fmt: skip
+                                          (found.voltage_cold, "cold", ambient, picture.DASHED)):  # fmt: skip
         said = f"winding {word}" if plain else f"{found.voltage:.3g} V, winding {winding}"
-        line(np.where(values < 0.0, np.nan, values), "blue", dashes, said.replace("-", "−"))
+        line(said.replace("-", "−"), np.where(values < 0.0, np.nan, values), "blue", dashes)
     within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
-    intermittent = np.where(found.intermittent <= within, found.intermittent, np.nan)
-    line(intermittent, "vermillion", (0, (6, 2, 1, 2)), "intermittent")
+    line("intermittent", np.where(found.intermittent <= within, found.intermittent, np.nan), "vermillion",
+         picture.MIXED)  # fmt: skip
     if found.permissible_speed <= _HEADROOM * found.speed[-1]:
-        axes.axhline(float(_rpm(found.permissible_speed)), color=COLOURS["grey"], linestyle=(0, (1, 1.5)),
-                     label="permissible speed")  # fmt: skip
+        ends = [0.0, float(from_si(_ROOM * reach, unit, "torque"))]
+        made.append(Curve(name="permissible speed", x=ends, y=[float(_rpm(found.permissible_speed))] * 2,
+                          colour="grey", dashes=picture.DOTTED))  # fmt: skip
+    return made
 
 
 # -- Efficiency of a set over torque and speed at the gearhead's output, with the load cycle in it.

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Validation
 from drivesizer.output.loop_table import cell, loop_figures, loop_name, settled
-from drivesizer.output.report.figures.style import COLOURS, figure, heading, placed, reads
+from drivesizer.output.report.figures import picture
+from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
+from drivesizer.output.report.figures.style import COLOURS, figure, placed, reads
 from drivesizer.output.thinning import curve_points
 from drivesizer.units import label, show
 
@@ -189,7 +191,7 @@ _LOOKS: dict[str, tuple[str, Any, str]] = {  # colour, dashes and mark of a loop
 }
 _RANGE = 60.0  # dB: what is drawn up and down
 _DOWN = 10.0 * math.log10(2.0)  # dB, 3 for short: half of the power
-_MOST = 1200  # samples of an answer that are drawn: finer than print
+_MOST = 400  # samples of an answer or a curve: finer than print
 _FEW = 50  # samples that are marked each
 
 
@@ -198,7 +200,7 @@ def look_of(loop: Loop) -> tuple[str, Any, str]:
     return _LOOKS.get(loop.name, ("purple", (0, (6, 2, 1, 2)), "D"))
 
 
-class Curve(NamedTuple):
+class Response(NamedTuple):
     """A loop's frequency response as it is drawn."""
 
     frequency: NDArray[np.float64]  # Hz
@@ -207,7 +209,7 @@ class Curve(NamedTuple):
     closed: NDArray[np.float64]  # dB
 
 
-def curve_of(loop: Loop) -> Curve:
+def response_of(loop: Loop) -> Response:
     """The response of a loop in dB and degrees.
 
     The phase of a record starts where its arctangent does: that of two integrators at 180° or at -180°. Here all start
@@ -219,7 +221,7 @@ def curve_of(loop: Loop) -> Curve:
         20.0 * np.log10(np.where((size > 0.0) & np.isfinite(size), size, np.nan))
         for size in (found.open_magnitude, found.closed_magnitude)
     )
-    return Curve(found.frequency, opened, phase - 360.0 * turns, closed)
+    return Response(found.frequency, opened, phase - 360.0 * turns, closed)
 
 
 def span(loops: Sequence[Loop]) -> tuple[float, float]:
@@ -237,53 +239,48 @@ def span(loops: Sequence[Loop]) -> tuple[float, float]:
     return min(turning) / 20.0, max(0.5 / loop.period for loop in loops)
 
 
-@figure
-def bode(figure: Figure, loops: Sequence[Loop]) -> None:
-    """Open loop in magnitude and phase, closed loop in magnitude, over the frequency.
+def bode(loops: Sequence[Loop]) -> Plot:
+    """Open loop in magnitude and phase, closed loop in magnitude, each loop up to its own Nyquist frequency.
 
     A mark at crossover and at bandwidth, a line for the phase margin; what lies in the span of the loops, within 60 dB
     and some turns.
     """
-    from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
-
-    legend = 0.16 * len(loops)
-    grid = [axes for (axes,) in placed(figure, 2.7 + legend, 3, left=0.8, top=0.12 + legend, heights=(1.25, 1.0, 1.0))]
     left, right = span(loops)
+    rows: list[list[Curve]] = [[], [], []]
     seen: list[list[NDArray[np.float64]]] = [[], [], []]
     for loop in loops:
-        curve, (colour, dashes, mark) = curve_of(loop), look_of(loop)
-        spot: Any = {"color": COLOURS[colour], "linestyle": "none", "marker": mark, "markersize": 4, "zorder": 5}
-        for axes, values, of in zip(grid, curve[1:], seen, strict=True):
-            axes.plot(curve.frequency, values, color=COLOURS[colour], linestyle=dashes)
-            of.append(values[curve.frequency >= left])
-        grid[0].lines[-1].set_label(_legend(loop))
+        found, (colour, dashes, mark) = response_of(loop), look_of(loop)
+        said = _legend(loop)
+        thin = curve_points((loop.bode.open_magnitude, loop.bode.closed_magnitude), _MOST)
+        thin = thin[found.frequency[thin] >= 0.5 * left]
+        for row, of, values in zip(rows, seen, found[1:], strict=True):
+            row.append(Curve(name=said, x=found.frequency[thin], y=values[thin], colour=colour, dashes=dashes))
+            of.append(values[found.frequency >= left])
+        marked = []  # row, frequency, height, what is there
         if loop.crossover > 0.0:
-            phase = float(np.interp(math.log(loop.crossover), np.log(curve.frequency), curve.phase))
+            phase = float(np.interp(math.log(loop.crossover), np.log(found.frequency), found.phase))
             level = 360.0 * round((phase + 180.0) / 360.0) - 180.0
-            grid[1].plot([loop.crossover] * 2, [level, phase], color=COLOURS[colour], linewidth=1.8, zorder=4)
-            for axes, height in zip(grid, (0.0, phase), strict=False):
-                axes.plot([loop.crossover], [height], **spot)
+            rows[1].append(Curve(name=said, x=[loop.crossover] * 2, y=[level, phase], colour=colour, width=1.8,
+                                 listed=False))  # fmt: skip
+            marked += [(0, loop.crossover, 0.0, "crossover"), (1, loop.crossover, phase, "phase margin")]
         if loop.bandwidth > 0.0:  # of the slower direction of power: its curve is there, the other one's may be above
-            grid[2].plot([loop.bandwidth], [curve.closed[0] - _DOWN], **spot)
-    rows = (  # name; line of reference, ticks, what is seen at least and at most, stretch and room of it
-        ("open loop\nmagnitude\n(dB)", 0.0, 20.0, (-20.0, 20.0), (-_RANGE, _RANGE), 1.05, 0.0),
-        ("open loop\nphase\n(°)", -180.0, 90.0, (-180.0, -90.0), (-540.0, 180.0), 1.0, 15.0),
-        ("closed loop\nmagnitude\n(dB)", -_DOWN, 20.0, (-12.0, 6.0), (-_RANGE, _RANGE), 1.05, 0.0),
+            marked.append((2, loop.bandwidth, float(found.closed[0]) - _DOWN, "bandwidth"))
+        for place, x, y, text in marked:
+            rows[place].append(Curve(name=said, x=[x], y=[y], colour=colour, mark=mark, joined=False, texts=[text],
+                                     listed=False))  # fmt: skip
+    about = (  # name, unit; line of reference, ticks, what is seen at least and at most, stretch and room, height
+        ("open loop, magnitude", "dB", 0.0, 20.0, (-20.0, 20.0), (-_RANGE, _RANGE), 1.05, 0.0, 0.88),
+        ("open loop, phase", "deg", -180.0, 90.0, (-180.0, -90.0), (-540.0, 180.0), 1.0, 15.0, 0.72),
+        ("closed loop, magnitude", "dB", -_DOWN, 20.0, (-12.0, 6.0), (-_RANGE, _RANGE), 1.05, 0.0, 0.72),
     )
-    for axes, of, (name, level, tick, least, most, stretch, room) in zip(grid, seen, rows, strict=True):
-        axes.axhline(level, color="black", linewidth=0.6, linestyle=(0, (4, 3)))
+    made = []
+    for curves, of, one in zip(rows, seen, about, strict=True):
+        name, unit, level, tick, least, most, stretch, room, height = one
         values = stretch * np.concatenate(of)
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        axes.set_ylim(max(min(low, least[0]), most[0]) - room, min(max(high, least[1]), most[1]) + room)
-        axes.set_ylabel(name)
-        axes.yaxis.set_major_locator(MultipleLocator(tick))
-    plain = FuncFormatter(lambda x, _: f"{x:g}")
-    grid[2].set(xscale="log", xlim=(left, right), xlabel="frequency (Hz)")
-    grid[2].xaxis.set_major_formatter(plain)
-    grid[2].xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
-    grid[2].tick_params(axis="x", which="minor", pad=5.0)  # on the line of the longer ticks
-    grid[2].xaxis.set_minor_formatter(plain if right < 100.0 * left else NullFormatter())
-    heading(figure, *grid[0].get_legend_handles_labels(), 1)
+        ends = max(min(low, least[0]), most[0]) - room, min(max(high, least[1]), most[1]) + room
+        made.append(Diagram(name=name, unit=unit, curves=curves, dashed=[level], tick=tick, ends=ends, height=height))
+    return Plot(diagrams=made, across="frequency", unit="Hz", ends=(left, right), log=True, columns=1, fewest=1)
 
 
 def _legend(loop: Loop) -> str:
@@ -295,29 +292,41 @@ def _legend(loop: Loop) -> str:
     return f"{loop_name(loop)}: crossover {said['crossover']}, phase margin {margin}, bandwidth {bandwidth}"
 
 
-@figure
-def step(figure: Figure, loops: Sequence[Loop]) -> None:
-    """The answer of each loop to a step of its reference, over its own time.
+def answers(loops: Sequence[Loop]) -> list[Plot]:
+    """The answer of each stable loop to a step of its reference, over its own time.
 
     With the band of 2 % around the end, and the moment from which the samples stay in it.
     """
-    (grid,) = placed(figure, 1.4, 1, len(loops), top=0.22, gaps=(0.0, 0.4), shared=False)
-    grid[0].set_ylabel("answer to a step (%)")
-    for axes, loop in zip(grid, loops, strict=True):
-        axes.set_title(loop_name(loop))
+    made = []
+    for loop in loops:
         if not len(loop.step):
-            axes.set(xticks=[], yticks=[])
-            said = f"unstable:\nlargest pole {loop.pole_radius:.4g},\nits answer has no end"
-            axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", va="center")
             continue
         values = loop.step[: settled(loop)]
-        rows = curve_points((values,), _MOST)
+        kept = curve_points((values,), _MOST)
         unit, per = ("s", 1.0) if len(values) * loop.period >= 1.0 else ("ms", 1e3)
-        few: Any = {"marker": "o", "markersize": 2.5} if len(rows) <= _FEW else {}
-        axes.plot(per * loop.period * rows, 100.0 * values[rows], color=COLOURS[look_of(loop)[0]], **few)
         rest = 100.0 * float(loop.bode.closed_magnitude[0])
-        axes.axhspan(0.98 * rest, 1.02 * rest, color=COLOURS["grey"], alpha=0.18, linewidth=0)
-        if not math.isnan(loop.settling_time):
-            axes.axvline(per * loop.settling_time, color=COLOURS["grey"], linewidth=0.6, linestyle=(0, (4, 3)))
-        axes.set(xlim=(0.0, per * loop.period * (len(values) - 1)), xlabel=reads("time", unit))
-        axes.set_ylim(bottom=min(0.0, 100.0 * float(values.min())))
+        curve = Curve(name=loop_name(loop), x=per * loop.period * kept, y=100.0 * values[kept], listed=False,
+                      colour=look_of(loop)[0], mark="o" if len(kept) <= _FEW else "")  # fmt: skip
+        settling = [] if math.isnan(loop.settling_time) else [per * loop.settling_time]
+        diagram = Diagram(name="answer to a step", unit="%", curves=[curve], whole=True, upright=settling,
+                          band=(0.98 * rest, 1.02 * rest))  # fmt: skip
+        made.append(Plot(diagrams=[diagram], across="time", unit=unit, title=loop_name(loop),
+                         ends=(0.0, per * loop.period * (len(values) - 1))))  # fmt: skip
+    return made
+
+
+@figure
+def step(figure: Figure, loops: Sequence[Loop]) -> None:
+    """The answers beside each other; of an unstable loop that it has none."""
+    stable = iter(answers(loops))
+    (grid,) = placed(figure, 1.4, 1, len(loops), top=0.22, gaps=(0.0, 0.4), shared=False)
+    for axes, loop in zip(grid, loops, strict=True):
+        axes.set_title(loop_name(loop))
+        if len(loop.step):
+            plot = next(stable)
+            picture.draw(axes, plot.diagrams[0])
+            axes.set(xlim=plot.ends, xlabel=reads("time", plot.unit), ylabel=plot.diagrams[0].reads * (axes is grid[0]))
+            continue
+        axes.set(xticks=[], yticks=[])
+        said = f"unstable:\nlargest pole {loop.pole_radius:.4g},\nits answer has no end"
+        axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", va="center")

@@ -15,7 +15,8 @@ from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.machine.battery import charge_over_mission
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.platform import failed_motors_text
-from drivesizer.output.report.figures import style
+from drivesizer.output.report.figures import picture, style
+from drivesizer.output.report.figures.picture import Bars, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import (
     CASES,
     COLOURS,
@@ -32,7 +33,7 @@ from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.drive_set import EnergyBudget
 from drivesizer.results.machine import Course, MachinePower
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import from_si
+from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -243,7 +244,7 @@ def speed_by_direction(figure: Figure, found: PermittedSpeeds) -> None:
 _MOST_AXES = 6  # axes that have a layer of their own
 _PIECES = 1500  # finer than print
 _ABREAST = 5  # names of the legend
-_ROOM_OF_NAMES = 62.0  # pt, of a name in the legend
+_NOTHING = 1e-6  # of the largest power: what rounding leaves
 LOOKS: tuple[tuple[str, str], ...] = (  # colour and hatch, so that a grey print distinguishes them too
     ("blue", ""), ("orange", "////"), ("green", "...."), ("purple", "\\\\\\\\"), ("sky", "xxxx"),
     ("vermillion", "----"), ("grey", "++++"),
@@ -270,35 +271,28 @@ def layers(power: MachinePower, course: Course) -> list[Layer]:
     return made
 
 
-def power_unit(largest: float) -> str:
-    """The unit in which powers up to some size are shown [W]."""
-    return "W" if largest < 10e3 else "kW"
-
-
-@figure
-def axes_power(figure: Figure, power: MachinePower) -> None:
+def axes_power(power: MachinePower) -> Plot:
     """Power of all axes over time: layers over each other, drawn upward, returned downward."""
-    from matplotlib.colors import to_rgb
-
     course = power.course(_PIECES)
     found = layers(power, course)
-    unit = power_unit(max((float(one.drawn.max(initial=0.0)) for one in found), default=0.0))
-    ((axes,),) = placed(figure, 3.0, top=0.22 * -(-(len(found) + 1) // _ABREAST) + 0.06)
-    above, below = np.zeros(len(course.total)), np.zeros(len(course.total))
+    largest = max((float(one.drawn.max(initial=0.0)) for one in found), default=0.0)
+    unit, curves = "W" if largest < 10e3 else "kW", list[Curve]()
+
+    def held(values: Array) -> Any:  # means of pieces at the ends of these, the last one held
+        return from_si(np.append(values, values[-1:]), unit, "power")
+
     for layer, (colour, hatch) in zip(found, LOOKS, strict=False):
-        light = tuple(1.0 - 0.45 * (1.0 - part) for part in to_rgb(COLOURS[colour]))  # lines can be read on it
-        look: Any = {"fill": True, "facecolor": light, "hatch": hatch, "edgecolor": COLOURS[colour], "linewidth": 0.4}
-        up, down = above + layer.drawn, below - layer.returned
-        for low, high, name in ((above, up, named(layer.name, _ROOM_OF_NAMES)), (below, down, None)):
-            axes.stairs(from_si(high, unit, "power"), course.time, baseline=from_si(low, unit, "power"), label=name,
-                        **look)  # fmt: skip
-        above, below = up, down
+        net = layer.drawn - layer.returned
+        said = [f"{value:.4g} {label(unit)}".replace("-", "−")
+                for value in held(np.where(np.abs(net) > _NOTHING * largest, net, 0.0))]  # fmt: skip
+        for stack, values in (("drawn", layer.drawn), ("returned", -layer.returned)):
+            curves.append(Curve(name=layer.name, x=course.time, y=held(values), colour=colour, hatch=hatch,
+                                stack=stack, texts=said if stack == "drawn" else ()))  # fmt: skip
     if not np.isnan(course.total).any():
-        axes.stairs(from_si(course.total, unit, "power"), course.time, baseline=None, color="black", linewidth=1.0,
-                    label="out of the source")  # fmt: skip
-    axes.axhline(0.0, color="black", linewidth=0.6)
-    axes.set(xlabel="time (s)", ylabel=style.reads("power", unit), xlim=(course.time[0], course.time[-1]))
-    heading(figure, *axes.get_legend_handles_labels(), _ABREAST)
+        curves.append(Curve(name="out of the source", x=np.repeat(course.time, 2)[1:-1],
+                            y=from_si(np.repeat(course.total, 2), unit, "power"), colour="ink", width=1.0))  # fmt: skip
+    diagram = Diagram(name="power", unit=unit, curves=curves, zero=True, height=2.3)
+    return picture.over_time(diagram, windows=(), columns=_ABREAST)
 
 
 # -- Powers drawn from the battery, and its charge over the mission.
@@ -314,42 +308,35 @@ def is_known(budget: EnergyBudget) -> bool:
     return bool(np.isfinite(budget.autonomy) and np.isfinite(budget.power).all())
 
 
-def shown_until(budget: EnergyBudget) -> float:
-    """End of the charge's course [s]: where both the required and the available time are over."""
-    return _BEYOND * budget.autonomy if isnan(budget.required) else max(budget.required, budget.autonomy)
+def consumers(budget: EnergyBudget) -> Bars:
+    """Mean power of each consumer."""
+    return Bars(rows=[(one.name, one.mean) for one in budget.consumers if one.mean], across="mean power", unit="W")
+
+
+def charge(budget: EnergyBudget) -> Plot:
+    """The charge from full on, until what is required and what there is have ended; what may not be used is marked."""
+    lasts = _BEYOND * budget.autonomy if isnan(budget.required) else max(budget.required, budget.autonomy)
+    time, left = charge_over_mission(budget, lasts)
+    end = 1.02 * float(from_si(lasts, "h", "time"))
+    curves = [Curve(name="charge", x=from_si(time, "h", "time"), y=100.0 * left)]
+    if not isnan(budget.required):
+        required = [float(from_si(budget.required, "h", "time"))] * 2
+        curves.append(Curve(name="required", x=required, y=[0.0, 100.0], colour="grey", dashes=picture.DOTTED))
+    if budget.usable < 1.0:
+        least = [100.0 * (1.0 - budget.usable)] * 2
+        curves.append(Curve(name="may not be used", x=[0.0, end], y=least, colour="vermillion", dashes=picture.DASHED))
+    diagram = Diagram(name="charge", unit="%", curves=curves, ends=(0.0, 103.0))
+    return Plot(diagrams=[diagram], across="time", unit="h", ends=(0.0, end))
 
 
 @figure
 def battery(figure: Figure, budget: EnergyBudget) -> None:
-    """Mean power of each consumer at the left, the charge that is left over time at the right.
-
-    Of what is unknown that is said; the usable share is a limit.
-    """
-    rows = [(one.name, one.mean) for one in budget.consumers if one.mean]
-    height = max(_LEAST, _ROW * len(rows) + 0.55)
-    ((mean, course),) = placed(figure, height, 1, 2, left=1.75, gaps=(0.0, 0.75), shared=False)
-    powers = [power for _, power in rows]
-    colours = ["white" if power < 0.0 else COLOURS["sky"] for power in powers]
-    mean.barh(range(len(rows)), powers, height=0.7, color=colours, edgecolor=COLOURS["blue"], linewidth=0.6, zorder=3)
-    for place, power in enumerate(powers):
-        said = "unknown" if isnan(power) else f"{power:.3g}".replace("-", "−")
-        beside(mean, said, (0.0 if isnan(power) else max(power, 0.0), place), (3, 0), va="center", fontsize=6.8)
-    style.bars(mean, [named(name) for name, _ in rows])
-    mean.axvline(0.0, color="black", linewidth=0.6)
-    mean.set_xlabel("mean power (W)")
-    mean.set_xlim(right=1.18 * max(0.0, np.nanmax(powers)) or 1.0)
-
-    lasts = shown_until(budget)
-    time, charge = charge_over_mission(budget, lasts)
-    last = float(from_si(lasts, "h", "time"))
-    course.plot(from_si(time, "h", "time"), 100.0 * charge, color=COLOURS["blue"], zorder=3)
-    if budget.usable < 1.0:
-        style.limit(course, 100.0 * (1.0 - budget.usable), "may not be used")
-    if not isnan(budget.required):
-        end = float(from_si(budget.required, "h", "time"))
-        course.axvline(end, color="black", linewidth=0.7, linestyle=(0, (2, 1.5)), zorder=2)
-        early = end < 0.5 * last  # its name on the side that has room for it
-        beside(course, "required", (end, 1.0), (2 if early else -2, -2), xycoords=("data", "axes fraction"),
-               ha="left" if early else "right", va="top")  # fmt: skip
-    course.set(xlim=(0.0, 1.02 * last), ylim=(0.0, 103.0), xlabel="time (h)", ylabel="charge (%)")
+    """Mean power of each consumer at the left, the charge that is left over time at the right."""
+    bars, plot = consumers(budget), charge(budget)
+    height = max(_LEAST, _ROW * len(bars.rows) + 0.55)
+    ((mean, course),) = placed(figure, height + 0.12, 1, 2, left=1.75, top=0.2, gaps=(0.0, 0.75), shared=False)
+    picture.draw_bars(mean, bars)
+    picture.draw(course, plot.diagrams[0])
+    course.set(xlim=plot.ends, xlabel="time (h)")
     course.yaxis.set_label_coords(-0.2, 0.5)
+    course.legend(loc="lower right", bbox_to_anchor=(1.02, 0.98), ncols=3, borderaxespad=0.0, columnspacing=1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import fsum, isfinite, isnan, sqrt
+from typing import TYPE_CHECKING
 
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import drawn as shown_runs
@@ -14,15 +15,10 @@ from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
 from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow, energy_flow
-from drivesizer.output.report.figures.cycle import (
-    MOST_WHEELS,
-    current_and_voltage,
-    energy_bars,
-    temperatures,
-)
-from drivesizer.output.report.figures.field import TOGETHER, efficiency_map
-from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
-from drivesizer.output.report.figures.style import Drawing
+from drivesizer.output.report.figures import cycle, machine
+from drivesizer.output.report.figures.cycle import MOST_WHEELS
+from drivesizer.output.report.figures.field import efficiency_map
+from drivesizer.output.report.figures.picture import on_paper
 from drivesizer.output.words import first_wheel
 from drivesizer.physics.stepper import copper_loss, idle_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient
@@ -32,6 +28,9 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.mounting import rise_left
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.output.report.figures.all_figures import Pictured
 
 _BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_winding", "thermal_resistance_housing",
            "resistance")  # fmt: skip
@@ -110,26 +109,30 @@ class Behaviour:
 
     # -- figures
 
-    def drawings(self) -> dict[str, Drawing]:
+    def pictures(self) -> dict[str, Pictured]:
         """Its figures by name; those that depend on figures that the catalogue does not know are left out."""
-        made: dict[str, Drawing] = {}
-        controller = self.drive_set.controller
-        usable = float(self.spec.feed_of(controller).usable)
+        from drivesizer.output.report.figures.all_figures import Pictured
+
+        made: dict[str, Pictured] = {}
+        usable = float(self.spec.feed_of(self.drive_set.controller).usable)
         if self.known:  # the efficiency map has all load cycles, or the first where they would cover one another
-            shown = self.cycles if len(self.cycles) <= TOGETHER else self.cycles[:1]
+            shown = self.cycles if len(self.cycles) <= cycle.TOGETHER else self.cycles[:1]
             voltage = usable if isfinite(usable) else self.spec.supply.lowest
-            made["efficiency"] = efficiency_map(shown, voltage)
-            made["demand"] = current_and_voltage(self.cycles, self._currents, [("usable", usable)])
+            made["efficiency"] = Pictured(efficiency_map(shown, voltage))
+            plot = cycle.demand(self.cycles, self._currents, [("usable", usable)])
+            each = cycle.each_over_time if len(self.cycles) > cycle.TOGETHER else on_paper
+            made["demand"] = Pictured(each(plot), [plot])
         if self.hottest:
             name, found = self.hottest
             ambient = next(case.spec for case in self.problem.cases if case.name == name).environment.ambient
-            made["heat"] = temperatures(found, ambient, self.drive_set.motor.max_winding_temperature)
+            permitted = self.drive_set.motor.max_winding_temperature
+            made["heat"] = Pictured(cycle.temperatures(found, ambient, permitted))
         if self.energy.known:
-            made["energy"] = energy_bars(self.energy)
+            made["energy"] = Pictured(cycle.energy_bars(self.energy))
         if self.permitted:
-            made["permitted"] = speed_by_direction(self.permitted)
+            made["permitted"] = Pictured(machine.speed_by_direction(self.permitted))
         if self.followed:
-            made["followed"] = path_and_errors(shown_runs(self.followed))
+            made["followed"] = Pictured(machine.path_and_errors(shown_runs(self.followed)))
         return made
 
     @property

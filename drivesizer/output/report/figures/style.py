@@ -19,9 +19,9 @@ from typing import TYPE_CHECKING, Any, Concatenate, Literal, NamedTuple, ParamSp
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer import units
 from drivesizer.output.derivation import clean, short
 from drivesizer.output.thinning import extremes
-from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -194,7 +194,7 @@ def bars(axes: Axes, names: Sequence[str], *, upwards: bool = False) -> None:
 
 def reads(name: str, unit: str) -> str:
     """The label of an axis."""
-    return f"{name} ({label(unit)})"
+    return f"{name} ({units.label(unit)})"
 
 
 def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
@@ -348,12 +348,10 @@ def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
     axes.set_xlim(0.0, shown.end)
 
 
-def plotted(
-    axes: Axes, time: Array, values: Array, shown: Strip, kind: str, unit: str, name: str = "", **look: Any
-) -> None:
-    """A record over time in all stretches, in a unit of the trade."""
+def plotted(axes: Axes, time: Array, values: Array, shown: Strip, *, label: str | None = None, **look: Any) -> None:
+    """A record over time in all stretches."""
     for number, window in enumerate(shown.windows):
         start, end = max(window.start, float(time[0])), min(window.end, float(time[-1]))
         if start < end:  # a record may be of a part only
             t, v = within(time, values, window._replace(start=start, end=end))
-            axes.plot(shown.place(number, t), from_si(v, unit, kind), label="" if number else name, **look)
+            axes.plot(shown.place(number, t), v, label=None if number else label, **look)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Sequence
-from math import isfinite, isnan
+from math import isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,145 +15,46 @@ from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import Picture
 from drivesizer.output.json import documents
-from drivesizer.output.report.html.curves import Plot, above, figure, line, plain
+from drivesizer.output.report.figures import picture
+from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.words import number_of
-from drivesizer.results.sizing import Choice, Choices, SizingResult, objective_figure, used_share, weighted_order
+from drivesizer.results.sizing import Choice, Choices, used_share, weighted_order
 from drivesizer.spec.drive import BOUGHT, OBJECTIVES
-from drivesizer.units import from_si, label, show
+from drivesizer.units import show
 
-# -- The drives by mass, margin and price, and a front by its objectives.
+# -- The drives by mass, margin and price; all drives to choose from, those that no other beats larger.
 
 
 _LOOKS = {  # of a drive by its status: colour and mark
-    "pass": ("blue", "circle"),
-    "open": ("orange", "circle-open"),
-    "unknown": ("grey", "circle-open"),
-    "fail": ("vermillion", "x-thin-open"),
-}
+    "pass": ("blue", "o", False), "open": ("orange", "o", True), "unknown": ("grey", "o", True),
+    "fail": ("vermillion", "x", True),
+}  # fmt: skip
 _FEW = 10  # numbers beside more points than these would cover one another
+_ROOM, _SIZE = (520.0, 200.0), 8.5  # pt, of the axes on a page and of a number there
 
 
-def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str) -> Plot | None:
+def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str, unit: str) -> Plot | None:
     """The drives of the table by their mass and another figure; None where fewer than two can be drawn."""
     known = [row for row in rows if row["exact"]["mass"] is not None and row["exact"][up] is not None]
     if len(known) < 2:
         return None
-    names = _names(known, up)
-    named = {row["rank"]: (row["exact"]["mass"], row["exact"][up]) for row in known if row["rank"] in names}
-    sides = dict(zip(named, apart([*named.values()], [names[rank] for rank in named]), strict=True))
-    names = {rank: name for rank, name in names.items() if sides[rank]}
-    data = [
-        _status_trace(status, [row for row in known if row["status"] == status], up, names, sides) for status in _LOOKS
-    ]
-    return figure([trace for trace in data if trace["x"]], _layout("mass (g)", title))
-
-
-def _names(rows: Sequence[dict[str, Any]], up: str) -> dict[str, str]:
-    """Label of each point, by rank: drives in one place are named together; none where there are many."""
-    places: dict[tuple[float, float], list[str]] = {}
-    for row in rows:
+    places: dict[tuple[float, float], list[str]] = {}  # drives in one place are named together
+    for row in known:
         places.setdefault((row["exact"]["mass"], row["exact"][up]), []).append(row["rank"])
-    if len(places) > _FEW:
-        return {}
-    return {ranks[0]: ", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else "") for ranks in places.values()}
-
-
-def apart(points: Sequence[tuple[float, float]], names: Sequence[str]) -> list[str]:
-    """Side of each point at which its label covers neither another label nor a point; empty where there is none.
-
-    Examples
-    --------
-    >>> apart([(207.0, 2.1), (207.0, 0.9), (192.7, -29.0)], ["1", "2", "3"])
-    ['top center', 'bottom center', 'top center']
-    """
-    spans = [max(axis) - min(axis) or 1.0 for axis in zip(*points, strict=True)]
-    places = [(x / spans[0], y / spans[1]) for x, y in points]
-    taken: list[tuple[float, float, float]] = [(x, y, _POINT) for x, y in places]  # middle and half width
-    chosen = []
-    for own, name in zip(places, names, strict=True):
-        half = _LETTER * len(name) / 2.0
-        free = (
-            side for side, step in _SIDES.items() if _is_free(own, (step[0] * (half + _POINT), step[1]), half, taken)
-        )
-        side = next(free, "")
-        chosen.append(side)
-        if side:
-            across, up = _SIDES[side]
-            taken.append((own[0] + across * (half + _POINT), own[1] + up, half))
-    return chosen
-
-
-def _is_free(
-    own: tuple[float, float], step: tuple[float, float], half: float, taken: Sequence[tuple[float, float, float]]
-) -> bool:
-    """Whether a label beside a point covers nothing but that point's surroundings."""
-    x, y = own[0] + step[0], own[1] + step[1]
-    return not any(
-        abs(x - other) < half + wide and abs(y - up) < _HIGH for other, up, wide in taken if (other, up) != own
-    )
-
-
-_LETTER, _POINT, _HIGH = 0.024, 0.018, 0.06  # shares of the axes: width of a letter, half a point, height of a label
-_SIDES = {"top center": (0.0, 0.065), "bottom center": (0.0, -0.065), "middle right": (1.0, 0.0),
-          "middle left": (-1.0, 0.0)}  # fmt: skip
-
-
-def _status_trace(
-    status: str, rows: Sequence[dict[str, Any]], up: str, names: dict[str, str], sides: dict[str, str]
-) -> Plot:
-    colour, symbol = _LOOKS[status]
-    fields = ("rank", "motor", "gearhead", "ratio", "mass", "price", "margin", "check")
-    hover = (
-        "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<br>ratio %{customdata[3]}"
-        "<br>%{customdata[4]}, %{customdata[5]}<br>%{customdata[6]} %{customdata[7]}<extra></extra>"
-    )
-    points = line([row["exact"]["mass"] for row in rows], [row["exact"][up] for row in rows], status, colour)
-    return points | {
-        "mode": "markers+text" if names else "markers",
-        "marker": {"symbol": symbol, "size": 9, "color": colour, "line": {"width": 2 if "open" in symbol else 0}},
-        "text": [names.get(row["rank"], "") for row in rows],
-        "textposition": [sides.get(row["rank"]) or "top center" for row in rows],
-        "cliponaxis": False,
-        "customdata": [[plain(row[name]) for name in fields] for row in rows],
-        "hovertemplate": hover,
-    }
-
-
-def _layout(across: str, up: str) -> Plot:
-    return {
-        "height": 340,
-        "hovermode": "closest",
-        "xaxis": {"title": {"text": across}},
-        "yaxis": {},
-        "annotations": [above(up)],
-    }
-
-
-def front_plot(result: SizingResult) -> Plot | None:
-    """The sets of a Pareto front by its first two objectives, None where fewer than two can be drawn."""
-    found = [[objective_figure(s, name) for name in result.pareto] for s in result.front]
-    places = [[float(from_si(f.value, f.unit, f.kind)) for f in row[:2]] for row in found]
-    known = [n for n, (x, y) in enumerate(places) if isfinite(x) and isfinite(y)]
-    if len(known) < 2:
-        return None
-    points = line([places[n][0] for n in known], [places[n][1] for n in known], "front", "blue")
-    ranks = [str(result.front[n].rank) for n in known]
-    sides = apart([(places[n][0], places[n][1]) for n in known], ranks)
-    points |= {
-        "mode": "markers+text" if len(known) <= _FEW else "markers",
-        "marker": {"symbol": "circle", "size": 8, "color": "blue"},
-        "text": [rank if side else "" for rank, side in zip(ranks, sides, strict=True)],
-        "textposition": [side or "top center" for side in sides],
-        "cliponaxis": False,
-        "customdata": [[str(result.front[n].rank), plain(result.front[n].label),
-                        "<br>".join(f"{f.title} {plain(f.text)}" for f in found[n])] for n in known],
-        "hovertemplate": "<b>%{customdata[0]}  %{customdata[1]}</b><br>%{customdata[2]}<extra></extra>",
-    }  # fmt: skip
-    heads = [f"{f.title} ({label(f.unit)})" for f in found[0][:2]]
-    return figure([points], _layout(*heads))
-
-
-# -- All drives to choose from in one figure: price over mass, energy as colour, and those that no other beats.
+    texts = [(", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else ""),) for ranks in places.values()]
+    spots = picture.spots([*places], texts, _ROOM, _SIZE) if len(places) <= _FEW else [("", "")] * len(places)
+    beside = {ranks[0]: spot for ranks, spot in zip(places.values(), spots, strict=True)}
+    curves = []
+    for status, (colour, mark, hollow) in _LOOKS.items():
+        some = [row for row in known if row["status"] == status]
+        lines = ("{rank}  {motor}", "{gearhead}", "ratio {ratio}", "{mass}, {price}", "{margin} {check}")
+        said = ["\n".join(lines).format(**row) for row in some]
+        if some:
+            curves.append(Curve(name=status, x=[row["exact"]["mass"] for row in some], hollow=hollow, joined=False,
+                                y=[row["exact"][up] for row in some], colour=colour, mark=mark, texts=said,
+                                keys=[row["rank"] for row in some],
+                                spots=[beside.get(row["rank"], ("", "")) for row in some]))  # fmt: skip
+    return Plot(diagrams=[Diagram(name=title, unit=unit, curves=curves)], across="mass", unit="g")
 
 
 _AXES = ("mass", "price", "energy")  # less of each is better
@@ -161,18 +62,30 @@ _SCALE = [[0.0, "#2c7fb8"], [0.5, "#a1dab4"], [1.0, "#fdae61"]]  # of the energy
 
 
 def choices_plot(chosen: Choices | None) -> Plot | None:
-    """The drives by mass and price, coloured by the energy of a cycle."""
+    """The drives by mass and price, coloured by the energy of a cycle; diamonds are those that no other beats."""
     every = chosen.drives if chosen else ()
     drives = [one for one in every if isfinite(one.figures["mass"]) and isfinite(one.figures["price"])]
     if len(drives) < 2:
         return None
-    best = unbeaten(drives)
-    return figure([_points(drives, best)], _choices_layout(any(isfinite(one.figures["energy"]) for one in drives)))
+    best, energy = unbeaten(drives), [one.figures["energy"] for one in drives]
+    points = Curve(
+        name="drives", x=[1e3 * one.figures["mass"] for one in drives], y=[one.figures["price"] for one in drives],
+        mark="o", joined=False, listed=False, keys=[""] * len(drives),
+        texts=["\n".join(_hover_text(one, front)) for one, front in zip(drives, best, strict=True)],
+    )  # fmt: skip
+    marker = {
+        "size": [12 if front else 8 for front in best],
+        "symbol": ["diamond" if front else "circle" for front in best],
+        "color": [value if isfinite(value) else None for value in energy], "colorscale": _SCALE,
+        "colorbar": {"title": {"text": "energy per cycle (J)", "side": "right"}, "thickness": 10, "outlinewidth": 0},
+    }  # fmt: skip
+    return Plot(diagrams=[Diagram(name="price", unit="EUR", curves=[points])], across="mass", unit="g",
+                trace={"marker": marker})  # fmt: skip
 
 
 def unbeaten(drives: list[Choice]) -> list[bool]:
     """Whether a drive is on the front: no other is as good in mass, price and energy and better in one of them."""
-    figures = [tuple(one.figures.get(name, float("nan")) for name in _AXES) for one in drives]
+    figures = [tuple(one.figures.get(name, nan) for name in _AXES) for one in drives]
     known = [tuple(value for value in each if isfinite(value)) for each in figures]
 
     def beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
@@ -182,47 +95,13 @@ def unbeaten(drives: list[Choice]) -> list[bool]:
     return [not any(beats(one, other) for one in known) for other in known]
 
 
-def _points(drives: list[Choice], best: list[bool]) -> Plot:
-    mass = [1e3 * one.figures["mass"] for one in drives]
-    price = [one.figures["price"] for one in drives]
-    energy = [one.figures["energy"] for one in drives]
-    points = line(mass, price, "drives", "blue")
-    return points | {
-        "mode": "markers",
-        "marker": {
-            "size": [12 if front else 8 for front in best],
-            "symbol": ["diamond" if front else "circle" for front in best],
-            "color": [value if isfinite(value) else None for value in energy],
-            "colorscale": _SCALE,
-            "colorbar": {
-                "title": {"text": "energy per cycle (J)", "side": "right"},
-                "thickness": 10,
-                "outlinewidth": 0,
-            },
-        },
-        "customdata": [_hover_text(one, front) for one, front in zip(drives, best, strict=True)],
-        "hovertemplate": "<b>%{customdata[0]}</b><br>%{customdata[1]}<br>%{customdata[2]}<extra></extra>",
-    }
-
-
-def _hover_text(one: Choice, front: bool) -> list[str]:
-    energy = one.figures["energy"]
+def _hover_text(one: Choice, front: bool) -> Iterator[str]:
+    energy, tight = one.figures["energy"], one.figures.get("margin", nan)
     drawn = show(energy, "J", "energy") if isfinite(energy) else "energy unknown"
-    tight = one.figures.get("margin", float("nan"))
-    figures = f"{show(one.figures['mass'], 'g', 'mass')}, {one.figures['price']:.2f} EUR, {drawn}"
+    yield one.parts.label
+    yield f"{show(one.figures['mass'], 'g', 'mass')}, {one.figures['price']:.2f} EUR, {drawn}"
     words = [f"smallest margin {margin(tight)}"] if isfinite(tight) else []
-    return [plain(one.parts.label), plain(figures), "; ".join([*words, *(["none beats it"] if front else [])])]
-
-
-def _choices_layout(coloured: bool) -> Plot:
-    return {
-        "height": 380,
-        "hovermode": "closest",
-        "xaxis": {"title": {"text": "mass (g)"}},
-        "yaxis": {},
-        "annotations": [above("price (EUR)")],
-        **({"margin": {"r": 80}} if coloured else {}),
-    }
+    yield "; ".join([*words, *(["none beats it"] if front else [])])
 
 
 # -- The drives that pass in an order of the reader's own weights, which the page computes by itself.

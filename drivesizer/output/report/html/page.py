@@ -8,26 +8,14 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drivesizer.output.document.axes import MachineContent, document_of, drawings_of
+from drivesizer.output.document.axes import MachineContent, document_of, pictures_of_content
 from drivesizer.output.document.candidates import candidate_numbers
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
-from drivesizer.output.report.figures.all_figures import STILL
-from drivesizer.output.report.figures.field import conditions, panels
+from drivesizer.output.report.figures.all_figures import Pictured
 from drivesizer.output.report.figures.style import COLOURS, Drawing
-from drivesizer.output.report.html.candidate_plots import choices_plot, front_plot, sets_plot, weights_section
-from drivesizer.output.report.html.curves import Plot
-from drivesizer.output.report.html.plots import (
-    bode_plot,
-    charge_plot,
-    closed_loop_plot,
-    consumers_plot,
-    cycle_plot,
-    field_plot,
-    motion_plot,
-    power_plot,
-    step_plots,
-)
+from drivesizer.output.report.html.candidate_plots import choices_plot, sets_plot, weights_section
+from drivesizer.output.report.html.plots import Data, movable
 from drivesizer.output.report.html.templates import digest, environment, mathematics, mathml, own_file, unbroken
 
 # -- Still figures of the page: drawings whose colours follow the light or dark scheme of the reader.
@@ -85,7 +73,6 @@ def _dark(colour: str) -> str:
 
 
 SCRIPTS = ("tables.js", "plots.js", "weights.js", "weights_view.js", "page.js")  # one after the other, as one script
-_MOST_PANELS = 6  # of the motor's field that can be moved
 
 
 def report_html(content: Content | MachineContent, *, date: str | None = None) -> bytes:
@@ -95,23 +82,27 @@ def report_html(content: Content | MachineContent, *, date: str | None = None) -
 
 def page_parts(
     content: Content | MachineContent, date: str | None = None
-) -> tuple[dict[str, Any], dict[str, Plot], dict[str, Drawing]]:
+) -> tuple[dict[str, Any], dict[str, Data], dict[str, Drawing]]:
     """The document of a report, its figures that can be moved, and those that cannot, by name."""
-    filled, drawings = paper_data(document_of(content), date), drawings_of(content)
-    wanted, figures = {*pictures_of(filled["sections"])}, dict[str, Plot]()
-    if isinstance(content, MachineContent) and len(content.axes) > 1:
-        stacked = power_plot(content.sizing.power) if content.sizing.power else None
-        figures |= {"power": stacked} if stacked else {}
-        figures |= {f"{one.key}{name}": plot for one in content.axes for name, plot in movable(one.content).items()}
-        still = [*content.loads, *(f"{one.key}{name}" for one in content.axes for name in STILL)]
-    else:
+    filled, pictures = paper_data(document_of(content), date), pictures_of_content(content)
+    several = isinstance(content, MachineContent) and len(content.axes) > 1
+    if not several:
         alone = content.axes[0].content if isinstance(content, MachineContent) else content
-        figures, still = movable(alone), [*STILL]
         filled["sections"] = [*_with_weights(filled["sections"], alone)]
-        wanted |= {"choices"}
-    kinds = {name: re.sub(r"-\d+$", "", name) for name in figures}  # those of one kind are numbered
-    pictures = {name: drawings[name] for name in still if name in wanted and name in drawings}
-    return filled, {name: figures[name] for name in figures if kinds[name] in wanted}, pictures
+        pictures = pictures | _of_candidates(alone)
+    wanted = {name: one for name in dict.fromkeys(pictures_of(filled["sections"])) if (one := pictures.get(name))}
+    figures = {f"{name}-{n}" if len(one.page) > 1 else name: movable(plot)
+               for name, one in wanted.items() for n, plot in enumerate(one.page, 1)}  # fmt: skip
+    return filled, figures, {name: one.paper for name, one in wanted.items() if one.paper and not one.page}
+
+
+def _of_candidates(content: Content) -> dict[str, Pictured]:
+    """Figures that the page alone has."""
+    drives = candidate_numbers(content)
+    made = {"sets-margin": sets_plot(drives, "percent", "smallest margin", "%"),
+            "sets-price": sets_plot(drives, "price", "price", "EUR"),
+            "choices": choices_plot(content.result.choices)}  # fmt: skip
+    return {name: Pictured(None, [plot]) for name, plot in made.items() if plot}
 
 
 def _with_weights(sections: list[dict[str, Any]], content: Content) -> Iterator[dict[str, Any]]:
@@ -127,7 +118,7 @@ def _with_weights(sections: list[dict[str, Any]], content: Content) -> Iterator[
         yield chosen
 
 
-def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: Mapping[str, Drawing]) -> bytes:
+def filled_page(filled: dict[str, Any], figures: Mapping[str, Data], pictures: Mapping[str, Drawing]) -> bytes:
     """A document with its figures as an HTML file."""
     from markupsafe import Markup
     from plotly.offline import get_plotlyjs
@@ -152,30 +143,3 @@ def filled_page(filled: dict[str, Any], figures: Mapping[str, Plot], pictures: M
         )
     )
     return page.encode()
-
-
-def movable(content: Content) -> dict[str, Plot]:
-    """The figures that can be moved by name, in the order of the report; those of one kind are numbered."""
-    result, validation, best = content.result, content.validation, content.drive
-    drives = candidate_numbers(content)
-    made: dict[str, Plot | None] = {
-        "profile": motion_plot(result.spec),
-        "cycle": cycle_plot(content.cycles),
-        "sets-margin": sets_plot(drives, "percent", "smallest margin (%)"),
-        "sets-price": sets_plot(drives, "price", "price (EUR)"),
-        "front": front_plot(result) if result.front else None,
-    }
-    made["choices"] = choices_plot(result.choices)
-    fields = panels(result.problem, best, result.requirements) if best else []
-    times = [cycle.time for _, cycle in content.cycles]
-    for n, panel in enumerate(fields[:_MOST_PANELS]):  # the first is in the summary
-        made[f"fields-{n}" if n else "field"] = field_plot(panel, times) | {"title": conditions(panel) if n else ""}
-    budget = best.energy if best else None
-    made |= {"consumers": consumers_plot(budget), "charge": charge_plot(budget)}
-    if validation:
-        made["loop"] = closed_loop_plot(validation)
-        if validation.loops:
-            made["bode"] = bode_plot(validation.loops)
-            for n, (title, plot) in enumerate(step_plots(validation.loops).items(), 1):
-                made[f"step-{n}"] = plot | {"title": title}
-    return {name: plot for name, plot in made.items() if plot}

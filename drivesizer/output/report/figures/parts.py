@@ -1,0 +1,175 @@
+"""Curves of one part out of the catalogue: what a motor, gearhead, stepper or battery does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import isnan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import HELD
+from drivesizer.catalog.query import Hit
+from drivesizer.machine.battery import pack_of, run_time
+from drivesizer.machine.part_curves import gear_efficiency, nominal_voltage_curves
+from drivesizer.output.part import pull_out_conditions, reach_of, speed_torque
+from drivesizer.output.report.figures.picture import DASHED, DOTTED, MIXED, Curve, Diagram, Plot
+from drivesizer.output.report.figures.style import torque_unit
+from drivesizer.physics.stepper import PULL_OUT_SHARE, pull_out_torque, rotor_teeth
+from drivesizer.spec.battery import Battery
+from drivesizer.units import from_si, label, show
+
+Array = NDArray[np.float64]
+Made = Iterator[tuple[str, Plot]]
+_POINTS = 121
+_SUPPLIES = (24.0, 48.0)  # V, of a stepper without a printed curve
+_USEFUL = 0.15  # of its torque at rest
+_LOOKS: dict[str, dict[str, Any]] = {  # of a curve of speed over torque
+    "line": {}, "continuous": {"colour": "green", "dashes": DASHED}, "peak": {"colour": "vermillion",
+    "dashes": DOTTED}, "nominal": {"colour": "green", "mark": "o", "joined": False},
+}  # fmt: skip
+_COLOURS = ("blue", "vermillion", "green", "purple", "orange", "grey")
+_DASHES = ("solid", DASHED, DOTTED, MIXED)
+
+
+def part_plots(hit: Hit) -> dict[str, Plot]:
+    """Curves of a part that its figures give, by a name."""
+    return dict(_OF[hit.section](hit)) if hit.section in _OF else {}
+
+
+def _look(number: int) -> dict[str, Any]:
+    return {"colour": _COLOURS[number % len(_COLOURS)], "dashes": _DASHES[number % len(_DASHES)]}
+
+
+def _alone(curves: list[Curve]) -> str:
+    """Name of a line that has no legend, for it is alone."""
+    return f": {curves[0].name}" if len(curves) == 1 else ""
+
+
+def _motor(hit: Hit) -> Made:
+    """Speed, current and efficiency over one axis of torque, of a motor or an actuator."""
+    curves, reach = speed_torque(hit), reach_of(hit)
+    if not curves or isnan(reach):
+        return
+    unit, torque = torque_unit(reach), reach * np.linspace(0.0, 1.0, _POINTS) ** 2  # dense where the efficiency rises
+    _, current, efficiency = nominal_voltage_curves(hit, torque)
+    below = [("current", "A", "vermillion", current)]
+    if np.nanmax(efficiency, initial=0.0) <= 1.0:  # else its figures contradict one another
+        below.append(("efficiency", "%", "purple", 100.0 * efficiency))
+    below = [one for one in below if not np.isnan(one[-1]).all()]
+    speeds = [
+        Curve(name=one.name, x=from_si(np.asarray(one.torque), unit, "torque"),
+              y=from_si(np.asarray(one.speed), "rpm", "rotary_speed"), **_LOOKS[one.kind])
+        for one in curves
+    ]  # fmt: skip
+    across = from_si(torque, unit, "torque")
+    diagrams = [Diagram(name="speed", unit="rpm", curves=speeds, whole=True, height=1.0 if below else 1.5)]
+    diagrams += [
+        Diagram(name=name, unit=of, whole=True, height=1.0,
+                curves=[Curve(name=name, x=across, y=values, colour=colour, listed=False)])
+        for name, of, colour, values in below
+    ]  # fmt: skip
+    names = ", ".join(("Speed", *(name for name, *_ in below)))
+    yield "speed-torque", Plot(diagrams=diagrams, across="torque", unit=unit, ends=(0.0, 1.04 * float(across[-1])),
+                               title=f"{names} over torque at nominal voltage")  # fmt: skip
+
+
+def _gearhead(hit: Hit) -> Made:
+    """Efficiency over load where the torque without load is known, and permissible torques of its family over ratio."""
+    reach = hit["intermittent_torque"] if hit["intermittent_torque"] > 0.0 else hit["continuous_torque"]
+    if reach > 0.0 and not isnan(hit["no_load_torque"] + hit["efficiency"]):
+        unit, torque = torque_unit(reach), np.linspace(0.0, reach, _POINTS)[1:]
+        curve = Curve(name="efficiency", x=from_si(torque, unit, "torque"), y=100.0 * gear_efficiency(hit, torque))
+        yield "efficiency", Plot(
+            diagrams=[Diagram(name="efficiency", unit="%", curves=[curve], whole=True)], across="torque at the output",
+            unit=unit, title="Efficiency over load, as sizing computes it",
+        )  # fmt: skip
+    table = hit.table
+    family = np.flatnonzero((table["family"] == hit["family"]) & ~table.excluded)
+    curves = []
+    for name, words, colour, mark in (("continuous_torque", "continuous", "blue", "o"),
+                                      ("intermittent_torque", "intermittent", "vermillion", "s")):  # fmt: skip
+        known = family[np.isfinite(table[name][family] + table["ratio"][family])]
+        if len(np.unique(table["ratio"][known])) < 2:
+            continue
+        look: dict[str, Any] = {"colour": colour, "mark": mark, "joined": False}
+        curves.append(Curve(name=words, x=table["ratio"][known], y=table[name][known], hollow=True,
+                            texts=[str(part) for part in table["part"][known]], **look))  # fmt: skip
+        if hit.row in known:
+            curves.append(Curve(name=f"{hit.part}, {words}", x=[hit["ratio"]], y=[hit[name]], **look))
+    if curves:
+        diagram = Diagram(name="torque at the output", unit="N*m", curves=curves, whole=True)
+        yield "torque-ratio", Plot(diagrams=[diagram], across="ratio", unit="", log=True,
+                                   title=f"Permissible torque in {hit['family']} over ratio")  # fmt: skip
+
+
+def _stepper(hit: Hit) -> Made:
+    """Pull-out torque over speed: as printed, else of the model with its band."""
+    own = hit.catalog.pull_outs.on(hit.catalog.pull_outs.stepper == hit.row)
+    unit, curves = torque_unit(hit["holding_torque"]) if hit["holding_torque"] > 0.0 else "N*m", list[Curve]()
+    for number, curve in enumerate(np.unique(own.curve).tolist()):
+        one = own.on(own.curve == curve)
+        curves.append(Curve(name=pull_out_conditions(one), x=from_si(one.speed, "rpm", "rotary_speed"),
+                            y=from_si(one.torque, unit, "torque"), mark="o", **_look(number)))  # fmt: skip
+    title = f"Pull-out torque as printed{_alone(curves)}"
+    if not curves:
+        curves, title = list(_modelled(hit, unit)), "Pull-out torque, estimated: no curve is printed"
+    if curves:
+        diagram = Diagram(name="pull-out torque", unit=unit, curves=curves, whole=True)
+        yield "pull-out", Plot(diagrams=[diagram], across="speed", unit="rpm", title=title)
+
+
+def _modelled(hit: Hit, unit: str) -> Iterator[Curve]:
+    """Share of the ideal model at two supply voltages, and the band of the share."""
+    known = {name: hit[name] for name in ("holding_torque", "phase_current", "resistance", "inductance")}
+    teeth, (share, band) = rotor_teeth(hit["full_steps"]), PULL_OUT_SHARE
+    if isnan(sum(known.values()) + teeth):
+        return
+    for number, voltage in enumerate(_SUPPLIES):
+        far = np.geomspace(1.0, 1e4, 400)  # rad/s; up to where enough of the torque at rest is left to be of use
+        torque = pull_out_torque(far, voltage, teeth=teeth, **known)
+        left = np.flatnonzero(torque > _USEFUL * torque[0])
+        speed = np.linspace(0.0, float(far[left[-1]] if len(left) else far[-1]), _POINTS)
+        torque = from_si(share * pull_out_torque(speed, voltage, teeth=teeth, **known), unit, "torque")
+        rpm, supply = from_si(speed, "rpm", "rotary_speed"), show(voltage, "V", "voltage")
+        most = np.minimum(torque * band, torque / share)  # no more than the model itself
+        yield Curve(name=f"5 to 95 % at {supply}", x=np.concatenate([rpm, rpm[::-1]]), filled=0.15,
+                    y=np.concatenate([torque / band, most[::-1]]), colour=_COLOURS[number])  # fmt: skip
+        yield Curve(name=f"{supply} supply, {share:g} of the ideal model", x=rpm, y=torque, **_look(number))
+
+
+def _battery(hit: Hit) -> Made:
+    """Run time over current or power: as printed, else of one cell or block by the rule that sizing uses."""
+    own = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
+    for held, unit in HELD.items():
+        known, curves = own.on(~np.isnan(getattr(own, held))), []
+        for number, end in enumerate(np.unique(known.cutoff_voltage)):
+            some = known.on(known.cutoff_voltage == end)
+            draw = getattr(some, held)
+            order = np.argsort(draw)
+            curves.append(Curve(name=f"down to {show(float(end), 'V', 'voltage')}", x=draw[order],
+                                y=some.time[order] / 3600.0, mark="o", **_look(number)))  # fmt: skip
+        if curves:
+            title = f"Run time at constant {held} as printed{_alone(curves)}"
+            yield f"discharge-{held}", _run_times(curves, f"constant {held}", label(unit), title)
+    pack = pack_of(Battery(part=hit.part), hit.catalog) if not len(own.time) else None
+    if pack and pack.law is not None:
+        most = hit["continuous_current"] if hit["continuous_current"] > 0.0 else 2.0 * pack.capacity / 3600.0
+        current = np.geomspace(pack.capacity / (20.0 * 3600.0), most, 41)
+        times = np.asarray(run_time(pack, current * pack.mean_voltage)) / 3600.0
+        curve = Curve(name=pack.rule, x=current, y=times)
+        yield (
+            "discharge",
+            _run_times([curve], "constant current", "A", f"Run time at constant current, computed: {pack.rule}"),
+        )
+
+
+def _run_times(curves: list[Curve], across: str, unit: str, title: str) -> Plot:
+    return Plot(diagrams=[Diagram(name="run time", unit="h", curves=curves, log=True)], across=across, unit=unit,
+                log=True, title=title)  # fmt: skip
+
+
+_OF: dict[str, Callable[[Hit], Made]] = {
+    "motors": _motor, "actuators": _motor, "gearheads": _gearhead, "steppers": _stepper, "batteries": _battery,
+}  # fmt: skip

@@ -1,0 +1,335 @@
+"""Pictures of curves, described once for paper and page: diagrams below one another over one axis.
+
+A picture is data in the units of its axes. ``on_paper`` draws it with matplotlib, ``html/plotly`` makes it plain data
+that the page moves. Of a long record paper has the stretches in which something changes, beside each other with gaps;
+the page has all of it, and a button for each stretch.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import ceil, isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.output.derivation import clean, short
+from drivesizer.output.report.figures import style
+from drivesizer.output.report.figures.style import COLOURS, Window
+from drivesizer.units import label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+DASHED, DOTTED, MIXED = (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Curve:
+    """Points that a line joins, or marks, or the outline of an area."""
+
+    name: str  # in the legend; curves of one name are one entry
+    x: Any
+    y: Any
+    colour: str = "blue"
+    dashes: Any = "solid"
+    width: float = 1.1  # pt
+    mark: str = ""  # at each point, by matplotlib's letters
+    hollow: bool = False
+    joined: bool = True
+    filled: float = 0.0  # opacity of the area that it is the outline of
+    stack: str = ""  # layers of one name stand on one another; their values hold from each time to the next
+    hatch: str = ""
+    listed: bool = True  # in the legend
+    first: bool = True  # whether the page shows it before it is selected
+    detail: str = ""  # below its name in the legend on paper
+    texts: Sequence[str] = ()  # what the page says of each point
+    keys: Sequence[str] = ()  # of the rows of a table that the points are
+    spots: Sequence[tuple[str, str]] = ()  # a short text beside each point, and on which side
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Diagram:
+    """Curves over one upright axis."""
+
+    name: str
+    unit: str
+    curves: Sequence[Curve]
+    ends: tuple[float, float] | None = None  # of the axis; else what is drawn, and 0 where it is ``whole``
+    whole: bool = False
+    levels: Sequence[tuple[str, float]] = ()  # limits with their names
+    dashed: Sequence[float] = ()  # lines across that the curves are read against
+    upright: Sequence[float] = ()  # and such lines upright
+    band: tuple[float, float] | None = None  # across
+    zero: bool = False  # a line at 0
+    tick: float = 0.0  # between two ticks; 0: as suits
+    log: bool = False
+    height: float = 0.95  # in, on paper
+
+    @property
+    def reads(self) -> str:
+        """The label of its axis."""
+        return f"{self.name} ({label(self.unit)})" if self.unit else self.name
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plot:
+    """A picture of curves."""
+
+    diagrams: Sequence[Diagram]
+    across: str  # name of the level axis
+    unit: str
+    ends: tuple[float, float] | None = None
+    windows: Sequence[Window] = ()  # stretches of a record over time
+    log: bool = False
+    over_time: bool = False  # the page shows all curves at a time
+    legend: str = "above"  # or at the right, on paper
+    columns: int = 2  # of the legend above
+    fewest: int = 2  # names that a legend is for
+    title: str = ""
+    trace: Mapping[str, Any] = field(default_factory=dict)  # of the page alone, for all its curves
+
+    def titled(self, title: str) -> Plot:
+        """The same with a title, which the page has above it."""
+        return replace(self, title=title)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bars:
+    """Bars with their names, the first on top; NaN is unknown."""
+
+    rows: Sequence[tuple[str, float]]
+    across: str
+    unit: str
+
+
+def over_time(*diagrams: Diagram, windows: Sequence[Window], **more: Any) -> Plot:
+    """A picture over time [s]."""
+    end = max(float(curve.x[-1]) for one in diagrams for curve in one.curves)
+    start = min(float(curve.x[0]) for one in diagrams for curve in one.curves)
+    return Plot(diagrams=diagrams, across="time", unit="s", ends=(start, end), windows=windows, over_time=True, **more)
+
+
+_LINE = 0.16  # in, of a legend
+_LETTERS = 30  # of a line of a legend at the right
+_BESIDE = 2.05  # in, of such a legend
+_WIDE = 13  # letters of the name of a low diagram's axis on a line
+_HEIGHT_OF_A_NAME = 0.16  # of the axis
+_FEW = 60  # points that are marked each
+
+
+@style.figure
+def on_paper(figure: Figure, plot: Plot) -> None:
+    """A picture as paper has it."""
+    names = {curve.name for one in plot.diagrams for curve in one.curves if curve.listed and curve.name}
+    right = plot.legend == "right"
+    lines = 0 if right or len(names) < plot.fewest else ceil(len(names) / plot.columns)
+    strip = style.strip(plot.windows) if plot.windows else None
+    titled = strip is not None and len(strip.windows) > 1
+    top = 0.1 + _LINE * lines + 0.12 * titled
+    heights = [one.height for one in plot.diagrams]
+    low = max(heights) < 0.9  # names of axes on several lines
+    said = _on_lines if right else _on_a_line if plot.columns > 1 else lambda curve: clean(curve.name)
+    grid = style.placed(figure, sum(heights) + 0.5 + top - 0.1, len(heights), top=top, left=0.8 if low else 0.66,
+                        heights=heights, right=_BESIDE if right else 0.2)  # fmt: skip
+    for (axes,), one in zip(grid, plot.diagrams, strict=True):
+        draw(axes, one, strip, said)
+        if low:
+            axes.set_ylabel("\n".join([*textwrap.wrap(one.name, _WIDE), f"({label(one.unit)})"]))
+        if strip:
+            style.across(axes, strip, titled=titled and axes is grid[0][0])
+    axes = grid[-1][0]
+    if plot.log:
+        _decades(axes, plot.ends)
+    elif plot.ends and not strip:
+        axes.set_xlim(plot.ends)
+    axes.set_xlabel(f"{plot.across} ({label(plot.unit)})" if plot.unit else plot.across)
+    handles = {said: line for (ax,) in reversed(grid)
+               for line, said in reversed([*zip(*ax.get_legend_handles_labels(), strict=True)])}  # fmt: skip
+    if right:
+        style.outside(axes)
+    elif lines:
+        listed = [*dict.fromkeys(said for (ax,) in grid for said in ax.get_legend_handles_labels()[1])]
+        style.heading(figure, [handles[said] for said in listed], listed, plot.columns)
+
+
+def _on_a_line(curve: Curve) -> str:
+    return style.named(curve.name)
+
+
+def draw(
+    axes: Axes, one: Diagram, strip: style.Strip | None = None, said_of: Callable[[Curve], str] = _on_a_line
+) -> None:
+    """A diagram on its axes."""
+    seen = {""}
+    stacks: dict[str, Array] = {}
+    for curve in one.curves:
+        said = said_of(curve) if curve.listed and curve.name not in seen else ""
+        seen.add(curve.name)
+        colour = COLOURS.get(curve.colour, "black")
+        look: dict[str, Any] = {"color": colour, "linestyle": curve.dashes, "linewidth": curve.width,
+                                "label": said or None}  # fmt: skip
+        if curve.mark:
+            small = curve.joined and len(curve.x) > 1
+            look |= {"marker": curve.mark if not small or len(curve.x) <= _FEW else "",
+                     "markersize": 2.5 if small else 5.5, "zorder": 6,
+                     **({"markerfacecolor": "none", "markeredgewidth": 1.2} if curve.hollow else {}),
+                     **({} if curve.joined else {"linestyle": "none"})}  # fmt: skip
+        if curve.stack:
+            _layer(axes, curve, stacks, said)
+        elif curve.filled:
+            axes.fill(curve.x, curve.y, color=colour, alpha=curve.filled, linewidth=0, label=said or None)
+        elif strip:
+            style.plotted(axes, curve.x, curve.y, strip, **look)
+        else:
+            axes.plot(curve.x, curve.y, **look)
+    if one.zero:
+        axes.axhline(0.0, color="black", linewidth=0.6)
+    for level in one.dashed:
+        axes.axhline(level, color="black", linewidth=0.6, linestyle=(0, (4, 3)))
+    for place in one.upright:
+        axes.axvline(place, color=COLOURS["grey"], linewidth=0.6, linestyle=(0, (4, 3)))
+    if one.band:
+        axes.axhspan(*one.band, color=COLOURS["grey"], alpha=0.18, linewidth=0)
+    if one.levels:
+        _limits(axes, one)
+    if one.ends:
+        axes.set_ylim(one.ends)
+    elif one.whole:
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]) if axes.dataLim.y0 < 0.0 else 0.0)
+    if one.tick:
+        from matplotlib.ticker import MultipleLocator
+
+        axes.yaxis.set_major_locator(MultipleLocator(one.tick))
+    axes.set_ylabel(one.reads)
+
+
+def _on_lines(curve: Curve) -> str:
+    """The name of a curve in a legend at the right, on lines of its own where it is long."""
+    lines = textwrap.wrap(clean(curve.name).replace("\u200b", ""), _LETTERS)[:2]
+    return "\n".join(style.named(line) for line in [*lines, *([curve.detail] if curve.detail else [])])
+
+
+def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], said: str) -> None:
+    from matplotlib.colors import to_rgb
+
+    below = stacks.get(curve.stack, np.zeros(len(curve.y)))
+    above = stacks[curve.stack] = below + curve.y
+    colour = COLOURS[curve.colour]
+    light = tuple(1.0 - 0.45 * (1.0 - part) for part in to_rgb(colour))  # lines can be read on it
+    axes.stairs(above[:-1], curve.x, baseline=below[:-1], fill=True, facecolor=light, hatch=curve.hatch,
+                edgecolor=colour, linewidth=0.4, label=said or None)  # fmt: skip
+
+
+def _limits(axes: Axes, one: Diagram) -> None:
+    """Limits in sight as lines, those beyond the end of the axis in words."""
+    top = (one.ends or axes.get_ylim())[1]
+    inside = [level for level in one.levels if level[1] <= top]
+
+    def said(name: str, value: float) -> str:
+        return f"{name} {value:.4g} {label(one.unit)}"
+
+    for look, (name, value) in enumerate(inside):
+        below = any(value < other < value + _HEIGHT_OF_A_NAME * top for _, other in inside)
+        style.limit(axes, value, said(name, value), look, below=below)
+    beyond = [said(*level) for level in one.levels if level not in inside]
+    if beyond:
+        style.beside(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
+
+
+def _decades(axes: Axes, ends: tuple[float, float] | None) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    assert ends is not None
+    plain = FuncFormatter(lambda x, _: f"{x:g}")
+    axes.set(xscale="log", xlim=ends)
+    axes.xaxis.set_major_formatter(plain)
+    axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    axes.tick_params(axis="x", which="minor", pad=5.0)  # on the line of the longer ticks
+    axes.xaxis.set_minor_formatter(plain if ends[1] < 100.0 * ends[0] else NullFormatter())
+
+
+def draw_bars(axes: Axes, bars: Bars) -> None:
+    """Bars on their axes, each with its figure."""
+    figures = [value for _, value in bars.rows]
+    colours = ["white" if value < 0.0 else COLOURS["sky"] for value in figures]
+    axes.barh(range(len(figures)), figures, height=0.7, color=colours, edgecolor=COLOURS["blue"], linewidth=0.6,
+              zorder=3)  # fmt: skip
+    for place, value in enumerate(figures):
+        said = f"{value:.3g}".replace("-", "−") if isfinite(value) else "unknown"
+        at = max(value, 0.0) if isfinite(value) else 0.0
+        style.beside(axes, said, (at, place), (3, 0), va="center", fontsize=6.8)
+    style.bars(axes, [style.named(name) for name, _ in bars.rows])
+    axes.axvline(0.0, color="black", linewidth=0.6)
+    axes.set_xlabel(f"{bars.across} ({label(bars.unit)})")
+    axes.set_xlim(right=1.18 * max(0.0, np.nanmax(figures)) or 1.0)
+
+
+# -- Texts beside the points of a diagram, where they cover neither one another, a point nor the edge.
+
+
+_GAP, _DOT, _LETTER, _HIGH = 3.5, 2.5, 0.68, 1.25  # pt; half of a mark, pt; width and height of a letter by its size
+SIDES = {"right": (1.0, 0.0), "left": (-1.0, 0.0), "top": (0.0, 1.0), "bottom": (0.0, -1.0), "top right": (1.0, 1.0),
+         "bottom right": (1.0, -1.0), "top left": (-1.0, 1.0), "bottom left": (-1.0, -1.0)}  # fmt: skip
+
+
+def spots(
+    points: Sequence[tuple[float, float]], texts: Sequence[Sequence[str]], room: tuple[float, float], size: float
+) -> list[tuple[str, str]]:
+    """Of each point the first of its texts that has room, and its side; empty without.
+
+    ``room`` is what the axes take [pt], with their ends as far beyond the points as ``AROUND`` says.
+
+    >>> spots([(207.0, 2.1), (207.0, 0.9), (192.7, -29.0)], [["1"], ["2"], ["3"]], (300.0, 200.0), 6.5)
+    [('1', 'right'), ('2', 'right'), ('3', 'right')]
+    """
+    at = np.array(points, float).reshape(-1, 2)
+    low, spread = at.min(axis=0), np.where(np.ptp(at, axis=0) == 0.0, 1.0, np.ptp(at, axis=0))
+    places = ((at - low) / spread + AROUND) / (1.0 + 2.0 * np.array(AROUND)) * room
+    taken = [(x - _DOT, y - _DOT, x + _DOT, y + _DOT) for x, y in places]
+    found = []
+    for x, y in places:
+        spot = ("", "")
+        for text in texts[len(found)]:
+            wide, high = _LETTER * size * len(text), _HIGH * size
+            for side, (across, up) in SIDES.items():
+                left = x + across * (_GAP + wide / 2.0) - wide / 2.0
+                base = y + up * (_GAP + high / 2.0) - high / 2.0
+                box = left, base, left + wide, base + high
+                inside = min(left, base) >= 0.0 and box[2] <= room[0] and box[3] <= room[1]
+                free = all(box[0] >= b[2] or b[0] >= box[2] or box[1] >= b[3] or b[1] >= box[3] for b in taken)
+                if inside and free:
+                    taken.append(box)
+                    spot = short(text), side
+                    break
+            if spot[0]:
+                break
+        found.append(spot)
+    return found
+
+
+AROUND = (0.08, 0.12)  # of the spread of the points, beyond them at each end
+
+
+@style.figure
+def scatter(figure: Figure, plot: Plot) -> None:
+    """Points with their texts as paper has them."""
+    ((axes,),) = style.placed(figure, 2.9)
+    (diagram,) = plot.diagrams
+    draw(axes, diagram)
+    axes.margins(*AROUND)
+    axes.set_xlabel(f"{plot.across} ({label(plot.unit)})")
+    for curve in diagram.curves:
+        for x, y, (text, side) in zip(curve.x, curve.y, curve.spots, strict=True):
+            across, up = SIDES.get(side, (0.0, 0.0))
+            if text:
+                style.beside(axes, text, (x, y), (_GAP * across, _GAP * up), ha=_ALIGNED[-across], va=_UPRIGHT[-up])
+
+
+_ALIGNED = {-1.0: "left", 0.0: "center", 1.0: "right"}
+_UPRIGHT = {-1.0: "bottom", 0.0: "center", 1.0: "top"}
