@@ -4,7 +4,7 @@ import pytest
 
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.records import Equation, Words
-from drivesizer.output.document.worked import WORKED
+from drivesizer.output.document.worked import with_numbers
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
@@ -41,7 +41,7 @@ def test_the_formulas_give_what_the_checks_have(kind, catalog):
     load = {"kind": kind, **LOADS[kind]}
     spec = load_spec({"name": "x", "load": load, "motion": motion, "supply": SUPPLY, "transmission": stages})
     result = size(spec, catalog=catalog, top=1)
-    blocks = list(WORKED.blocks(Content(result)))
+    blocks = list(with_numbers.blocks(Content(result)))
     steps = {b.step["exact"]["name"]: b.step["exact"]["value"] for b in blocks if isinstance(b, Equation)}
     assert not [b for b in blocks[1:] if isinstance(b, Words)]  # the load's own formula holds
     drive, requirements = result.sets[0], {r.name: r.value for r in result.requirements}

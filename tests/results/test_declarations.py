@@ -40,7 +40,7 @@ ADDED = {  # file: a line before which another goes, or several such
     "output/document/__init__.py": (
         '__all__ = ["SECTIONS"',
         "from drivesizer.output.document.speeds import SPEEDS\n",
-        "    at_work.PIECES,\n",
+        "    at_work.pieces,\n",
         "    SPEEDS,\n",
     ),
     "spec/drive.py": (

@@ -7,20 +7,8 @@ from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.query import Hit, origins
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content
-from drivesizer.output.document.records import (
-    Block,
-    Code,
-    Column,
-    Fragment,
-    Mark,
-    Picture,
-    Quantity,
-    Row,
-    Section,
-    Table,
-    Words,
-)  # fmt: skip
 from drivesizer.output.part import datasheets
 from drivesizer.results.drive_set import section_of
 from drivesizer.version import __version__
@@ -28,7 +16,9 @@ from drivesizer.version import __version__
 # -- The specification as it was entered, by section, with the figures of the motion.
 
 
-def _specification(content: Content) -> Iterator[Block]:
+@doc.section("specification", "Specification", media="paper")
+def specification(content: Content) -> Iterator[doc.Block]:
+    """The specification as it was entered."""
     entered = content.result.spec.entered
     top = [[key, _scalar(value)] for key, value in entered.items() if not isinstance(value, dict | list)]
     groups = [{"title": "general", "rows": top}]
@@ -36,10 +26,12 @@ def _specification(content: Content) -> Iterator[Block]:
                if isinstance(value, dict | list)]  # fmt: skip
     groups = [group for group in groups if group["rows"]]
     if groups:
-        yield Words(("The figures as they were entered", *((" in ", Code(content.file)) if content.file else ()), "."))
-    yield Fragment("spec", groups)
-    yield Picture("way", "The path from above, to scale, and the robot with its heading at intervals.",
-                  "the path in plan view", about="shows the path.")  # fmt: skip
+        yield doc.Words(
+            ("The figures as they were entered", *((" in ", doc.Code(content.file)) if content.file else ()), ".")
+        )
+    yield doc.Fragment("spec", groups)
+    yield doc.Picture("way", "The path from above, to scale, and the robot with its heading at intervals.",
+                      "the path in plan view", about="shows the path.")  # fmt: skip
     several = ", as specified" if content.cases else ""
     motion = (
         "The motion of the platform on its path, in its own axes."
@@ -47,7 +39,7 @@ def _specification(content: Content) -> Iterator[Block]:
         else f"The motion of one cycle{several}."
     )
     if content.result.method != "paper":  # whose derivation has it
-        yield Picture("profile", motion, "speed over time", about="shows the motion.")
+        yield doc.Picture("profile", motion, "speed over time", about="shows the motion.")
 
 
 def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
@@ -73,9 +65,6 @@ def _scalar(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-SPECIFICATION = Section(name="specification", title="Specification", blocks=_specification, media="paper")
-
-
 # -- What made the document out of what.
 
 
@@ -94,7 +83,9 @@ _MEANING = {
 }
 
 
-def _repeat(content: Content) -> Iterator[Block]:
+@doc.section("repeat", "How to repeat this", appendix=True, early="never")
+def repeat(content: Content) -> Iterator[doc.Block]:
+    """Versions and digests behind a result."""
     result = content.result
     yield from repeat_blocks(
         result.catalog.digests, result.method, result.objective, content.file, result.spec.text, result.spec.entered
@@ -103,76 +94,71 @@ def _repeat(content: Content) -> Iterator[Block]:
 
 def repeat_blocks(
     catalogs: Mapping[str, str], method: str, objective: str, file: str, text: str, entered: Mapping[str, Any]
-) -> Iterator[Block]:
+) -> Iterator[doc.Block]:
     """Versions, digests and the file that a result came from; without one the fields as they were entered."""
     import yaml
 
     few = catalogs.items() if len(catalogs) <= _FEW else ()
     made = {"drivesizer": __version__, "method": method, "objective": objective.replace("_", " ")}
-    rows = [Row({"title": title, "note": said}) for title, said in made.items()]
-    rows += [Row({"title": f"catalogue {name}, digest", "note": (Code(digest),)}) for name, digest in few]
-    columns = Column("title", "", "name"), Column("note", "", width=1.0)
-    yield Table("", columns, rows, look="figures")
+    rows = [doc.Row({"title": title, "note": said}) for title, said in made.items()]
+    rows += [doc.Row({"title": f"catalogue {name}, digest", "note": (doc.Code(digest),)}) for name, digest in few]
+    columns = doc.name("title"), doc.Column("note", "", width=1.0)
+    yield doc.Table("", columns, rows, look="figures")
     if not few:
-        yield Fragment("digests", [list(one) for one in catalogs.items()])
-        listed = [Row({"title": f"catalogue {name}, digest", "note": digest}) for name, digest in catalogs.items()]
-        yield Table("Catalogues", columns, listed, media="book")
-    yield Table(
-        "Words", columns, [Row({"title": word, "note": meaning}) for word, meaning in _MEANING.items()], media="book"
-    )
+        yield doc.Fragment("digests", [list(one) for one in catalogs.items()])
+        listed = [doc.Row({"title": f"catalogue {name}, digest", "note": digest}) for name, digest in catalogs.items()]
+        yield doc.Table("Catalogues", columns, listed, media="book")
+    yield doc.Table("Words", columns, [doc.Row({"title": word, "note": meaning}) for word, meaning in _MEANING.items()],
+                    media="book")  # fmt: skip
     lines = text.splitlines()
     if lines:
-        yield Fragment("file", [file or "spec.yaml", *lines])
+        yield doc.Fragment("file", [file or "spec.yaml", *lines])
     written = lines or yaml.safe_dump(dict(entered), allow_unicode=True, sort_keys=False).splitlines()
-    numbered = [Row({"line": Quantity(number), "text": line}) for number, line in enumerate(written, 1)]
-    yield Table(
+    numbered = [doc.Row({"line": doc.Quantity(number), "text": line}) for number, line in enumerate(written, 1)]
+    yield doc.Table(
         f"The spec file: {file or 'spec'}",
-        (Column("line", "line", "number"), Column("text", file or "spec", "code")),
+        (doc.number("line", "line"), doc.Column("text", file or "spec", "code")),
         numbered,
         media="book",
     )
 
 
-REPEAT = Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, early="never")
-
-
 # -- data sheets
 
 
-def _datasheets(content: Content) -> Iterator[Block]:
+@doc.section("datasheets", "Data sheets", appendix=True, media="paper")
+def data_sheets(content: Content) -> Iterator[doc.Block]:
+    """Data sheets of the parts of the drive."""
     if content.drive is not None:
         yield from sheet_blocks(datasheets(content.drive, content.result.catalog))
 
 
-def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[Block]:
+def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[doc.Block]:
     """Data sheets of parts, below the meaning of their marks."""
-    yield Words((
-        "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", Mark("secondary"),
-        " copied by others, ", Mark("derived"), " computed or inferred, ", Mark("recalled"),
+    yield doc.Words((
+        "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", doc.Mark("secondary"),
+        " copied by others, ", doc.Mark("derived"), " computed or inferred, ", doc.Mark("recalled"),
         " from memory, to be checked before anything is built. Figures that the catalogue does not know are not "
         "listed.",
     ))  # fmt: skip
-    yield Fragment("datasheets", sheets)
+    yield doc.Fragment("datasheets", sheets)
 
 
-DATA_SHEETS = Section(name="datasheets", title="Data sheets", blocks=_datasheets, appendix=True, media="paper")
-
-
-def _figures(content: Content) -> Iterator[Block]:
+@doc.section("figures", "Selected drive", media="book")
+def figures_of_parts(content: Content) -> Iterator[doc.Block]:
     """Every known figure of the drive's parts with its source and confidence."""
     if content.drive is None:
         return
     once = {(section_of(part), part.part): part for part in content.drive.parts.values() if part is not None}
     rows = [row for (section, _), part in once.items() for row in _part_rows(section, part, content.result.catalog)]
-    columns = (
-        Column("role", "part"), Column("maker", "maker"), Column("family", "family"), Column("number", "number"),
-        Column("title", "figure"), Column("value", "value", "number"), Column("confidence", "confidence", "mark"),
-        Column("note", "note"), Column("date", "source date"), Column("source", "source"),
-    )  # fmt: skip
-    yield Table("Figures of the parts with their sources", columns, rows)
+    columns = (doc.Column("role", "part"), doc.Column("maker", "maker"), doc.Column("family", "family"),
+               doc.Column("number", "number"), doc.Column("title", "figure"), doc.number("value", "value"),
+               doc.mark("confidence", "confidence"), doc.Column("note", "note"), doc.Column("date", "source date"),
+               doc.Column("source", "source"))  # fmt: skip
+    yield doc.Table("Figures of the parts with their sources", columns, rows)
 
 
-def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[Row]:
+def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[doc.Row]:
     """The known figures of a part, and the notes on them."""
     known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
     notes = catalog.notes_on(section, part.part)
@@ -184,12 +170,9 @@ def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[Row]:
             shown = (
                 str(value)
                 if column.kind == "text"
-                else Quantity(value, column.unit, "money" if money else column.kind, 6)
+                else doc.Quantity(value, column.unit, "money" if money else column.kind, 6)
             )
             on = [note.text for note in notes if (name in note.fields if name != "part" else not note.fields)]
-            yield Row({**named, "title": name.replace("_", " "), "value": shown,
-                       "confidence": (Mark(source.confidence),),
-                       "note": "; ".join(on), "date": source.date, "source": source.document}, name=name)  # fmt: skip
-
-
-FIGURES_OF_PARTS = Section(name="figures", title="Selected drive", blocks=_figures, media="book")
+            yield doc.Row({**named, "title": name.replace("_", " "), "value": shown,
+                           "confidence": (doc.Mark(source.confidence),), "note": "; ".join(on), "date": source.date,
+                           "source": source.document}, name=name)  # fmt: skip

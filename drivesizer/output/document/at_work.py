@@ -10,29 +10,8 @@ from typing import Any
 
 from drivesizer.control.validation import Loop, Validation
 from drivesizer.output.derivation import margin, step
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, OfLoop, driven_over
-from drivesizer.output.document.records import (
-    Block,
-    Bullets,
-    Cell,
-    Code,
-    Column,
-    Equation,
-    Heading,
-    Math,
-    Pair,
-    Picture,
-    Quantity,
-    Row,
-    Section,
-    Series,
-    Status,
-    Strong,
-    Table,
-    TableLink,
-    Text,
-    Words,
-)  # fmt: skip
 from drivesizer.output.document.rows import check_table, figures_table, requirements_table, tightest_table
 from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain_rows, left_out, loop_figures, loop_name
 from drivesizer.results.check import Figure, sentence_case
@@ -58,14 +37,20 @@ _OF_WHEELS = (
 _OF_CYCLE = "Figures of the load cycle, segment by segment, at the {shaft}."
 
 
-def _derivation(content: Content) -> Iterator[Block]:
+@doc.section(
+    "derivation",
+    lambda content: "Derivation" if content.result.method == "paper" else "Requirements of the load",
+    early="derivation",
+)
+def derivation(content: Content) -> Iterator[doc.Block]:
+    """Requirements of the load: equations with their numbers, or figures of the cycle."""
     from drivesizer.output.report.figures.cycle import stretches
 
     found, by_paper = content.result.requirements, content.result.method == "paper"
     notes = "".join(f", {note}" for note in dict.fromkeys(r.note for r in found if r.note)) if not by_paper else ""
     table = requirements_table(f"The {content.shaft}, of one drive{notes}", found, halves=True)
-    yield Picture("sketch", "The load with its symbols, and what was entered for them.",
-                  "the load with its symbols", about="is the load with its symbols.", small=True)  # fmt: skip
+    yield doc.Picture("sketch", "The load with its symbols, and what was entered for them.",
+                      "the load with its symbols", about="is the load with its symbols.", small=True)  # fmt: skip
     if by_paper:
         yield from _equations(content)
         yield replace(table, media="listed")
@@ -73,7 +58,9 @@ def _derivation(content: Content) -> Iterator[Block]:
             at_motor = requirements_table(f"At the motor, for {content.drive.label}", content.drive.requirements)
             yield replace(at_motor, media="terminal")
     else:
-        yield Words(_OF_WHEELS.format(wheel=content.wheel) if content.wheel else _OF_CYCLE.format(shaft=content.shaft))
+        yield doc.Words(
+            _OF_WHEELS.format(wheel=content.wheel) if content.wheel else _OF_CYCLE.format(shaft=content.shaft)
+        )
         yield table
     cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
     inertia, many = "The load's own inertia is in the torque.", len(content.cases)
@@ -86,35 +73,36 @@ def _derivation(content: Content) -> Iterator[Block]:
     else:
         first = ", in the first four load cases" if many > 4 else ""
         caption = f"Torque and speed of the {content.shaft} over the cycle, of one drive{{}}. {inertia}"
-    yield Picture("cycle", caption.format(first) + cut, "torque and speed of the driven shaft over time",
+    yield doc.Picture("cycle", caption.format(first) + cut, "torque and speed of the driven shaft over time",
                   about=_ABOUT_CYCLE[content.result.method], on_page=caption.format("") + further,
                   floats=True)  # fmt: skip
 
 
-def _equations(content: Content) -> Iterator[Block]:
-    yield Words((
+def _equations(content: Content) -> Iterator[doc.Block]:
+    yield doc.Words((
         f"Equation numbers are those of {_SOURCE}. Where the printed form and the computed one differ, both are shown. "
         "Numbers are put in in SI units; results follow in customary units. The three factors that the paper calls ",
-        Math("eta", "η"), " are ", Math('eta_"v"', "η_v"), " in (1), ", Math('eta_"R"', "η_R"), " in (10) and ",
-        Math('eta_"g"', "η_g"),
+        doc.Math("eta", "η"), " are ", doc.Math('eta_"v"', "η_v"), " in (1), ", doc.Math('eta_"R"', "η_R"),
+        " in (10) and ",
+        doc.Math('eta_"g"', "η_g"),
         " in (17), (18).",
     ))  # fmt: skip
     load: Any = content.result.spec.load
     slope = str((content.result.spec.entered.get("load") or {}).get("slope", "")).strip()
     if slope.endswith("%"):
-        yield Words(f"The slope of {slope} is put in as its angle, {show(load.slope, 'deg', 'angle')}.")
+        yield doc.Words(f"The slope of {slope} is put in as its angle, {show(load.slope, 'deg', 'angle')}.")
     yield _compared(content)
-    yield Heading("Nominal force, torque and power", media="paper")
+    yield doc.Heading("Nominal force, torque and power", media="paper")
     for r in content.result.requirements:
         if r.name == "acceleration":
-            yield Picture("profile", "The velocity profile, figure 1 of the paper.", "speed over time",
-                          about="is the velocity profile.")  # fmt: skip
+            yield doc.Picture("profile", "The velocity profile, figure 1 of the paper.", "speed over time",
+                              about="is the velocity profile.")  # fmt: skip
         if r.name == "wheel_mass":
-            yield Heading("Maximum torque and power", media="paper")
+            yield doc.Heading("Maximum torque and power", media="paper")
         yield _equation(r)
     if content.drive and content.drive.requirements:
-        yield Heading("At the motor shaft", media="paper")
-        yield Words(f"For {content.drive.label}.", media="paper")
+        yield doc.Heading("At the motor shaft", media="paper")
+        yield doc.Words(f"For {content.drive.label}.", media="paper")
         yield from map(_equation, content.drive.requirements)
 
 
@@ -129,35 +117,27 @@ _COMPARED = (  # title, nominal, maximum and RMS figure, equations
 )  # fmt: skip
 
 
-def _compared(content: Content) -> Table:
+def _compared(content: Content) -> doc.Table:
     """The figures that the paper gives first, in its order: nominal and maximum force, torque and power."""
     of_drive = content.drive.requirements if content.drive else ()
-    found = {r.name: Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)}
+    found = {r.name: doc.Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)}
     load: Any = content.result.spec.load
     if "maximum_torque" in found:
-        found["maximum_force"] = Quantity(2.0 * found["maximum_torque"].value / load.wheel_diameter, "N", "force")
-    columns = (Column("title", "", "name", 1.0), Column("nominal", "nominal", "number"),
-               Column("maximum", "maximum", "number"), Column("rms", "RMS", "number"),
-               Column("note", "equations", "small"))  # fmt: skip
+        found["maximum_force"] = doc.Quantity(2.0 * found["maximum_torque"].value / load.wheel_diameter, "N", "force")
+    columns = (doc.name("title", width=1.0), doc.number("nominal", "nominal"), doc.number("maximum", "maximum"),
+               doc.number("rms", "RMS"), doc.small("note", "equations"))  # fmt: skip
     rows = [
-        Row({"title": title, "note": note, **{key: found.get(name, "") for key, name in
-                                              (("nominal", nominal), ("maximum", most), ("rms", rms))}},
-            name=most.removeprefix("maximum_"))
+        doc.Row({"title": title, "note": note, "nominal": found.get(nominal, ""), "maximum": found[most],
+                 "rms": found.get(rms, "")}, name=most.removeprefix("maximum_"))
         for title, nominal, most, rms, note in _COMPARED if most in found
     ]  # fmt: skip
     caption = "In the order of the paper's section 3.1; the largest force is the largest torque at the wheels' radius"
-    return Table(caption, columns, rows, "paper_order", "paper", "figures", media="print")
+    return doc.Table(caption, columns, rows, "paper_order", "paper", "figures", media="print")
 
 
-def _equation(r: Requirement) -> Equation:
+def _equation(r: Requirement) -> doc.Equation:
     value = None if isnan(r.shown) else r.shown
-    return Equation(step(r) | {"exact": {"name": r.name, "value": value}})
-
-
-DERIVATION = Section(
-    name="derivation", blocks=_derivation, early="derivation",
-    title=lambda content: "Derivation" if content.result.method == "paper" else "Requirements of the load",
-)  # fmt: skip
+    return doc.Equation(step(r) | {"exact": {"name": r.name, "value": value}})
 
 
 # -- The motor's own torque piece by piece of the motion: accelerate, run, brake, rest, and over the whole cycle.
@@ -171,23 +151,22 @@ _FIGURES = (  # key, head, unit and kind of each figure
 )  # fmt: skip
 
 
-def _pieces(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
-    columns = (Column("case", "load case", media="wide"), Column("piece", "piece", "name"),
-               *(Column(key, head, "number", media="paper" if key in ("start", "rms_current") else "all")
+@doc.section("pieces", "The motor piece by piece", level=2, of_drive=True)
+def pieces(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """The motor in each piece of the motion."""
+    columns = (doc.Column("case", "load case", media="wide"), doc.name("piece", "piece"),
+               *(doc.number(key, head, media="paper" if key in ("start", "rms_current") else "all")
                  for key, head, *_ in _FIGURES))  # fmt: skip
     for case, pieces in groupby(drive.pieces, key=lambda one: one.case):
         of = f" in load case {case}" if case else ""
-        rows = [
-            Row({"case": one.case, "piece": one.name, "title": one.name,
-                 **{key: Quantity(getattr(one, key), unit, kind) for key, _, unit, kind in _FIGURES}},
-                name="_".join(filter(None, (one.case, one.name))).replace(" ", "_"), total=one.name == "cycle")
-            for one in pieces
-        ]  # fmt: skip
+        rows = []
+        for one in pieces:
+            cells: dict[str, doc.Cell] = {"case": one.case, "piece": one.name, "title": one.name}
+            cells |= {key: doc.Quantity(getattr(one, key), unit, kind) for key, _, unit, kind in _FIGURES}
+            name = "_".join(filter(None, (one.case, one.name))).replace(" ", "_")
+            rows.append(doc.Row(cells, name=name, total=one.name == "cycle"))
         caption = f"The motor in each piece of the motion{of}: largest figures, and RMS; below 0 torque brakes."
-        yield Table(caption, columns, rows, "pieces", "pieces", "figures", dense=True)
-
-
-PIECES = Section(name="pieces", title="The motor piece by piece", level=2, blocks=_pieces, of_drive=True)
+        yield doc.Table(caption, columns, rows, "pieces", "pieces", "figures", dense=True)
 
 
 # -- The drive over the load cycle: torque and speed, current and voltage, heat, energy.
@@ -204,10 +183,6 @@ _PULL_OUT = (
     "included; below 0 it brakes."
 )
 _DOT = "The dot draws the RMS current of the cycle at its RMS speed."
-_ON_PAGE = (
-    "Shaded dark: allowed continuously; light: over short times, as rated for controller and gearhead; both with a hot "
-    "winding."
-)
 _EFFICIENCY = (
     "Efficiency of motor and gearhead at constant speed, in per cent: copper losses at the mean temperature of the "
     "winding over the cycle, the motor's friction, and the gearhead's loss on the side that the power comes from. "
@@ -216,47 +191,45 @@ _EFFICIENCY = (
 )
 
 
-def _field(content: Content) -> Iterator[Block]:
+@doc.section("field", media="paper")
+def field(content: Content) -> Iterator[doc.Block]:
     """The motor's torque-speed field with the load cycle in it."""
     if content.drive is None:
         return
     if content.drive.steps:
-        yield Picture("field", _PULL_OUT, "torque-speed field of the stepper with the load cycle")
+        yield doc.Picture("field", _PULL_OUT, "torque-speed field of the stepper with the load cycle")
         return
     more = ""
     if content.result.method == "paper":
         more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
     if "fields" in content.pictures and content.cycles[0][0]:
         more += f" The load cycle is that of {content.cycles[0][0]}; each load case has a diagram of its own below."
-    yield Picture(
-        "field", f"Torque and speed of the motor: the shaded field is allowed continuously. {_VOLTAGE} {_DOT}{more}",
-        "torque-speed field of the motor with the load cycle",
-        on_page=f"Torque and speed of the motor. {_ON_PAGE} {_VOLTAGE} {_DOT}{more}")  # fmt: skip
+    yield doc.Picture(
+        "field", f"Torque and speed of the motor: shaded blue what is allowed continuously, red over short times, as "
+        f"rated for controller and gearhead, both with a hot winding. {_VOLTAGE} {_DOT}{more}",
+        "torque-speed field of the motor with the load cycle")  # fmt: skip
 
 
-FIELD = Section(name="field", title="", blocks=_field, media="paper")
-
-
-def _unknown(subject: str) -> Words:
+def _unknown(subject: str) -> doc.Words:
     reason = "the motor's current depends on figures that the catalogue does not know"
-    return Words((f"{subject}: {reason} (", TableLink("unknown"), ")."))
+    return doc.Words((f"{subject}: {reason} (", doc.TableLink("unknown"), ")."))
 
 
-def _figures(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section("cycle", "Over the cycle", level=2, of_drive=True)
+def cycle(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """Figures of a drive over the cycle."""
     if drive.steps:
-        yield Words("The rated current flows in the stepper's windings at any time, whatever the load.")
+        yield doc.Words("The rated current flows in the stepper's windings at any time, whatever the load.")
     if drive.figures:
         wheel = f"; energy and power of the supply as if every drive did what that of {of.wheel} does"
         words = of.of_machine(wheel, "; energy is that of the case as specified, the rest of the worst case")
         yield figures_table(f"Figures of the drive over the cycle{words}", drive.figures, halves=True)
 
 
-CYCLE = Section(name="cycle", title="Over the cycle", level=2, blocks=_figures, of_drive=True)
-
-
-def _cycle_pictures(content: Content) -> Iterator[Block]:
-    from drivesizer.output.report.figures.cycle import MOST_WHEELS, stretches
-    from drivesizer.output.report.figures.field import TOGETHER
+@doc.section("over-time", "Over the cycle", level=2, media="paper")
+def cycle_pictures(content: Content) -> Iterator[doc.Block]:
+    """Field, efficiency, current and voltage as figures."""
+    from drivesizer.output.report.figures.cycle import MOST_WHEELS, TOGETHER, stretches
 
     best = content.drive
     if best is None:
@@ -264,27 +237,26 @@ def _cycle_pictures(content: Content) -> Iterator[Block]:
     if not best.steps and "demand" not in content.pictures:
         yield _unknown("The motor's current over time is unknown")
     if "fields" in content.pictures:
-        yield Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
-                      "torque-speed field of the motor with each load cycle",
-                      about="sets each load case against the limits of the motor.")  # fmt: skip
+        yield doc.Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
+                          "torque-speed field of the motor with each load cycle",
+                          about="sets each load case against the limits of the motor.")  # fmt: skip
     first = f" The load cycle is that of {content.cycles[0][0]}." if len(content.cycles) > TOGETHER else ""
-    yield Picture("efficiency", _EFFICIENCY + first,
-                  "efficiency of motor and gearhead over torque and speed with the load cycle",
-                  about="shows the share of the power that arrives.", floats=True)  # fmt: skip
+    yield doc.Picture("efficiency", _EFFICIENCY + first,
+                      "efficiency of motor and gearhead over torque and speed with the load cycle",
+                      about="shows the share of the power that arrives.", floats=True)  # fmt: skip
     cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
     of = "" if content.wheel else " those of the case as specified,"
     cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
-    yield Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the winding "
-                  f"over the cycle{cases}. Limits are{of} without the margins that the spec requires.{cut}",
+    yield doc.Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the "
+                  f"winding over the cycle{cases}. Limits are{of} without the margins that the spec requires.{cut}",
                   "current and voltage over the cycle with their limits",
                   about="shows current and voltage over time, as the checks by physics use them.",
                   floats=True)  # fmt: skip
 
 
-CYCLE_PICTURES = Section(name="over-time", title="Over the cycle", blocks=_cycle_pictures, level=2, media="paper")
-
-
-def _heat(content: Content) -> Iterator[Block]:
+@doc.section("heat", "Heat", level=2, early="never")
+def heat(content: Content) -> Iterator[doc.Block]:
+    """Losses and temperatures, and the way to them."""
     behaviour = content.behaviour
     if behaviour is None:
         return
@@ -293,20 +265,19 @@ def _heat(content: Content) -> Iterator[Block]:
         f"Losses and temperatures{of}, in periodic steady state", behaviour.heat, "heat", name="heat", halves=True
     )
     if behaviour.hottest is None:
-        yield Words(f"The course of the temperatures over time is not drawn: {behaviour.heat_lacks}.")
+        yield doc.Words(f"The course of the temperatures over time is not drawn: {behaviour.heat_lacks}.")
         return
     several = len(behaviour.cycles) > 1
     worst = f" {'at' if content.wheel else 'in load case'} {behaviour.hottest[0]}, the warmest" if several else ""
-    yield Picture("heat", f"Winding and housing{worst}. Left from cold to where less than 1 % of the rise remains, the "
-                  "winding as a band between its lowest and its highest in each cycle; right the periodic steady "
+    yield doc.Picture("heat", f"Winding and housing{worst}. Left from cold to where less than 1 % of the rise remains, "
+                  "the winding as a band between its lowest and its highest in each cycle; right the periodic steady "
                   "state, with its peak.", "temperatures of winding and housing from cold and over the cycle",
                   about="shows the motor warming up.")  # fmt: skip
 
 
-HEAT = Section(name="heat", title="Heat", level=2, blocks=_heat, early="never")
-
-
-def _energy(content: Content) -> Iterator[Block]:
+@doc.section("energy", "Energy", level=2, media="paper")
+def energy(content: Content) -> Iterator[doc.Block]:
+    """The energy of a cycle and where it goes."""
     behaviour = content.behaviour
     if behaviour is None:
         return
@@ -314,26 +285,31 @@ def _energy(content: Content) -> Iterator[Block]:
         yield _unknown("Unknown")
         return
     kept = show(content.result.spec.supply.regeneration, "%", "dimensionless")
-    yield Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({kept} of it, "
-                "by the spec).")  # fmt: skip
+    yield doc.Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({kept} of "
+                "it, by the spec).")  # fmt: skip
     of = content.of_drives.of_machine(", each at its wheel", ", as specified")
-    yield Picture("energy", f"Energy of one cycle, all drives{of}. Each bar begins where the one above it ends.",
-                  "losses and work in the energy of a cycle",
-                  about="splits the energy that the supply gives in a cycle; the parts sum to the whole.",
-                  floats=True)  # fmt: skip
-
-
-ENERGY = Section(name="energy", title="Energy", level=2, blocks=_energy, media="paper")
+    yield doc.Picture("energy", f"Energy of one cycle, all drives{of}. Each bar begins where the one above it ends.",
+                      "losses and work in the energy of a cycle",
+                      about="splits the energy that the supply gives in a cycle; the parts sum to the whole.",
+                      floats=True)  # fmt: skip
 
 
 # -- The closed loop: its verdict and tightest checks first, what helps, then all checks, figures, gains and courses.
 
 
-def _loop(content: Content | OfLoop) -> Iterator[Block]:
+@doc.section(
+    "loop",
+    lambda content: content.validation.loop.capitalize() if content.validation else "Closed loop",
+    early="answer",
+)
+def loop(content: Content | OfLoop) -> Iterator[doc.Block]:
+    """Verdict of a closed loop, its tightest checks and what helps."""
     v = content.validation
     if v is None:
         return
-    yield Words((f"{v.drive_set.label} over {driven_over(v)}: ", Status(v.status), f" {v.failed}" if v.failed else ""))
+    yield doc.Words(
+        (f"{v.drive_set.label} over {driven_over(v)}: ", doc.Status(v.status), f" {v.failed}" if v.failed else "")
+    )
     if v.checks:
         count = len([check for check in v.checks if not check.advice])
         yield replace(
@@ -345,7 +321,7 @@ def _loop(content: Content | OfLoop) -> Iterator[Block]:
             for linear, engine in v.linear.figures
             if engine and not isnan(linear.value + engine.value)
         ]
-        yield Words(f"{BESIDE}: {'; '.join(both) or 'no figure that both have'}.", media="terminal")
+        yield doc.Words(f"{BESIDE}: {'; '.join(both) or 'no figure that both have'}.", media="terminal")
     if v.tried:
         yield remedies(v)
 
@@ -356,30 +332,24 @@ def _both(linear: Figure, engine: Figure) -> str:
     return f"{linear.title[0].lower()}{linear.title[1:]} {shown}"
 
 
-def remedies(v: Validation, axis: str = "") -> Table:
+def remedies(v: Validation, axis: str = "") -> doc.Table:
     """Changes that help a drive that fails in its loop, and those that were tried in vain."""
     rows = []
     for one in sorted(v.tried, key=lambda one: one.status == "fail"):
         tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
-        rows.append(
-            Row({"title": one.what, "entry": (Code(one.entry),), "tight": tight, "status": (Status(one.status),)})
-        )
+        rows.append(doc.Row({"title": one.what, "entry": (doc.Code(one.entry),), "tight": tight,
+                             "status": (doc.Status(one.status),)}))  # fmt: skip
     helps = any(one.status != "fail" for one in v.tried)
     caption = "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps"
     caption = f"{axis}: {caption[0].lower()}{caption[1:]}" if axis else caption
-    columns = (Column("title", "change", "name", 1.0), Column("entry", "entered as", "code", 1.4),
-               Column("tight", "tightest", "small", 0.8), Column("status", "", "status"))  # fmt: skip
-    return Table(caption, columns, rows, record="remedy")
+    columns = (doc.name("title", "change", width=1.0), doc.code("entry", "entered as", width=1.4),
+               doc.small("tight", "tightest", width=0.8), doc.status("status"))  # fmt: skip
+    return doc.Table(caption, columns, rows, record="remedy")
 
 
-def _loop_title(content: Content | OfLoop) -> str:
-    return content.validation.loop.capitalize() if content.validation else "Closed loop"
-
-
-LOOP = Section(name="loop", title=_loop_title, blocks=_loop, early="answer")
-
-
-def _loop_details(content: Content | OfLoop) -> Iterator[Block]:
+@doc.section("loop-details")
+def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
+    """Checks, figures, gains and courses of a closed loop."""
     v = content.validation
     if v is None:
         return
@@ -389,122 +359,111 @@ def _loop_details(content: Content | OfLoop) -> Iterator[Block]:
     if v.checks:
         yield check_table(f"Checks of the {v.loop}", v.checks, "loop-checks", grouped=True, record="validation")
     if v.linear:
-        yield Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
+        yield doc.Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
                       "radius of the load's travel, J the inertia at the motor with the load.",
                       "block diagram of the closed loop", about="is its block diagram.")  # fmt: skip
     *first, last = [title for _, title in closed_loop_rows(v)]
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
-    yield Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
-                  on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
+    yield doc.Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
+                      on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
     columns = (
-        Column("title", "gain", "name", 1.0),
-        Column("value", "value", "number"),
-        Column("note", "note", media="wide"),
+        doc.name("title", "gain", width=1.0),
+        doc.number("value", "value"),
+        doc.Column("note", "note", media="wide"),
     )
     rule = f"{v.gains.rule}. Source: {v.gains.source}."
     gains = [
-        Row({"title": row.title, "value": _gain(row.value, row.unit), "note": rule}, name=row.name)
+        doc.Row({"title": row.title, "value": _gain(row.value, row.unit), "note": rule}, name=row.name)
         for row in gain_rows(v.gains)
     ]
-    yield Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
-               [Table(f"{v.set_up} of the controller", columns, gains, record="validation", look="figures"),
-                Words(f"Rule of the {v.set_up.lower()}: {rule}", "note")])  # fmt: skip
+    yield doc.Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
+                   [doc.Table(f"{v.set_up} of the controller", columns, gains, record="validation", look="figures"),
+                    doc.Words(f"Rule of the {v.set_up.lower()}: {rule}", "note")])  # fmt: skip
     if v.controller_gains:
         columns3 = (
-            Column("place", "object", "code"),
-            Column("title", "gain", "name", 1.0),
-            Column("value", "value", "number"),
+            doc.code("place", "object"),
+            doc.name("title", "gain", width=1.0),
+            doc.number("value", "value"),
         )
-        own = [Row({"place": (Code(g.place),), "title": g.name,
-                    "value": Quantity(g.value, g.unit, "count", own=f"{g.value} {g.unit}")},
+        own = [doc.Row({"place": (doc.Code(g.place),), "title": g.name,
+                    "value": doc.Quantity(g.value, g.unit, "count", own=f"{g.value} {g.unit}")},
                    name=g.place) for g in v.controller_gains]  # fmt: skip
-        yield Table("The same gains as they are written into the controller", columns3, own, record="validation")
+        yield doc.Table("The same gains as they are written into the controller", columns3, own, record="validation")
     yield from _linear_run(v)
     if v.assumptions:
-        yield Bullets("Assumptions of the simulation:", list(v.assumptions))
+        yield doc.Bullets("Assumptions of the simulation:", list(v.assumptions))
     if v.warnings:
-        yield Bullets("Warnings of the simulation:", list(v.warnings))
+        yield doc.Bullets("Warnings of the simulation:", list(v.warnings))
     columns_of = {name: (values, *v.series_units[name]) for name, values in v.series.items()}
-    yield Series("Time series", "timeseries", columns_of, _DRAWN)
+    yield doc.Series("Time series", "timeseries", columns_of, _DRAWN)
 
 
 _DRAWN = ("speed_reference", "speed", "current", "load_angle")
 
 
-def _gain(value: float, unit: str) -> Quantity:
+def _gain(value: float, unit: str) -> doc.Quantity:
     """A gain in SI; a period in ms."""
-    return Quantity(value, "ms", "time") if unit == "s" else Quantity(value, unit, "plain")
+    return doc.Quantity(value, "ms", "time") if unit == "s" else doc.Quantity(value, unit, "plain")
 
 
-def _linear_run(v: Validation) -> Iterator[Block]:
+def _linear_run(v: Validation) -> Iterator[doc.Block]:
     """The same by python-control, beside the engine."""
     if v.linear is None:
-        yield Words(NO_LINEAR, "note")
+        yield doc.Words(NO_LINEAR, "note")
         return
-    columns = (Column("title", "figure", "name", 1.0), Column("linear", "python-control", "number"),
-               Column("linear_at", "at", "number"), Column("engine", "engine", "number"),
-               Column("engine_at", "at", "number"))  # fmt: skip
+    columns = (doc.name("title", "figure", width=1.0), doc.number("linear", "python-control"), doc.number("linear_at",
+                                                                                                          "at"),
+               doc.number("engine", "engine"), doc.number("engine_at", "at"))  # fmt: skip
     rows = []
     for one in v.linear.figures:
-        cells: dict[str, Cell] = {"title": one.linear.title}
+        cells: dict[str, doc.Cell] = {"title": one.linear.title}
         for key, f in (("linear", one.linear), ("engine", one.engine)):
             known = f is not None and not isnan(f.value)
-            cells[key] = Quantity(f.value, f.unit, f.kind) if f is not None and known else "–"
+            cells[key] = doc.Quantity(f.value, f.unit, f.kind) if f is not None and known else "–"
             cells[f"{key}_at"] = (
-                Quantity(f.at_time, "s", "time") if f is not None and known and f.at_time is not None else ""
+                doc.Quantity(f.at_time, "s", "time") if f is not None and known and f.at_time is not None else ""
             )
-        rows.append(Row(cells, name=one.linear.name))
-    yield Table(BESIDE, columns, rows, "python-control", dense=True)
-    yield Words(left_out(v.linear), "note")
+        rows.append(doc.Row(cells, name=one.linear.name))
+    yield doc.Table(BESIDE, columns, rows, "python-control", dense=True)
+    yield doc.Words(left_out(v.linear), "note")
 
 
-LOOP_DETAILS = Section(name="loop-details", title="", blocks=_loop_details)
-
-
-def _linear(content: Content | OfLoop) -> Iterator[Block]:
+@doc.section("linear", "The loops by linear theory", level=2)
+def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
+    """Loops by linear theory."""
     loops = content.validation.loops if content.validation else ()
     if not loops:
         return
     directed, unstable = any(loop.direction for loop in loops), any(not loop.stable for loop in loops)
     of_power = (", power flowing in the direction that is nearer to instability; margins and bandwidth are the least "
                 "of both directions") if directed else ""  # fmt: skip
-    yield Words(f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all its "
-                "poles lie inside 1.")  # fmt: skip
+    yield doc.Words(f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all "
+                "its poles lie inside 1.")  # fmt: skip
     figures = loop_figures(loops[0])
     columns = (
-        Column("title", "loop", "name", 1.0),
-        *(Column(f.name, f.title, "number", yields=n > 5) for n, f in enumerate(figures)),
+        doc.name("title", "loop", width=1.0),
+        *(doc.number(f.name, f.title, yields=n > 5) for n, f in enumerate(figures)),
     )
-    yield Table("The loops by linear analysis, from the inside out; gain margin as a factor", columns,
-                [*map(_loop_row, loops)],
-                "loops", "loop", "loops", dense=True)  # fmt: skip
-    other = (
-        "Where the other direction of power has the lesser bandwidth or margin, the mark of the bandwidth is beside "
-    )
-    other += "the curve"
-    line = other + " and the line is longer than the margin that is given." if directed else ""
+    yield doc.Table("The loops by linear analysis, from the inside out; gain margin as a factor", columns,
+                    [*map(_loop_row, loops)], "loops", "loop", "loops", dense=True)  # fmt: skip
+    line = " It is longer than the margin that is given where the other direction of power has the lesser one."
     none = " An unstable loop has no margins." if unstable else ""
-    ends = "and the bandwidth, 3 dB below rest. Each curve ends at the Nyquist frequency of its loop. "
-    yield Picture(
-        "bode", "Frequency response. Marked are the crossover, the phase margin there (a thick line from the phase to "
-        f"−180°) {ends}{line}{none}", "Bode diagram of the loops", about="is the frequency response.",
-        on_page="Frequency response. Marked are the crossover, with the phase margin to −180°, "
-        f"{ends}{other + '.' if directed else ''}{none}", floats=True)  # fmt: skip
-    band = "The grey band is 2 % to either side of the end, the dashed line the settling time."
-    yield Picture("step", f"Response of each loop to a step of its reference. {band}", "step responses of the loops",
-                  about="is the response to a step.",
-                  on_page=f"Response of each stable loop to a step of its reference. {band}", floats=True)  # fmt: skip
+    yield doc.Picture(
+        "bode", "Frequency response. Marked are the crossover, the phase margin there (a line from the phase to −180°) "
+        "and the bandwidth, 3 dB below rest. Each curve ends at the Nyquist frequency of its loop."
+        f"{line if directed else ''}{none}", "Bode diagram of the loops", about="is the frequency response.",
+        floats=True)  # fmt: skip
+    yield doc.Picture("step", "Response of each loop to a step of its reference. The grey band is 2 % to either side "
+                      "of the end, the dashed line the settling time.", "step responses of the loops",
+                      about="is the response to a step.", floats=True)  # fmt: skip
 
 
-def _loop_row(loop: Loop) -> Row:
+def _loop_row(loop: Loop) -> doc.Row:
     """A loop by its figures: three digits, the pole's modulus with four; a dash where one does not exist."""
-    name: Text = loop_name(loop) if loop.stable else (f"{loop_name(loop)} ", Strong("unstable"))
-    cells: dict[str, Cell] = {"title": name, "case": loop.direction}
+    name: doc.Text = loop_name(loop) if loop.stable else (f"{loop_name(loop)} ", doc.Strong("unstable"))
+    cells: dict[str, doc.Cell] = {"title": name, "case": loop.direction}
     for f in loop_figures(loop):
         digits = 4 if f.name == "pole_radius" else 3
-        cells[f.name] = Quantity(f.value, f.unit, f.kind, digits, own="–" if isnan(f.value) else "")
-    return Row(cells, name=loop.name, status="pass" if loop.stable else "fail")
-
-
-LINEAR_LOOPS = Section(name="linear", title="The loops by linear theory", level=2, blocks=_linear)
+        cells[f.name] = doc.Quantity(f.value, f.unit, f.kind, digits, own="–" if isnan(f.value) else "")
+    return doc.Row(cells, name=loop.name, status="pass" if loop.stable else "fail")

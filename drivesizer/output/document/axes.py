@@ -12,32 +12,10 @@ import numpy as np
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.document import SECTIONS, document, printed, summary, wide
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
 from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
 from drivesizer.output.document.content import Content, driven_over
-from drivesizer.output.document.records import (
-    PAPER,
-    Block,
-    Bullets,
-    Cell,
-    Code,
-    Column,
-    Document,
-    Pair,
-    Picture,
-    Printed,
-    Quantity,
-    Row,
-    Section,
-    Series,
-    Small,
-    Status,
-    Strong,
-    Table,
-    Tiles,
-    Verdict,
-    Words,
-)  # fmt: skip
 from drivesizer.output.document.rows import (
     CHECK_COLUMNS,
     check_row,
@@ -188,13 +166,13 @@ def _verdict(content: MachineContent) -> Iterator[Any]:
         for name, proof in content.proofs.items()
         if proof.status == "fail"
     ]
-    yield Status(content.status)
-    yield Strong(f" No drive for {', '.join(without)}." if without else " Every axis has a drive.")
+    yield doc.Status(content.status)
+    yield doc.Strong(f" No drive for {', '.join(without)}." if without else " Every axis has a drive.")
     together = ", ".join(check.title for check in sizing.checks if check.status == "fail" and not check.advice)
     if together and not without:
-        yield Strong(f" Together they fail on: {together}.")
+        yield doc.Strong(f" Together they fail on: {together}.")
     if failed:
-        yield Strong(f" Simulated in its hardest load case, {'; '.join(failed)}.")
+        yield doc.Strong(f" Simulated in its hardest load case, {'; '.join(failed)}.")
     elif len(content.proofs) == len(content.axes):
         passed = all(proof.status == "pass" for proof in content.proofs.values())
         yield f" Simulated in its hardest load case, {'every axis passes' if passed else 'no axis fails'}."
@@ -204,27 +182,24 @@ def _verdict(content: MachineContent) -> Iterator[Any]:
         yield f" The others: {drives}, {ranked}."
 
 
-def _summary(content: MachineContent) -> Iterator[Block]:
+def _summary(content: MachineContent) -> Iterator[doc.Block]:
     sizing = content.sizing
-    yield Verdict(sizing.status != "fail", [tuple(_verdict(content))])
-    columns = (Column("axis", "axis", "name", 0.7), Column("drive", "drive", width=1.2),
-               Column("mass", "mass", "number"),
-               Column("price", "price", "number"), Column("energy", "energy", "number"),
-               Column("margin", "margin", "number"),
-               Column("tight", "tightest check", "small", 0.8, yields=True),
-               Column("status", "", "status"))  # fmt: skip
+    yield doc.Verdict(sizing.status != "fail", [tuple(_verdict(content))])
+    columns = (doc.name("axis", "axis", width=0.7), doc.Column("drive", "drive", width=1.2), doc.number("mass", "mass"),
+               doc.number("price", "price"), doc.number("energy", "energy"), doc.number("margin", "margin"),
+               doc.small("tight", "tightest check", width=0.8, yields=True), doc.status("status"))  # fmt: skip
     caption = (
         "The axes: mass of other axes' drives on each, mass and price of one drive as far as known, energy of its cycle"
     )
-    yield Table(caption, columns, [*map(_axis_row, content.axes)], "axes", "axis", dense=True)
+    yield doc.Table(caption, columns, [*map(_axis_row, content.axes)], "axes", "axis", dense=True)
     found = [(one.name, one.content.drive) for one in content.axes]
     tight = [
-        Row({**check_row(check).cells, "axis": name})
+        doc.Row({**check_row(check).cells, "axis": name})
         for name, drive in found
         for check in tightest(drive.deciding if drive else (), 1)
     ]
-    by_axis = (Column("axis", "axis", "name"), *CHECK_COLUMNS)
-    yield Table("The smallest margin of each axis", by_axis, tight, "axes_tightest", media="terminal")
+    by_axis = (doc.name("axis", "axis"), *CHECK_COLUMNS)
+    yield doc.Table("The smallest margin of each axis", by_axis, tight, "axes_tightest", media="terminal")
     if sizing.checks:
         yield check_table("Checks of all axes together", sizing.checks, "machine_checks")
     if content.bought:
@@ -235,45 +210,46 @@ def _summary(content: MachineContent) -> Iterator[Block]:
     power = sizing.power
     notes = [*(supply_texts(power) if power else ()), *sizing.notes, choice_text(sizing)]
     if any(notes):
-        yield Bullets("Of all axes together:", [note for note in notes if note])
+        yield doc.Bullets("Of all axes together:", [note for note in notes if note])
 
 
-def _axis_row(one: AxisContent) -> Row:
+def _axis_row(one: AxisContent) -> doc.Row:
     """An axis by its drive, mass, price, energy and smallest margin, with what rides on it."""
     drive, sizing = one.content.drive, one.sizing
     names = ", ".join("its own" if riding.of == one.name else riding.of for riding in sizing.carried)
     riding = f"on it {show(sizing.carried_mass, 'g', 'mass', 3)}: {names}" if sizing.carried else ""
     if drive is None:
-        return Row(
-            {"axis": one.name, "drive": ("no candidate", Small(riding)), "status": (Status("fail"),)}, name=one.name
+        return doc.Row(
+            {"axis": one.name, "drive": ("no candidate", doc.Small(riding)), "status": (doc.Status("fail"),)},
+            name=one.name,
         )
     cells = dict(short_drive(drive).cells)
     label, *below = cells["drive"] if isinstance(cells["drive"], tuple) else (cells["drive"],)
     count = f"{sizing.drives} × " if sizing.drives > 1 else ""
-    head = (Strong("none; closest: "), label) if sizing.best is None else (count, label)
+    head = (doc.Strong("none; closest: "), label) if sizing.best is None else (count, label)
     margin, title = tight_of(drive, one.content.validation)
-    cells |= {"axis": one.name, "drive": (*head, *below, Small(riding)), "margin": margin, "tight": title,
-              "status": (Status(one.status),)}  # fmt: skip
-    return Row(cells, name=one.name, status=one.status, data={"axis": one.name})
+    cells |= {"axis": one.name, "drive": (*head, *below, doc.Small(riding)), "margin": margin, "tight": title,
+              "status": (doc.Status(one.status),)}  # fmt: skip
+    return doc.Row(cells, name=one.name, status=one.status, data={"axis": one.name})
 
 
-def _glance(content: MachineContent) -> Iterator[Block]:
+def _glance(content: MachineContent) -> Iterator[doc.Block]:
     checks = [(c, one.name) for one in content.axes if one.sizing.best for c in tightest(one.sizing.best.deciding, 1)]
     checks += [(c, f"{name}, {v.loop}") for name, v in content.proofs.items() for c in tightest(v.checks, 1)]
     checks += [(c, "all axes") for c in tightest(content.sizing.checks, 1)]
     tiles = []
     if checks:
         check, name = min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
-        said = Quantity(check.margin, "%", "margin").text
+        said = doc.Quantity(check.margin, "%", "margin").text
         tiles.append(("Smallest margin", said or "none", f"{name}: {check.title}"))
     tiles += [summary.summed_tile(content.totals, figure, content.drives_words) for figure in ("mass", "price")]
-    yield Tiles(tiles)
+    yield doc.Tiles(tiles)
 
 
 # -- Chapters on all axes: their loads side by side, power, who carries whom, closed loops, assumptions, the appendix.
 
 
-def _loads(content: MachineContent) -> Iterator[Block]:
+def _loads(content: MachineContent) -> Iterator[doc.Block]:
     cases = any(len(one.content.cycles) > 1 for one in content.axes)
     first = " Of several load cases the first is drawn." if cases else ""
     lacking = [one.name for one in content.axes if one.sizing.best is None and one.content.drive]
@@ -284,43 +260,44 @@ def _loads(content: MachineContent) -> Iterator[Block]:
                    f"The shaded field is allowed continuously.{first}{missed}")  # fmt: skip
         about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
         last = caption if name == names[-1] else "Continued below."
-        yield Picture(name, last, "torque-speed field of each axis with its cycle", about)
+        yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about)
 
 
-def _power(content: MachineContent) -> Iterator[Block]:
+def _power(content: MachineContent) -> Iterator[doc.Block]:
     power = content.sizing.power
     if power is None:
         return
     if power.unknown:
-        yield Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
+        yield doc.Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
     together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
     case = f" Load case {power.case}." if power.case else ""
     stacked = "Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns."
     moved_ = "Pointed at, an axis has what it draws less what it returns."
-    yield Picture("power", f"{stacked} The black line is what the source gives.{case}{together}",
+    yield doc.Picture("power", f"{stacked} The black line is what the source gives.{case}{together}",
                   "power of every axis over time", about="shows the power over the machine's cycle.",
                   on_page=f"{stacked} The line is what the source gives. {moved_}{case}{together}",
                   floats=True)  # fmt: skip
     yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
     if power.exceeded:
         titles = {check.name: check.title for check in power.checks}
-        columns = (Column("title", "limit of the supply", "name", 1.0), Column("value", "power", "number"),
-                   Column("least", "share of the time, from", "number"), Column("most", "to", "number"))  # fmt: skip
+        columns = (doc.name("title", "limit of the supply", width=1.0), doc.number("value", "power"),
+                   doc.number("least", "share of the time, from"), doc.number("most", "to"))  # fmt: skip
         rows = [
-            Row({"title": titles.get(one.check, one.check), "value": Quantity(one.limit, "W", "power"),
-                 **{key: Quantity(x, "%", "dimensionless") for key,
-                    x in (("least", one.least), ("most", one.most))}}, name=one.check)
+            doc.Row({"title": titles.get(one.check, one.check), **doc.quantities("W", "power", value=one.limit),
+                     **doc.quantities("%", "dimensionless", least=one.least, most=one.most)}, name=one.check)
             for one in power.exceeded
         ]  # fmt: skip
-        yield Table("Share of the time in which axes at random phases draw more than the supply gives", columns, rows)
+        yield doc.Table(
+            "Share of the time in which axes at random phases draw more than the supply gives", columns, rows
+        )
     if power.braking and any(figure.value for figure in power.braking.figures):
         of = f" with brake resistor {power.braking.name}" if power.braking.name else ""
         yield figures_table(f"What is regenerated, stored and burnt{of}", power.braking.figures, "braking")
     if power.energy:
-        yield Pair([consumers_table(power.energy)], [figures_table("The battery", power.energy.figures, "battery")])
+        yield doc.Pair([consumers_table(power.energy)], [figures_table("The battery", power.energy.figures, "battery")])
     if power.reliability:
         found, said = power.reliability, sampled_text(power.reliability)
-        yield Words(f"{said[0].upper()}{said[1:]}.")
+        yield doc.Words(f"{said[0].upper()}{said[1:]}.")
         if moved(found):
             caption = "Limits of the supply that samples change: share that passes, and quantiles of the margin"
             yield spreads_table(caption, moved(found), "supply-checks")
@@ -328,8 +305,10 @@ def _power(content: MachineContent) -> Iterator[Block]:
     texts = dict.fromkeys(
         text for record in (power, power.braking, power.energy) if record for text in record.assumptions
     )
-    yield Bullets("Assumptions:", list(texts))
-    yield Series("Power", "power", power_columns(power), note="mean powers, each from its time to that of the next row")
+    yield doc.Bullets("Assumptions:", list(texts))
+    yield doc.Series(
+        "Power", "power", power_columns(power), note="mean powers, each from its time to that of the next row"
+    )
 
 
 def power_columns(power: MachinePower) -> dict[str, tuple[Any, str, str]]:
@@ -342,7 +321,7 @@ def power_columns(power: MachinePower) -> dict[str, tuple[Any, str, str]]:
     return {"time": (course.time, "time", "s"), **held}
 
 
-def _carried(content: MachineContent) -> Iterator[Block]:
+def _carried(content: MachineContent) -> Iterator[doc.Block]:
     sizing, rows = content.sizing, []
     if not any(one.carried for one in sizing.axes):
         return
@@ -353,58 +332,58 @@ def _carried(content: MachineContent) -> Iterator[Block]:
         above = sizing.axis(branch.on).carried if branch.on else ()
         found = next((one for one in above if one.of == branch.name), None)
         indent = f"└{'──' * (branch.depth - 1)} " if branch.depth else ""
-        cells: dict[str, Cell] = {"axis": indent + branch.name, "drive": axis.best.label if axis.best else "none"}
+        cells: dict[str, doc.Cell] = {"axis": indent + branch.name, "drive": axis.best.label if axis.best else "none"}
         if found:
-            mass = Quantity(found.mass, "g", "mass")
+            mass = doc.Quantity(found.mass, "g", "mass")
             cells["own"] = replace(mass, own=f"at least {mass.text}") if found.lacking else mass
-            cells |= {"distance": Quantity(found.distance, "mm", "length")} if found.distance is not None else {}
-        cells |= {"on": Quantity(axis.carried_mass, "g", "mass")} if axis.carried else {}
-        rows.append(Row(cells, name=branch.name))
+            cells |= {"distance": doc.Quantity(found.distance, "mm", "length")} if found.distance is not None else {}
+        cells |= {"on": doc.Quantity(axis.carried_mass, "g", "mass")} if axis.carried else {}
+        rows.append(doc.Row(cells, name=branch.name))
     turning = any("distance" in row.cells for row in rows)
-    columns = (Column("axis", "axis", "name", 0.8), Column("drive", "drive", width=1.2),
-               Column("own", "drives on the axis above", "number"), *([
-               Column("distance", "at", "number")] if turning else []),
-               Column("on", "all drives on it", "number"))  # fmt: skip
-    yield Table("Each axis below the one that carries its drives; masses are in the load of the carrying axis",
-                columns, rows,
-                "riding", look="wide carried")  # fmt: skip
-    yield Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the upper "
-                "end of its band.", "note")  # fmt: skip
+    columns = (doc.name("axis", "axis", width=0.8), doc.Column("drive", "drive", width=1.2),
+               doc.number("own", "drives on the axis above"), *([
+               doc.number("distance", "at")] if turning else []),
+               doc.number("on", "all drives on it"))  # fmt: skip
+    yield doc.Table("Each axis below the one that carries its drives; masses are in the load of the carrying axis",
+                    columns, rows, "riding", look="wide carried")  # fmt: skip
+    yield doc.Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the "
+                "upper end of its band.", "note")  # fmt: skip
 
 
-def _loops(content: MachineContent) -> Iterator[Block]:
+def _loops(content: MachineContent) -> Iterator[doc.Block]:
     """A row for each axis with a drive: what it was simulated over, and its tightest check."""
     if not content.proofs:
         return
     rows = [_loop_row(one) for one in content.axes if one.sizing.best]
-    columns = (Column("axis", "axis", "name", 0.7), Column("over", "simulated in", width=1.0),
-               Column("title", "tightest check", "small", 1.0),
-               Column("value", "demand", "number"), Column("limit", "limit", "number"),
-               Column("margin", "margin", "number"),
-               Column("status", "", "status"))  # fmt: skip
-    yield Table(
+    columns = (doc.name("axis", "axis", width=0.7), doc.Column("over", "simulated in", width=1.0),
+               doc.small("title", "tightest check", width=1.0),
+               doc.number("value", "demand"), doc.number("limit", "limit"),
+               doc.number("margin", "margin"),
+               doc.status("status"))  # fmt: skip
+    yield doc.Table(
         "Every axis simulated in its hardest load case, with the drives that ride on it",
         columns,
         rows,
         "axes_loops",
         "loop",
     )
-    yield Words("Figures, gains and the loop over time are in the chapter of each axis.", "note")
+    yield doc.Words("Figures, gains and the loop over time are in the chapter of each axis.", "note")
 
 
-def _loop_row(one: AxisContent) -> Row:
+def _loop_row(one: AxisContent) -> doc.Row:
     v = one.content.validation
     if v is None:
-        return Row(
-            {"axis": one.name, "over": "not simulated, see its warnings", "status": (Status("unknown"),)}, name=one.name
+        return doc.Row(
+            {"axis": one.name, "over": "not simulated, see its warnings", "status": (doc.Status("unknown"),)},
+            name=one.name,
         )
     tight = worst(v.checks)
-    cells: dict[str, Cell] = dict(check_row(tight).cells) if tight else {}
+    cells: dict[str, doc.Cell] = dict(check_row(tight).cells) if tight else {}
     cells |= {"axis": one.name, "over": f"{v.loop}, {driven_over(v)}", "title": tight.title if tight else ""}
-    return Row(cells | {"status": (Status(v.status),)}, name=one.name, data={"axis": one.name})
+    return doc.Row(cells | {"status": (doc.Status(v.status),)}, name=one.name, data={"axis": one.name})
 
 
-def _assumptions(content: MachineContent) -> Iterator[Block]:
+def _assumptions(content: MachineContent) -> Iterator[doc.Block]:
     for intro, look, name in (("Assumptions of the sizing:", "", "assumptions"), ("Warnings:", "alarm", "warnings")):
         found: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
         for one in content.axes:
@@ -413,19 +392,19 @@ def _assumptions(content: MachineContent) -> Iterator[Block]:
         whole = len(content.axes)
         texts = [text if len(names) == whole else f"{', '.join(names)}: {text}" for text, names in found.items()]
         if texts:
-            yield Bullets((Strong(intro),) if look else intro, texts, look)
+            yield doc.Bullets((doc.Strong(intro),) if look else intro, texts, look)
 
 
-def _repeat(content: MachineContent) -> Iterator[Block]:
+def _repeat(content: MachineContent) -> Iterator[doc.Block]:
     machine, results = content.sizing.machine, [one.content.result for one in content.axes]
-    yield Words(("A report of one axis, with its candidates and its heat: ",
-                 Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
+    yield doc.Words(("A report of one axis, with its candidates and its heat: ",
+                     doc.Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
     catalogs = {name: digest for result in results for name, digest in result.catalog.digests.items()}
     methods = ", ".join(dict.fromkeys(result.method for result in results))
     yield from repeat_blocks(catalogs, methods, content.sizing.objective, content.file, machine.text, machine.entered)
 
 
-def _datasheets(content: MachineContent) -> Iterator[Block]:
+def _datasheets(content: MachineContent) -> Iterator[doc.Block]:
     """Every part once, however many axes have it."""
     sheets = [sheet for one in content.axes if one.content.drive
               for sheet in datasheets(one.content.drive, one.content.result.catalog)]  # fmt: skip
@@ -434,17 +413,17 @@ def _datasheets(content: MachineContent) -> Iterator[Block]:
 
 
 FRONT = (
-    Section(name="summary", title="Summary", blocks=_summary, early="answer"),
-    Section(name="glance", title="", blocks=_glance, media="paper"),
-    Section(name="loads", title="Loads of the axes", blocks=_loads, media="paper"),
-    Section(name="supply", title="Power of all axes", blocks=_power),
-    Section(name="carried", title="Carried drives", blocks=_carried),
-    Section(name="loops", title="Closed loops of the axes", blocks=_loops, early="answer"),
+    doc.Section(name="summary", title="Summary", blocks=_summary, early="answer"),
+    doc.Section(name="glance", title="", blocks=_glance, media="paper"),
+    doc.Section(name="loads", title="Loads of the axes", blocks=_loads, media="paper"),
+    doc.Section(name="supply", title="Power of all axes", blocks=_power),
+    doc.Section(name="carried", title="Carried drives", blocks=_carried),
+    doc.Section(name="loops", title="Closed loops of the axes", blocks=_loops, early="answer"),
 )
 BACK = (
-    Section(name="assumptions", title="Assumptions", blocks=_assumptions, early="never"),
-    Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, early="never"),
-    Section(name="datasheets", title="Data sheets", blocks=_datasheets, appendix=True, media="paper"),
+    doc.Section(name="assumptions", title="Assumptions", blocks=_assumptions, early="never"),
+    doc.Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, early="never"),
+    doc.Section(name="datasheets", title="Data sheets", blocks=_datasheets, appendix=True, media="paper"),
 )
 
 
@@ -457,17 +436,17 @@ _ELSEWHERE = {  # sections of one axis that the machine prints once, or that `--
 }  # fmt: skip
 
 
-def _chapter(one: AxisContent) -> list[Section]:
+def _chapter(one: AxisContent) -> list[doc.Section]:
     left = _ELSEWHERE | (set() if one.own_supply else {"braking"})
     left |= {"derivation"} if one.content.result.method == "paper" else set()
     riding = ", ".join(f"{found.of} ({show(found.mass, 'g', 'mass')})" for found in one.sizing.carried)
 
-    def opening(content: Content) -> Iterator[Block]:
-        yield from summary.SUMMARY.blocks(content)
+    def opening(content: Content) -> Iterator[doc.Block]:
+        yield from summary.summary.blocks(content)
         if riding:
-            yield Words(f"In its load are the drives of other axes: {riding}.")
+            yield doc.Words(f"In its load are the drives of other axes: {riding}.")
 
-    unknown = Section(
+    unknown = doc.Section(
         name="unknown", title="Unknown and unquoted figures", blocks=summary.unknown_blocks, level=2, early="never"
     )
     first = replace(_AXIS, title=f"Axis {one.name}", blocks=opening)
@@ -475,8 +454,8 @@ def _chapter(one: AxisContent) -> list[Section]:
 
 
 def machine_printed(
-    content: MachineContent, media: frozenset[str] = PAPER, wanted: Callable[[Section], bool] = lambda _: True
-) -> Iterator[Printed]:
+    content: MachineContent, media: frozenset[str] = doc.PAPER, wanted: Callable[[doc.Section], bool] = lambda _: True
+) -> Iterator[doc.Printed]:
     """Sections of all axes, and a chapter of each; those that are wanted."""
     yield from _of_all(content, filter(wanted, FRONT), media)
     for one in content.axes:
@@ -486,18 +465,18 @@ def machine_printed(
     yield from _of_all(content, filter(wanted, BACK), media)
 
 
-_AXIS = Section(name="axis", title="", blocks=lambda _: (), early="checks")
+_AXIS = doc.Section(name="axis", title="", blocks=lambda _: (), early="checks")
 
 
-def _of_all(content: MachineContent, sections: Iterable[Section], media: frozenset[str]) -> Iterator[Printed]:
+def _of_all(content: MachineContent, sections: Iterable[doc.Section], media: frozenset[str]) -> Iterator[doc.Printed]:
     for section in sections:
         every = section.blocks(content) if section.media in media else ()
         blocks = [one for one in every if getattr(one, "media", "all") in media]
         if blocks:
-            yield Printed(section, section.headed(content), blocks)
+            yield doc.Printed(section, section.headed(content), blocks)
 
 
-def machine_wide(content: MachineContent, media: frozenset[str]) -> Iterator[Printed]:
+def machine_wide(content: MachineContent, media: frozenset[str]) -> Iterator[doc.Printed]:
     """The same for wide media: sections of every axis with its name."""
     yield from _of_all(content, (*FRONT, *BACK), media)
     for one in content.axes:
@@ -506,19 +485,18 @@ def machine_wide(content: MachineContent, media: frozenset[str]) -> Iterator[Pri
         )
 
 
-def machine_document(content: MachineContent) -> Document:
+def machine_document(content: MachineContent) -> doc.Document:
     """Everything that a report prints on paper but its figures; of one axis that of a plain spec."""
     sizing, names = content.sizing, [one.name for one in content.axes]
     words = f"Machine of {number_of(len(names), 'axis', 'axes')}: {', '.join(names)}"
-    return Document(name=sizing.machine.name, machine=words, block=content.title_block,
-                    sections=[*machine_printed(content)],
-                    found=sizing.complete)  # fmt: skip
+    return doc.Document(name=sizing.machine.name, machine=words, block=content.title_block,
+                        sections=[*machine_printed(content)], found=sizing.complete)  # fmt: skip
 
 
 # -- A sizing or a machine, for all kinds of reports; a machine of one axis gives the document of a plain spec.
 
 
-def document_of(content: Content | MachineContent) -> Document:
+def document_of(content: Content | MachineContent) -> doc.Document:
     """The machine on paper, but for the figures."""
     if isinstance(content, Content):
         return document(content)
@@ -527,7 +505,7 @@ def document_of(content: Content | MachineContent) -> Document:
     return machine_document(content)
 
 
-def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterator[Printed]:
+def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterator[doc.Printed]:
     """Sections of workbook and CSV."""
     if isinstance(content, Content):
         return wide(content, media)

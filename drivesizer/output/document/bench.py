@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from itertools import groupby
 from math import isinf, isnan
 
-from drivesizer.output.document.records import Block, Bullets, Cell, Column, Note, Quantity, Row, Table, Words
+from drivesizer.output.document import records as doc
 from drivesizer.output.words import likely
 from drivesizer.results.prediction import Predicted, Prediction
 from drivesizer.units import show
@@ -21,11 +21,11 @@ _TITLES = {
     "hold": "Holding {hold} at rest for {duration}",
     "work": "Running against {load} for {duration}",
 }
-_COLUMNS = (Column("title", "", "name", 1.0), Column("value", "nominal", "number"), Column("p5", "5 %", "number"),
-            Column("p50", "50 %", "number"), Column("p95", "95 %", "number"))  # fmt: skip
+_COLUMNS = (doc.name("title", width=1.0), doc.number("value", "nominal"), doc.number("p5", "5 %"),
+            doc.number("p50", "50 %"), doc.number("p95", "95 %"))  # fmt: skip
 
 
-def prediction_blocks(found: Prediction) -> Iterator[Block]:
+def prediction_blocks(found: Prediction) -> Iterator[doc.Block]:
     """A prediction as tables and sentences."""
     given = found.conditions
     load, hold = (
@@ -34,36 +34,36 @@ def prediction_blocks(found: Prediction) -> Iterator[Block]:
     words = {"load": load, "hold": hold, "duration": _time(given.duration).text}
     around = [show(given.voltage, "V", "voltage"), show(given.ambient, "degC", "temperature")]
     around += [f"{show(given.inertia, 'kg*m^2', 'inertia')} at the output"] if given.inertia else []
-    yield Words(", ".join(around))
+    yield doc.Words(", ".join(around))
     for group, some in groupby(found.figures, key=lambda one: one.group):
         listed = list(some)
-        yield Table(_TITLES[group].format(**words), _COLUMNS, [*map(_row, listed)], record=group)
+        yield doc.Table(_TITLES[group].format(**words), _COLUMNS, [*map(_row, listed)], record=group)
         missing = dict.fromkeys(name for one in listed for name in one.missing)
         if missing:
-            yield Words(f"missing: {', '.join(missing)}", "note")
+            yield doc.Words(f"missing: {', '.join(missing)}", "note")
     if found.estimates:
         columns = (
-            Column("title", "not on the data sheet", "name"),
-            Column("value", "5 to 95 %"),
-            Column("note", "from", width=1.0),
+            doc.name("title", "not on the data sheet"),
+            doc.Column("value", "5 to 95 %"),
+            doc.Column("note", "from", width=1.0),
         )
-        rows = [Row({"title": one.title, "value": one.text, "note": one.law}) for one in found.estimates]
-        yield Table("", columns, rows)
+        rows = [doc.Row({"title": one.title, "value": one.text, "note": one.law}) for one in found.estimates]
+        yield doc.Table("", columns, rows)
     bands = "; ".join(f"{name[0].lower()}{name[1:]} {text}" for name, text, _ in found.tolerances)
-    yield Bullets((Note(f"5 to 95 % of {found.samples} samples: {bands}."),), list(found.assumptions))
+    yield doc.Bullets((doc.Note(f"5 to 95 % of {found.samples} samples: {bands}."),), list(found.assumptions))
 
 
-def _row(one: Predicted) -> Row:
+def _row(one: Predicted) -> doc.Row:
     """A figure with its band; what is unknown has none."""
     never = f"; never {likely(one.never)}" if 0.0 < one.never < 1.0 else ""
     keys = ("value",) if isnan(one.band.nominal) else ("value", "p5", "p50", "p95")
-    cells: dict[str, Cell] = {"title": one.title + never}
+    cells: dict[str, doc.Cell] = {"title": one.title + never}
     for key, x in zip(keys, one.band, strict=False):
-        cells[key] = _time(x) if one.kind == "time" else Quantity(x, one.unit, one.kind, _DIGITS)
-    return Row(cells, name=one.name)
+        cells[key] = _time(x) if one.kind == "time" else doc.Quantity(x, one.unit, one.kind, _DIGITS)
+    return doc.Row(cells, name=one.name)
 
 
-def _time(seconds: float) -> Quantity:
+def _time(seconds: float) -> doc.Quantity:
     """A time in the unit that suits its size."""
     unit = "ms" if seconds < 1.0 else "s" if seconds < 600.0 else "min" if seconds < 36_000.0 else "h"
-    return Quantity(seconds, unit, "time", _DIGITS, own="never" if isinf(seconds) else "")
+    return doc.Quantity(seconds, unit, "time", _DIGITS, own="never" if isinf(seconds) else "")

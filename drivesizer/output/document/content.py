@@ -173,9 +173,8 @@ def machine_words(spec: RobotSpec) -> str:
     if platform is None or not isinstance(load, WheeledVehicle):
         kind = load.kind.replace("_", " ").capitalize()
         return ", ".join(filter(None, (kind, mass, number_of(load.motors, "drive"))))
-    wheels = [number_of(count, f"{'driven' if driven else 'free'} {kind} wheel")
-              for (kind, driven), count in Counter((place.kind, place.driven)
-                                                   for place in platform.places).items()]  # fmt: skip
+    wheels = [number_of(count, f"{'driven' if driven else 'free'} {kind} wheel") for (kind, driven),
+              count in Counter((place.kind, place.driven) for place in platform.places).items()]  # fmt: skip
     wheels += [number_of(len(platform.casters), "caster")] if platform.casters else []
     diameter = show(load.wheel_diameter, "mm", "length")
     return "; ".join(

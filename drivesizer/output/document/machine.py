@@ -9,21 +9,8 @@ from math import isinf, isnan, radians
 from drivesizer.control.path_following.following import Followed
 from drivesizer.load_cases.platform import Driving
 from drivesizer.machine.platform_budget import PermittedSpeeds
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives
-from drivesizer.output.document.records import (
-    Block,
-    Bullets,
-    Cell,
-    Column,
-    Heading,
-    Pair,
-    Picture,
-    Quantity,
-    Row,
-    Section,
-    Table,
-    Words,
-)  # fmt: skip
 from drivesizer.output.document.rows import check_table, consumers_table, figures_table, masses_table
 from drivesizer.output.platform import (
     FOLLOWING,
@@ -32,10 +19,10 @@ from drivesizer.output.platform import (
     formula,
     platform_numbers,
     printed,
-    speed_heads,
+    speed_heads,  # fmt: skip
     speed_remarks,
     speed_rows,
-)  # fmt: skip
+)
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.platform.robot_figures import Numbers
 from drivesizer.results.drive_set import DriveSet
@@ -46,182 +33,186 @@ from drivesizer.results.drive_set import DriveSet
 _OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
 
 
-def _machine(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section("machine", "The machine with this drive", of_drive=True)
+def machine(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """Budgets and masses of the machine."""
     if not drive.budget:
         return
     cases = "; each in its worst load case" if of.cases else ""
     yield check_table(f"The machine's budgets, which more than the choice of the motor decides{cases}", drive.budget,
-                      "budget",
-                      grouped=True)  # fmt: skip
+                      "budget", grouped=True)  # fmt: skip
     others = [f for f in drive.machine if f.name not in _OF_MASSES]
     figures = [figures_table("Figures of the machine without a limit", others, "machine")] if others else []
     if drive.masses:
-        yield Pair([*mass_blocks(drive)], figures)
+        yield doc.Pair([*mass_blocks(drive)], figures)
     else:
         yield from figures
 
 
-def mass_blocks(drive: DriveSet) -> Iterator[Block]:
+def mass_blocks(drive: DriveSet) -> Iterator[doc.Block]:
     """The masses of the machine one by one, their sum, and what it lacks."""
     yield masses_table(drive.masses, [f for f in drive.machine if f.name in _OF_MASSES])
     lacks = ", ".join(dict.fromkeys(one.name for one in drive.masses if isnan(one.each)))
     if lacks:
-        yield Words(f"Not known and not in the sum: {lacks}.", "note")
-
-
-MACHINE = Section(name="machine", title="The machine with this drive", blocks=_machine, of_drive=True)
+        yield doc.Words(f"Not known and not in the sum: {lacks}.", "note")
 
 
 # -- battery, and what the drives regenerate
 
 
-def _battery_picture(content: Content) -> Iterator[Block]:
+@doc.section("battery", "Battery", level=2, media="paper")
+def battery_picture(content: Content) -> Iterator[doc.Block]:
+    """Consumers and charge of the battery as a figure."""
     budget = content.drive.energy if content.drive else None
     if budget is None:
         return
     lacks = " Unknown consumers are not counted." if any(isnan(one.mean) for one in budget.consumers) else ""
     mean = f"Mean power that the consumers draw from the battery ({budget.battery}).{lacks}"
     charge = "The charge that is left over time, from full."
-    yield Picture("battery", f"{mean} {charge}", "consumers, and the battery's charge over time",
-                  about="shows the consumers and the battery's charge over time.")  # fmt: skip
+    yield doc.Picture("battery", f"{mean} {charge}", "consumers, and the battery's charge over time",
+                      about="shows the consumers and the battery's charge over time.")  # fmt: skip
 
 
-def _battery(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section("battery-figures", "Battery", level=2, of_drive=True)
+def battery(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """Consumers and figures of the battery."""
     budget = drive.energy
     if budget is None:
         return
-    yield Pair([consumers_table(budget)], [figures_table(f"The battery: {budget.battery}", budget.figures, "battery")])
+    yield doc.Pair(
+        [consumers_table(budget)], [figures_table(f"The battery: {budget.battery}", budget.figures, "battery")]
+    )
     if budget.assumptions:
-        yield Bullets("Assumptions of the energy budget:", list(budget.assumptions))
+        yield doc.Bullets("Assumptions of the energy budget:", list(budget.assumptions))
 
 
-def _braking(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section("braking", "Regenerated energy", level=2, of_drive=True)
+def braking(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """Energy that is regenerated, stored and burnt."""
     budget = drive.braking
     if budget is None or not any(figure.value for figure in budget.figures):
         return
     if budget.name:
-        yield Words(f"Brake resistor: {budget.name}. Its checks are among the machine's budgets.")
+        yield doc.Words(f"Brake resistor: {budget.name}. Its checks are among the machine's budgets.")
     yield figures_table("What is regenerated, stored and burnt", budget.figures, "braking")
     if budget.assumptions:
-        yield Bullets("Assumptions:", list(budget.assumptions))
-
-
-BATTERY_PICTURE = Section(name="battery", title="Battery", level=2, blocks=_battery_picture, media="paper")
-BATTERY = Section(name="battery-figures", title="Battery", level=2, blocks=_battery, of_drive=True)
-BRAKING = Section(name="braking", title="Regenerated energy", level=2, blocks=_braking, of_drive=True)
+        yield doc.Bullets("Assumptions:", list(budget.assumptions))
 
 
 # -- a platform: its speed by direction, and how it follows its path
 
 
-def _permitted(content: Content) -> Iterator[Block]:
+@doc.section("permitted", "Speed by direction", level=2, early="never")
+def permitted(content: Content) -> Iterator[doc.Block]:
+    """Speeds that the drives permit, by direction."""
     found = content.behaviour.permitted if content.behaviour else None
     if found is None:
         return
     with_motors = failed_motors_text(found) if found.failed else "with all motors"
-    yield Picture("permitted", f"Highest steady speed over the direction, {with_motors} and without each.",
-                  "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
+    yield doc.Picture("permitted", f"Highest steady speed over the direction, {with_motors} and without each.",
+                      "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
     yield from permitted_blocks(found)
 
 
-def permitted_blocks(found: PermittedSpeeds) -> Iterator[Block]:
+def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
     """Speeds of a quarter turn, and what limits them."""
     with_motors = failed_motors_text(found) if found.failed else "with all motors"
     direction, *heads = speed_heads(found)
-    columns = [Column("title", direction, "number")]
+    columns = [doc.number("title", direction)]
     keys = [re.sub(r"\W+", "_", head) for head in heads]
-    columns += [Column(key, head, "number") for key, head in zip(keys, heads, strict=True)]
-    columns.append(Column("note", f"limited, {with_motors}, by", "small", media="paper"))
+    columns += [doc.number(key, head) for key, head in zip(keys, heads, strict=True)]
+    columns.append(doc.small("note", f"limited, {with_motors}, by", media="paper"))
     rows = []
     for degrees, by, speeds in speed_rows(found):
-        cells: dict[str, Cell] = {"title": degrees, "note": by}
+        cells: dict[str, doc.Cell] = {"title": degrees, "note": by}
         for key, v in zip(keys, speeds, strict=True):
-            cells[key] = Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
-        rows.append(Row(cells, name=degrees.removesuffix(" °")))
-    yield Table(SPEEDS, columns, rows, "permitted", dense=True)
-    yield Bullets("In these speeds:", [*speed_remarks(found)])
+            cells[key] = doc.Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
+        rows.append(doc.Row(cells, name=degrees.removesuffix(" °")))
+    yield doc.Table(SPEEDS, columns, rows, "permitted", dense=True)
+    yield doc.Bullets("In these speeds:", [*speed_remarks(found)])
 
 
-def _followed(content: Content) -> Iterator[Block]:
+@doc.section("followed", "Path following", level=2, early="never")
+def followed(content: Content) -> Iterator[doc.Block]:
+    """Deviations from the path, simulated and measured."""
     does, platform = content.behaviour, content.result.spec.platform
     if does is None or does.path is None or platform is None:
         return
     if not does.followed:
-        yield Words(f"Not simulated: {does.not_followed}", "alarm")
+        yield doc.Words(f"Not simulated: {does.not_followed}", "alarm")
         return
     plain = "; of the runs those with P loops, poses not fed back" if len(does.followed) > 4 else ""
-    yield Picture("followed", f"The path from above, desired and driven, distance and heading error along it{plain}.",
-                  "the path desired and driven", about="shows how the robot follows its path.")  # fmt: skip
+    yield doc.Picture("followed",
+                      f"The path from above, desired and driven, distance and heading error along it{plain}.",
+                      "the path desired and driven", about="shows how the robot follows its path.")  # fmt: skip
     yield from followed_blocks(does.path, content.drive, does.followed)
 
 
-def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Followed]) -> Iterator[Block]:
+def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Followed]) -> Iterator[doc.Block]:
     """Largest deviations of each run, below those that were measured."""
     from drivesizer.control.path_following.following import extremes
     from drivesizer.control.path_following.runs import assumed
 
     keys = ("position", "heading", "slip", "torque of a wheel", "use of the floor's grip")
-    columns = [Column("title", "model, speed loops, poses, what the model knows" if len(runs) > 4 else "run", "name",
-                      1.0),
-               *(Column(key, key, "number", media="all" if len(runs) < 5 or key in keys[:2] else "paper")
+    head = "model, speed loops, poses, what the model knows" if len(runs) > 4 else "run"
+    columns = [doc.name("title", head, width=1.0),
+               *(doc.number(key, key, media="all" if len(runs) < 5 or key in keys[:2] else "paper")
                  for key in keys),
-               Column("limited", "at the torque limit", "number")]  # fmt: skip
+               doc.number("limited", "at the torque limit")]  # fmt: skip
     measured = path.spec.platform.following.measured if path.spec.platform else ()
-    rows = [Row({"title": f"{one.name}, measured", "position": Quantity(one.position, "m", "length", 3),
-                 "heading": Quantity(one.heading, "deg", "angle", 3)}, name=_slug(f"{one.name} measured"))
+    rows = [doc.Row({"title": f"{one.name}, measured", "position": doc.Quantity(one.position, "m", "length", 3),
+                     "heading": doc.Quantity(one.heading, "deg", "angle", 3)}, name=_slug(f"{one.name} measured"))
             for one in measured]  # fmt: skip
     for name, run in runs.items():
         found = {one.title: one for one in extremes(run)}
-        cells: dict[str, Cell] = {
-            key: Quantity(abs(found[key].value), found[key].unit, found[key].kind, 3) for key in keys
+        cells: dict[str, doc.Cell] = {
+            key: doc.Quantity(abs(found[key].value), found[key].unit, found[key].kind, 3) for key in keys
         }
-        limited = Quantity(float(run.limited.max()), "%", "dimensionless", 3)
-        rows.append(Row({"title": name, **cells, "limited": limited}, name=_slug(name)))
-    yield Table(FOLLOWING, columns, rows, "followed", dense=True)
-    yield Bullets("In this simulation:", [*assumed(path, drive)])
-
-
-FOLLOWED = Section(name="followed", title="Path following", level=2, blocks=_followed, early="never")
-PERMITTED = Section(name="permitted", title="Speed by direction", level=2, blocks=_permitted, early="never")
+        limited = doc.Quantity(float(run.limited.max()), "%", "dimensionless", 3)
+        rows.append(doc.Row({"title": name, **cells, "limited": limited}, name=_slug(name)))
+    yield doc.Table(FOLLOWING, columns, rows, "followed", dense=True)
+    yield doc.Bullets("In this simulation:", [*assumed(path, drive)])
 
 
 # -- The platform's kinematics and dynamics in numbers, equations (21)-(59) beside them.
 
 
-def _platform(content: Content) -> Iterator[Block]:
+@doc.section("platform", "Kinematics and dynamics of the platform", appendix=True, early="never")
+def kinematics_and_dynamics(content: Content) -> Iterator[doc.Block]:
+    """Kinematics and dynamics of a platform in numbers."""
     spec = content.result.spec
     if not spec.platform:
         return
     found = platform_numbers(spec, content.drive)
-    yield Words(
+    yield doc.Words(
         "Symbols and numbers of equations are those of the paper, the symbols L, α, β, γ of its Table 1; x points "
         "forward, y to the left, θ turns counterclockwise. Each table is computed by the equation that it names."
     )
-    yield Heading("Kinematics")
+    yield doc.Heading("Kinematics")
     yield numbers_table(found.wheels)
     kinematics, dynamics = found.matrices[:4], found.matrices[4:]
     yield from _pairs([*kinematics[:3:2], *kinematics[1::2]])
     yield numbers_table(found.mobility)
-    yield Heading("Dynamics")
-    yield Words(f"{found.rotors} C̄ and C_q are at a turning speed of 1 rad/s, with which they grow.")
+    yield doc.Heading("Dynamics")
+    yield doc.Words(f"{found.rotors} C̄ and C_q are at a turning speed of 1 rad/s, with which they grow.")
     yield from _pairs([one for pair in zip(dynamics[::2], dynamics[1::2], strict=True) for one in pair])
-    yield Heading("Forces and torques")
-    yield Words(
+    yield doc.Heading("Forces and torques")
+    yield doc.Words(
         f"{found.moment} Rolling resistance is that of wheels, rollers and casters, which the paper leaves out."
     )
     yield from map(numbers_table, found.at_instant)
 
 
-def _pairs(tables: list[Numbers]) -> Iterator[Block]:
+def _pairs(tables: list[Numbers]) -> Iterator[doc.Block]:
     """Tables beside each other, two by two."""
     for left, right in zip(tables[::2], tables[1::2], strict=True):
-        yield Pair([numbers_table(left)], [numbers_table(right)])
+        yield doc.Pair([numbers_table(left)], [numbers_table(right)])
 
 
 _SI = {"deg": ("rad", radians(1.0)), "mm": ("m", 1e-3)}
 
 
-def numbers_table(numbers: Numbers) -> Table:
+def numbers_table(numbers: Numbers) -> doc.Table:
     """A matrix or a table of the platform, each unit once."""
     shown, rows = printed(numbers), []
     keys = [_slug(head) or f"n{n}" for n, head in enumerate(numbers.columns)]
@@ -229,17 +220,17 @@ def numbers_table(numbers: Numbers) -> Table:
     for name, texts, values, units in zip(
         numbers.rows, shown.cells, numbers.values.tolist(), numbers.units, strict=True
     ):
-        cells: dict[str, Cell] = {"title": name, "symbol": numbers.symbol, "equation": equation}
+        cells: dict[str, doc.Cell] = {"title": name, "symbol": numbers.symbol, "equation": equation}
         for key, text, value, unit in zip(keys, texts, values, units, strict=True):
             si, factor = _SI.get(unit, (unit, 1.0))
-            cells[key] = Quantity(value * factor, unit if unit in _SI else si, _KIND.get(unit, "plain"), own=text)
-        rows.append(Row(cells, name=_slug(f"{numbers.name} {name}")))
+            cells[key] = doc.Quantity(value * factor, unit if unit in _SI else si, _KIND.get(unit, "plain"), own=text)
+        rows.append(doc.Row(cells, name=_slug(f"{numbers.name} {name}")))
     named = ", ".join(f"({number})" for number in numbers.equations)
     caption = f"{numbers.meaning} {named}: {formula(numbers)}" if named else numbers.meaning
     caption += f", in {shown.unit}" if shown.unit else ""
-    columns = [Column("title", "", "name", 1.0)]
-    columns += [Column(key, head, "number") for key, head in zip(keys, shown.heads, strict=True)]
-    return Table(caption, columns, rows, record="platform", look="figures", dense=True)
+    columns = [doc.name("title", width=1.0)]
+    columns += [doc.number(key, head) for key, head in zip(keys, shown.heads, strict=True)]
+    return doc.Table(caption, columns, rows, record="platform", look="figures", dense=True)
 
 
 def _slug(name: str) -> str:
@@ -247,9 +238,6 @@ def _slug(name: str) -> str:
 
 
 _KIND = {"deg": "angle", "mm": "length"}
-PLATFORM_NUMBERS = Section(
-    name="platform", title="Kinematics and dynamics of the platform", blocks=_platform, appendix=True, early="never"
-)
 
 
 # -- a platform on its path: its wheels, a drive there, its speeds and how it follows
@@ -263,18 +251,18 @@ _OF_A_WHEEL = (  # requirement, head of its column
 
 def driving_blocks(
     found: Driving, drive: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None
-) -> Iterator[Block]:
+) -> Iterator[doc.Block]:
     """Requirements at each wheel, checks of a drive on the path, its speeds by direction, the runs that follow it."""
-    columns = (Column("wheel", "wheel", "number"), *(Column(name, head, "number") for name, head in _OF_A_WHEEL),
-               Column("friction", "friction needed", "number"))  # fmt: skip
+    columns = (doc.number("wheel", "wheel"), *(doc.number(name, head) for name, head in _OF_A_WHEEL),
+               doc.number("friction", "friction needed"))  # fmt: skip
     rows = []
     for wheel in found.wheels:
-        cells: dict[str, Cell] = {"wheel": Quantity(wheel.number), "friction": _friction(wheel.grip, found)}
-        cells |= {r.name: Quantity(float(r.value), r.unit, r.kind) for r in wheel.requirements}
-        rows.append(Row(cells, name=f"wheel_{wheel.number}"))
-    yield Table("Requirements at the wheels", columns, rows)
+        cells: dict[str, doc.Cell] = {"wheel": doc.Quantity(wheel.number), "friction": _friction(wheel.grip, found)}
+        cells |= {r.name: doc.Quantity(float(r.value), r.unit, r.kind) for r in wheel.requirements}
+        rows.append(doc.Row(cells, name=f"wheel_{wheel.number}"))
+    yield doc.Table("Requirements at the wheels", columns, rows)
     if drive:
-        yield Words(drive.label)
+        yield doc.Words(drive.label)
         yield check_table("The drive on this path", drive.checks)
         if drive.budget:
             yield check_table("The machine on this path", drive.budget)
@@ -284,9 +272,9 @@ def driving_blocks(
         yield from followed_blocks(found, drive, runs)
 
 
-def _friction(grip: OwnLimit | None, found: Driving) -> Cell:
+def _friction(grip: OwnLimit | None, found: Driving) -> doc.Cell:
     """Coefficient at the worst moment, where the wheel's load is known."""
     mu = getattr(found.spec.load, "friction_coefficient", None)
     if grip is None or not mu or isnan(grip.limit):
         return "unknown"
-    return Quantity(grip.demand / grip.limit * mu, "1", "dimensionless") if grip.limit > 0.0 else "lifts off"
+    return doc.Quantity(grip.demand / grip.limit * mu, "1", "dimensionless") if grip.limit > 0.0 else "lifts off"

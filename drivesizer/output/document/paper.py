@@ -8,61 +8,49 @@ from math import isfinite
 from typing import Any
 
 from drivesizer.output.derivation import cleaned, short
-from drivesizer.output.document.records import (
-    PAPER,
-    Block,
-    Document,
-    Pair,
-    Picture,
-    Printed,
-    Quantity,
-    Row,
-    Series,
-    Table,
-    TableLink,
-    Words,
-)  # fmt: skip
+from drivesizer.output.document import records as doc
 from drivesizer.version import __version__
 
 _MOST_LISTED = 40  # sections of a table of contents on half a page
 
 
-def paper_data(document: Document, date: str | None = None) -> dict[str, Any]:
+def paper_data(document: doc.Document, date: str | None = None) -> dict[str, Any]:
     """Everything that a report prints but its figures; texts are printed as strings, never read as markup."""
     given = dict(document.block)
     revision = f"revision {given['Revision']}" if "Revision" in given else ""
     header = ", ".join(filter(None, (document.name, given.get("Project", ""), revision)))
     sections = sections_data(document.sections)
-    made: dict[str, Any] = cleaned({
-        "name": document.name, "header": short(header), "block": document.block, "machine": document.machine,
-        "version": __version__, "date": short(date or "", 40), "found": document.found, "sections": sections,
-        "depth": 2 if len(sections) <= _MOST_LISTED else 1,
-    })  # fmt: skip
+    made: dict[str, Any] = cleaned({"name": document.name, "header": short(header), "block": document.block,
+                                    "machine": document.machine, "version": __version__, "date": short(date or "", 40),
+                                    "found": document.found, "sections": sections, "depth": 2
+                                    if len(sections) <= _MOST_LISTED else 1})  # fmt: skip
     return made
 
 
-def sections_data(sections: Iterable[Printed]) -> list[dict[str, Any]]:
+def sections_data(sections: Iterable[doc.Printed]) -> list[dict[str, Any]]:
     """Sections as plain data; one without a title goes on in the one above."""
     found: list[dict[str, Any]] = []
     for section, title, blocks, _, axis in sections:
         data = [as_data(block, axis) for block in blocks if _shown(block)]
         if not found or title not in ("", found[-1]["title"]):
             name = f"{axis}{section.name}" if axis else section.name
-            found.append({"name": name, "title": title, "level": section.level, "new_page": section.new_page,
+            found.append({"name": name, "title": title, "level": section.level,
                           "appendix": section.appendix, "blocks": data})  # fmt: skip
         else:
             found[-1]["blocks"] += data
     return [section for section in found if section["blocks"] or section["level"] == 1]
 
 
-def _shown(block: Block) -> bool:
-    return not isinstance(block, Series) and not (isinstance(block, Table | Words) and block.media not in PAPER)
+def _shown(block: doc.Block) -> bool:
+    return not isinstance(block, doc.Series) and not (
+        isinstance(block, doc.Table | doc.Words) and block.media not in doc.PAPER
+    )
 
 
 def as_data(value: Any, axis: str = "") -> Any:
     """Records as lists and dicts, each with its ``kind``; names of figures and tables of an axis begin with its key."""
-    if isinstance(value, Table):
-        columns = [column for column in value.columns if column.media in PAPER]
+    if isinstance(value, doc.Table):
+        columns = [column for column in value.columns if column.media in doc.PAPER]
         columns = [c for c in columns if c.head or any(row.cells.get(c.key, "") != "" for row in value.rows)]
         return {
             "kind": "table", "caption": as_data(value.caption,
@@ -71,14 +59,14 @@ def as_data(value: Any, axis: str = "") -> Any:
             "rows": [_row(row, value, [c.key for c in columns], axis) for row in value.rows], "look": value.look,
             "dense": value.dense, "sortable": value.sortable, "halves": value.halves, "grouped": bool(value.group),
         }  # fmt: skip
-    if isinstance(value, Quantity):
+    if isinstance(value, doc.Quantity):
         return {
             "kind": "number",
             "text": value.text,
             "value": value.number if isfinite(value.number) else None,
             "note": value.note,
         }
-    if isinstance(value, Pair):
+    if isinstance(value, doc.Pair):
         return {
             "kind": "pair",
             **{side: [as_data(one, axis) for one in getattr(value, side) if _shown(one)] for side in ("left", "right")},
@@ -87,13 +75,13 @@ def as_data(value: Any, axis: str = "") -> Any:
         found = {"kind": type(value).__name__.lower()} | {
             one.name: as_data(getattr(value, one.name), axis) for one in fields(value)
         }
-        return found | {"name": f"{axis}{value.name}"} if isinstance(value, Picture | TableLink) else found
+        return found | {"name": f"{axis}{value.name}"} if isinstance(value, doc.Picture | doc.TableLink) else found
     if isinstance(value, dict):
         return {key: as_data(entry, axis) for key, entry in value.items()}
     return [as_data(entry, axis) for entry in value] if isinstance(value, list | tuple) else value
 
 
-def _row(row: Row, table: Table, keys: list[str], axis: str) -> dict[str, Any]:
+def _row(row: doc.Row, table: doc.Table, keys: list[str], axis: str) -> dict[str, Any]:
     cells = [as_data(row.cells.get(key, ""), axis) for key in keys]
     return {"cells": cells, "status": row.status, "total": row.total, "data": dict(row.data),
             "group": row.cells[table.group] if table.group else ""}  # fmt: skip

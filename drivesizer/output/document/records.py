@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import isnan, nan
 from typing import Any, Literal, NamedTuple
 
@@ -117,6 +118,11 @@ class Quantity:
         return KINDS[self.kind].si if self.kind in KINDS else "1" if self.unit == "%" else self.unit
 
 
+def quantities(unit: str, kind: str, **values: float) -> dict[str, Cell]:
+    """Cells of one unit by the keys of their columns."""
+    return {key: Quantity(value, unit, kind) for key, value in values.items()}
+
+
 @dataclass(frozen=True, slots=True)
 class Bar:
     """The used share of a limit, and where the margin begins that is required; None is unknown."""
@@ -169,6 +175,10 @@ class Column:
     merged: bool = False  # equal cells below one another are one, on paper
     yields: bool = False  # left out at a terminal that has no room for it
     formula: tuple[str, ...] = ()  # ``product`` or ``margin``, and the keys of the cells that it is computed from
+
+
+name, number, small = (partial(Column, form=form) for form in ("name", "number", "small"))
+status, mark, code = (partial(Column, form=form) for form in ("status", "mark", "code"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -324,13 +334,21 @@ class Section:
     of_drive: bool = False
     early: Early = "checks"
     level: int = 1  # 2: inside the section of level 1 above it
-    new_page: bool = False  # on paper
     appendix: bool = False
     media: Media = "all"
 
     def headed(self, content: Any) -> str:
         """The title in a document of that content."""
         return self.title if isinstance(self.title, str) else self.title(content)
+
+
+def section(
+    name: str, title: str | Callable[[Any], str] = "", *, of_drive: bool = False, early: Early = "checks",
+    level: int = 1, appendix: bool = False, media: Media = "all",
+) -> Callable[[Callable[..., Iterable[Block]]], Section]:  # fmt: skip
+    """A function to blocks as a section."""
+    return lambda blocks: Section(name=name, title=title, blocks=blocks, of_drive=of_drive, early=early, level=level,
+                                  appendix=appendix, media=media)  # fmt: skip
 
 
 class Printed(NamedTuple):

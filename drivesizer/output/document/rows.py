@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer.control.validation import Validation
 from drivesizer.output.derivation import margin, symbol, use
-from drivesizer.output.document.records import Bar, Column, Math, Note, Quantity, Row, Small, Status, Table, Text
+from drivesizer.output.document import records as doc
 from drivesizer.results.check import Check, Figure, tightest
 from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, figure_words, part_of, sorted_by_part
 from drivesizer.results.drive_set import DriveSet, EnergyBudget, MassRow, Relaxation, Requirement
@@ -19,13 +19,13 @@ from drivesizer.spec.robot import AS_SPECIFIED
 
 
 CHECK_COLUMNS = (
-    Column("part", "part", media="wide"), Column("title", "check", "name", 1.0),
-    Column("method", "method", media="wide"), Column("case", "load case", media="wide"),
-    Column("value", "demand", "number"), Column("limit", "limit", "number"),
-    Column("margin", "margin", "number", formula=("margin", "value", "limit")),
-    Column("needed", "needed margin", "number", media="wide"), Column("used", "limit used", "bar", media="paper"),
-    Column("status", "", "status"), Column("at", "at", "number", media="wide"), Column("note", "note", media="wide"),
-    Column("origins", "figures that are not printed", media="wide"),
+    doc.Column("part", "part", media="wide"), doc.name("title", "check", width=1.0),
+    doc.Column("method", "method", media="wide"), doc.Column("case", "load case", media="wide"),
+    doc.number("value", "demand"), doc.number("limit", "limit"),
+    doc.number("margin", "margin", formula=("margin", "value", "limit")),
+    doc.number("needed", "needed margin", media="wide"), doc.Column("used", "limit used", "bar", media="paper"),
+    doc.status("status"), doc.number("at", "at", media="wide"), doc.Column("note", "note", media="wide"),
+    doc.Column("origins", "figures that are not printed", media="wide"),
 )  # fmt: skip
 _CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
 _ALIKE = 0.01  # of a margin, within which it is that of two figures
@@ -37,23 +37,21 @@ def case_of(c: Check) -> str:
     return f"case {c.case}" if c.case[:1].isdigit() else c.case
 
 
-def check_row(c: Check) -> Row:
+def check_row(c: Check) -> doc.Row:
     """A check: its demand, limit and margin, the share of the limit that it uses, and what is remarked on it."""
     bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
     at = nan if c.at_time is None else c.at_time
     chosen = "selected to be so: not a measure of the load" if c.by_choice and c.status == "pass" else ""
     note = c.note or chosen
-    remarks = [
-        "" if bare or c.case == AS_SPECIFIED else case_of(c), "" if isnan(at) else f"at {_moment(at)}", note
-    ]  # fmt: skip
+    remarks = ["" if bare or c.case == AS_SPECIFIED else case_of(c), "" if isnan(at) else f"at {_moment(at)}", note]
     needed = f"needs {margin(c.needed)}" if c.needed and not isnan(c.margin) else ""
-    return Row({
-        "part": part_of(c.name), "title": (c.title, Note("; ".join(filter(None, remarks)))), "method": c.method,
-        "case": c.case, "value": "" if bare else Quantity(c.demand, c.unit, c.kind),
-        "limit": "" if bare else Quantity(c.limit, c.unit, c.kind),
-        "margin": Quantity(c.margin, "%", "margin", note=needed), "needed": Quantity(c.needed, "%", "margin"),
-        "used": Bar(use(c.margin), use(c.needed), c.status), "status": (Status(c.status),),
-        "at": "" if isnan(at) else Quantity(at, "s", "time"), "note": note,
+    return doc.Row({
+        "part": part_of(c.name), "title": (c.title, doc.Note("; ".join(filter(None, remarks)))), "method": c.method,
+        "case": c.case, "value": "" if bare else doc.Quantity(c.demand, c.unit, c.kind),
+        "limit": "" if bare else doc.Quantity(c.limit, c.unit, c.kind),
+        "margin": doc.Quantity(c.margin, "%", "margin", note=needed), "needed": doc.Quantity(c.needed, "%", "margin"),
+        "used": doc.Bar(use(c.margin), use(c.needed), c.status), "status": (doc.Status(c.status),),
+        "at": "" if isnan(at) else doc.Quantity(at, "s", "time"), "note": note,
         "origins": "; ".join(f"{figure_words(*one[:2])}: {one.confidence}" for one in c.origins),
     }, name=c.name, status=c.status, data={"check": c.name, "unit": c.unit})  # fmt: skip
 
@@ -62,30 +60,30 @@ def _moment(time: float) -> str:
     return f"{time:.0f} s" if time >= 1000.0 else f"{time:.4g} s"
 
 
-def _worst_end(c: Check) -> Iterator[Row]:
+def _worst_end(c: Check) -> Iterator[doc.Row]:
     """The same at the unfavourable end of estimated figures; without a limit that is estimated too and moves."""
     if not c.band or c.status not in ("open", "pass") or not c.band.least_margin < _CLOSE:
         return
     high, least = c.band.high, c.band.least_margin
     alike = high > 0.0 and abs(c.limit / high - 1.0 - least) < _ALIKE
-    yield Row({
-        "part": part_of(c.name), "title": (Small("at worst, by estimates"),), "method": c.method, "case": c.case,
-        "value": Quantity(high, c.unit, c.kind) if alike else "",
-        "limit": Quantity(c.limit, c.unit, c.kind) if alike else "", "margin": Quantity(least, "%", "margin"),
-        "used": Bar(use(least)), "status": "", "at": "", "note": "at worst, by estimates", "origins": "",
+    ends = doc.quantities(c.unit, c.kind, value=high, limit=c.limit) if alike else {}
+    yield doc.Row({
+        "part": part_of(c.name), "title": (doc.Small("at worst, by estimates"),), "method": c.method, "case": c.case,
+        **ends, "margin": doc.Quantity(least, "%", "margin"), "used": doc.Bar(use(least)),
+        "note": "at worst, by estimates",
     }, name=f"{c.name}_at_worst")  # fmt: skip
 
 
 def check_table(
-    caption: Text, checks: Iterable[Check], name: str = "", *, grouped: bool = False, record: str = "check"
-) -> Table:
+    caption: doc.Text, checks: Iterable[Check], name: str = "", *, grouped: bool = False, record: str = "check"
+) -> doc.Table:
     """Checks with their limits, margins and bars; under the part that they concern where they are grouped."""
     ordered = sorted_by_part([*checks]) if grouped else [*checks]
     rows = [row for check in ordered for row in (check_row(check), *_worst_end(check))]
-    return Table(caption, CHECK_COLUMNS, rows, name, record, "checks", group="part" if grouped else "")
+    return doc.Table(caption, CHECK_COLUMNS, rows, name, record, "checks", group="part" if grouped else "")
 
 
-def tightest_table(caption: Text, checks: Sequence[Check], name: str = "tightest") -> Table:
+def tightest_table(caption: doc.Text, checks: Sequence[Check], name: str = "tightest") -> doc.Table:
     """Three checks: conditions that fail, then the smallest margins; those kept small by selection are left out."""
     return replace(check_table(caption, tightest(tuple(checks), _TIGHTEST), name), media="shown")
 
@@ -104,39 +102,39 @@ def tight_of(drive: DriveSet, proof: Validation | None) -> tuple[str, str]:
 # -- figures without a limit, requirements of the load, requirements on the machine
 
 
-_FIGURES = (Column("title", "", width=1.0), Column("value", "", "number"), Column("at", "", "small"))
+_FIGURES = (doc.Column("title", "", width=1.0), doc.number("value"), doc.small("at"))
 
 
-def figure_row(f: Figure) -> Row:
+def figure_row(f: Figure) -> doc.Row:
     """A figure with the moment at which it is reached."""
-    at = "" if f.at_time is None else Quantity(f.at_time, "s", "time", own=f"at {f.at_time:.4g} s")
-    return Row({"title": f.title, "value": Quantity(f.value, f.unit, f.kind), "at": at}, name=f.name)
+    at = "" if f.at_time is None else doc.Quantity(f.at_time, "s", "time", own=f"at {f.at_time:.4g} s")
+    return doc.Row({"title": f.title, "value": doc.Quantity(f.value, f.unit, f.kind), "at": at}, name=f.name)
 
 
 def figures_table(
-    caption: Text, figures: Iterable[Figure], record: str = "figure", *, name: str = "", halves: bool = False
-) -> Table:
+    caption: doc.Text, figures: Iterable[Figure], record: str = "figure", *, name: str = "", halves: bool = False
+) -> doc.Table:
     """Names and figures without a limit."""
-    return Table(caption, _FIGURES, [*map(figure_row, figures)], name, record, "figures", halves=halves)
+    return doc.Table(caption, _FIGURES, [*map(figure_row, figures)], name, record, "figures", halves=halves)
 
 
-def requirements_table(caption: Text, requirements: Iterable[Requirement], **more: Any) -> Table:
+def requirements_table(caption: doc.Text, requirements: Iterable[Requirement], **more: Any) -> doc.Table:
     """Requirements of a load with their symbols, and the paper's number of their equations."""
-    columns = (Column("equation", "equation", "number", media="listed"), Column("symbol", "", "math"),
-               Column("title", "", width=1.0), Column("value", "", "number"),
-               Column("note", "note", media="wide"))  # fmt: skip
+    columns = (doc.number("equation", "equation", media="listed"), doc.Column("symbol", "", "math"),
+               doc.Column("title", "", width=1.0), doc.number("value"),
+               doc.Column("note", "note", media="wide"))  # fmt: skip
     rows = [
-        Row({"equation": Quantity(r.equation, own=f"({r.equation})") if r.equation else "",
-             "symbol": (Math(symbol(r.symbol), r.symbol),),
-             "title": (r.title, Note("given" if r.note.startswith("given") else "")),
-             "value": Quantity(float(r.value), r.unit,
+        doc.Row({"equation": doc.Quantity(r.equation, own=f"({r.equation})") if r.equation else "",
+             "symbol": (doc.Math(symbol(r.symbol), r.symbol),),
+             "title": (r.title, doc.Note("given" if r.note.startswith("given") else "")),
+             "value": doc.Quantity(float(r.value), r.unit,
                                r.kind), "note": r.note}, name=r.name, data={"requirement": r.name})
         for r in requirements
     ]  # fmt: skip
-    return Table(caption, columns, rows, record="requirement", look="figures", **more)
+    return doc.Table(caption, columns, rows, record="requirement", look="figures", **more)
 
 
-def required_table(caption: Text, found: DriveSet) -> Table | None:
+def required_table(caption: doc.Text, found: DriveSet) -> doc.Table | None:
     """Requirements on the machine, what is reached and by what margin; None where the spec has none."""
     if not any(check.name in OWN_REQUIREMENTS for check in found.budget):
         return None
@@ -144,71 +142,63 @@ def required_table(caption: Text, found: DriveSet) -> Table | None:
     rows = []
     for c in sorted((c for c in found.budget if c.name in REQUIREMENTS), key=lambda c: order.index(c.name)):
         upper = REQUIREMENTS[c.name] == "limit"
-        demand, limit = (Quantity(value, c.unit, c.kind) for value in (c.demand, c.limit))
+        demand, limit = (doc.Quantity(value, c.unit, c.kind) for value in (c.demand, c.limit))
         remarks = "; ".join(filter(None, ("" if c.case == AS_SPECIFIED else case_of(c), c.note)))
-        rows.append(Row({
-            "title": (c.title, Note(remarks)), "bound": "≤" if upper else "≥", "required": limit if upper else demand,
-            "reached": demand if upper else limit, "margin": Quantity(c.margin, "%", "margin"),
-            "status": (Status(c.status),),
-        }, name=c.name))  # fmt: skip
-    columns = (Column("title", "requirement", "name", 1.0), Column("bound", "", "number"),
-               Column("required", "required", "number"), Column("reached", "reached", "number"),
-               Column("margin", "margin", "number"), Column("status", "", "status"))  # fmt: skip
-    return Table(caption, columns, rows, record="required")
+        rows.append(doc.Row({"title": (c.title, doc.Note(remarks)), "bound": "≤" if upper else "≥", "required": limit
+                             if upper else demand, "reached": demand if upper else limit,
+                             "margin": doc.Quantity(c.margin, "%", "margin"), "status": (doc.Status(c.status),)},
+                            name=c.name))  # fmt: skip
+    columns = (doc.name("title", "requirement", width=1.0), doc.number("bound"), doc.number("required", "required"),
+               doc.number("reached", "reached"), doc.number("margin", "margin"), doc.status("status"))  # fmt: skip
+    return doc.Table(caption, columns, rows, record="required")
 
 
-def changes_table(caption: str, changes: Sequence[Relaxation]) -> Table:
+def changes_table(caption: str, changes: Sequence[Relaxation]) -> doc.Table:
     """Fields of the spec as they are and as they would have to be."""
     if any(one.status != "pass" for one in changes):
         caption = caption.replace(" passes,", " passes or fails no check,", 1)
-    columns = (Column("field", "field", "name"), Column("value", "now", "number"), Column("limit", "needed", "number"),
-               Column("title", "drive", width=1.0))  # fmt: skip
-    rows = [
-        Row({"field": r.field.replace("_", " ").replace(".", " › "),
-             "value": Quantity(r.before, r.unit, r.kind, own=r.now),
-             "limit": Quantity(r.after, r.unit, r.kind, own=r.needed), "title": r.set_label}, name=r.field)
-        for r in changes
-    ]  # fmt: skip
-    return Table(caption, columns, rows, record="change")
+    columns = (doc.name("field", "field"), doc.number("value", "now"), doc.number("limit", "needed"),
+               doc.Column("title", "drive", width=1.0))  # fmt: skip
+    rows = [doc.Row({"field": r.field.replace("_", " ").replace(".", " › "), "value": doc.Quantity(r.before, r.unit,
+                                                                                                   r.kind, own=r.now),
+                     "limit": doc.Quantity(r.after, r.unit, r.kind, own=r.needed), "title": r.set_label}, name=r.field)
+            for r in changes]  # fmt: skip
+    return doc.Table(caption, columns, rows, record="change")
 
 
 # -- masses of the machine, consumers of its battery
 
 
-def masses_table(masses: Sequence[MassRow], sums: Sequence[Figure]) -> Table:
+def masses_table(masses: Sequence[MassRow], sums: Sequence[Figure]) -> doc.Table:
     """The masses of the machine one by one, and their sums."""
-    columns = (Column("title", "part", "name", 1.0), Column("number", "", "number"), Column("each", "each", "number"),
-               Column("value", "together", "number", formula=("product", "number", "each")),
-               Column("status", "", "status", media="wide"))  # fmt: skip
-    rows = [
-        Row({"title": one.name, "number": Quantity(one.number, own=f"{one.number} ×"),
-             "each": Quantity(one.each, "kg", "mass", own=one.text(one.each, "kg") if one.band else ""),
-             "value": Quantity(one.total, "kg", "mass"), "status": (Status("unknown"),) if isnan(one.each) else ""},
-            name=one.name)
-        for one in masses
-    ]  # fmt: skip
-    rows += [Row({"title": f.title, "value": Quantity(f.value, f.unit, f.kind)}, name=f.name, total=True) for f in sums]
-    return Table("Masses of the machine", columns, rows, "masses", "mass", "figures")
+    columns = (doc.name("title", "part", width=1.0), doc.number("number"), doc.number("each", "each"),
+               doc.number("value", "together", formula=("product", "number", "each")),
+               doc.status("status", media="wide"))  # fmt: skip
+    rows = [doc.Row({"title": one.name, "number": doc.Quantity(one.number, own=f"{one.number} ×"),
+                     "each": doc.Quantity(one.each, "kg", "mass", own=one.text(one.each, "kg") if one.band else ""),
+                     "value": doc.Quantity(one.total, "kg", "mass"), "status": (doc.Status("unknown"),)
+                     if isnan(one.each) else ""}, name=one.name) for one in masses]  # fmt: skip
+    rows += [
+        doc.Row({"title": f.title, "value": doc.Quantity(f.value, f.unit, f.kind)}, name=f.name, total=True)
+        for f in sums
+    ]
+    return doc.Table("Masses of the machine", columns, rows, "masses", "mass", "figures")
 
 
-def consumers_table(budget: EnergyBudget) -> Table:
+def consumers_table(budget: EnergyBudget) -> doc.Table:
     """Mean and highest power of each consumer of the battery, and their sum."""
-    columns = (Column("title", "consumer", "name", 1.0), Column("number", "", "number"),
-               Column("value", "mean", "number"), Column("limit", "peak", "number"), Column("duty", "on", "number"),
-               Column("note", "", "small"))  # fmt: skip
-    rows = [
-        Row({"title": one.name, "number": Quantity(one.number) if one.number > 1 else "",
-             "value": Quantity(one.mean, "W", "power"),
-             "limit": Quantity(one.peak, "W", "power"),
-             "duty": "" if isnan(one.duty) or one.duty == 1.0 else Quantity(one.duty, "%", "dimensionless"),
-             "note": "assumed" if one.assumed else ""}, name=one.name)
-        for one in budget.consumers if one.mean or isnan(one.mean)
-    ]  # fmt: skip
+    columns = (doc.name("title", "consumer", width=1.0), doc.number("number"), doc.number("value", "mean"),
+               doc.number("limit", "peak"), doc.number("duty", "on"), doc.small("note"))  # fmt: skip
+    rows = [doc.Row({"title": one.name, "number": doc.Quantity(one.number) if one.number > 1 else "",
+                     "value": doc.Quantity(one.mean, "W", "power"), "limit": doc.Quantity(one.peak, "W", "power"),
+                     "duty": "" if isnan(one.duty) or one.duty == 1.0 else doc.Quantity(one.duty, "%", "dimensionless"),
+                     "note": "assumed" if one.assumed else ""}, name=one.name) for one in budget.consumers if one.mean
+            or isnan(one.mean)]  # fmt: skip
     lacks = any(isnan(one.mean) for one in budget.consumers)
-    rows.append(Row({"title": "total", "value": Quantity(budget.mean_power, "W", "power"),
-                     "limit": Quantity(budget.peak_power, "W", "power"), "note": "of the known ones" if lacks else ""},
-                    name="total", total=True))  # fmt: skip
-    return Table("Consumers of the battery", columns, rows, "", "consumer", "consumers")
+    rows.append(doc.Row({"title": "total", "value": doc.Quantity(budget.mean_power, "W", "power"),
+                         "limit": doc.Quantity(budget.peak_power, "W", "power"), "note": "of the known ones" if lacks
+                         else ""}, name="total", total=True))  # fmt: skip
+    return doc.Table("Consumers of the battery", columns, rows, "", "consumer", "consumers")
 
 
 def error_text(value: float) -> str:
@@ -216,6 +206,6 @@ def error_text(value: float) -> str:
     return f"± {100 * value:.2g} %"
 
 
-def margin_quantity(value: float) -> Quantity:
+def margin_quantity(value: float) -> doc.Quantity:
     """A margin over samples; a dash where there is none."""
-    return Quantity(value if isfinite(value) else nan, "%", "margin", own="" if isfinite(value) else "–")
+    return doc.Quantity(value if isfinite(value) else nan, "%", "margin", own="" if isfinite(value) else "–")

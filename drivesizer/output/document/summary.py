@@ -10,28 +10,8 @@ from typing import Any
 
 from drivesizer.machine.battery import lacking, pack_of
 from drivesizer.output.derivation import margin
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, driven_over, error_and_weakest, machine_words
-from drivesizer.output.document.records import (
-    Block,
-    Bullets,
-    Cell,
-    Column,
-    Mark,
-    Media,
-    Note,
-    Quantity,
-    Row,
-    Section,
-    Small,
-    Status,
-    Strong,
-    Table,
-    TableLink,
-    Text,
-    Tiles,
-    Verdict,
-    Words,
-)  # fmt: skip
 from drivesizer.output.document.rows import (
     changes_table,
     check_table,
@@ -53,38 +33,38 @@ from drivesizer.units import show_band
 
 
 _PARTS = (
-    Column("quantity", "", "number"), Column("role", "", "name"), Column("named", "part", media="print", width=1.6),
-    Column("axes", "axes", media="all"), Column("maker", "maker", media="wide"),
-    Column("family", "family", media="wide"),
-    Column("part", "part", media="wide"), Column("order_number", "order number", media="wide"),
-    Column("is", "", "small", media="paper"), Column("said", "is", media="wide"),
-    Column("mass", "mass of one", "number", media="wide"),
-    Column("mass_low", "from", "number", media="wide"), Column("mass_high", "to", "number", media="wide"),
-    Column("masses", "mass", "number", formula=("product", "quantity", "mass")),
-    Column("price", "price each", "number"),
-    Column("prices", "together", "number", formula=("product", "quantity", "price")),
-    Column("currency", "currency", media="wide"),
-    Column("price_from_pieces", "price from (pieces)", "number", media="wide"),
-    Column("price_date", "price date", media="wide"),
-    Column("price_confidence", "price confidence", "mark", media="wide"),
-    Column("price_source", "price source", media="wide"),
-    Column("part_confidence", "part confidence", "mark", media="wide"),
-    Column("part_source", "part source", media="wide"), Column("part_source_date", "source date", media="wide"),
-    Column("url", "page", media="wide"), Column("note", "note", media="wide"),
+    doc.number("quantity"), doc.name("role"), doc.Column("named", "part", media="print", width=1.6),
+    doc.Column("axes", "axes", media="all"), doc.Column("maker", "maker", media="wide"),
+    doc.Column("family", "family", media="wide"),
+    doc.Column("part", "part", media="wide"), doc.Column("order_number", "order number", media="wide"),
+    doc.small("is", media="paper"), doc.Column("said", "is", media="wide"),
+    doc.number("mass", "mass of one", media="wide"),
+    doc.number("mass_low", "from", media="wide"), doc.number("mass_high", "to", media="wide"),
+    doc.number("masses", "mass", formula=("product", "quantity", "mass")),
+    doc.number("price", "price each"),
+    doc.number("prices", "together", formula=("product", "quantity", "price")),
+    doc.Column("currency", "currency", media="wide"),
+    doc.number("price_from_pieces", "price from (pieces)", media="wide"),
+    doc.Column("price_date", "price date", media="wide"),
+    doc.mark("price_confidence", "price confidence", media="wide"),
+    doc.Column("price_source", "price source", media="wide"),
+    doc.mark("part_confidence", "part confidence", media="wide"),
+    doc.Column("part_source", "part source", media="wide"), doc.Column("part_source_date", "source date", media="wide"),
+    doc.Column("url", "page", media="wide"), doc.Column("note", "note", media="wide"),
 )  # fmt: skip
 
 
-def parts_table(lines: Sequence[PartLine], drives: str, outcome: str) -> Table:
+def parts_table(lines: Sequence[PartLine], drives: str, outcome: str) -> doc.Table:
     """Parts to order for the whole machine, with the totals of mass and price."""
     return _parts(f"Parts of {drives}: {outcome}", [(line, "") for line in lines], totals(lines))
 
 
-def shared_parts_table(lines: Sequence[SharedLine], every: Sequence[Total], whole: str) -> Table:
+def shared_parts_table(lines: Sequence[SharedLine], every: Sequence[Total], whole: str) -> doc.Table:
     """Parts to order for a machine of several axes, each with the axes that need it."""
     return _parts(f"Parts of {whole}", [(one.line, ", ".join(one.axes)) for one in lines], every)
 
 
-def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> Table:
+def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> doc.Table:
     dates = ", ".join(dict.fromkeys(line.price_date for line, _ in lines if line.price_date))
     remarks = [f"prices of {dates}"] if dates else []
     remarks += ["without cables, connectors and couplings"]
@@ -95,13 +75,13 @@ def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[
         replace(c, yields=not single) if c.key == "price" else c for c in columns if not (single and c.key == "prices")
     ]
     mass, prices = (next((t for t in every if t.name == "mass"), None), [t for t in every if t.name == "price"])
-    sums: dict[str, Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
+    sums: dict[str, doc.Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
     sums["price" if single else "prices"] = _sum_of(prices) if prices else "unknown"
     rows = [_part_row(line, axes) for line, axes in lines]
-    return Table(
-        (caption, Note("; ".join(remarks))),
+    return doc.Table(
+        (caption, doc.Note("; ".join(remarks))),
         columns,
-        [*rows, Row(sums, name="total", total=True)],
+        [*rows, doc.Row(sums, name="total", total=True)],
         "parts",
         "part",
         "parts",
@@ -109,20 +89,20 @@ def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[
     )
 
 
-def _sum_of(prices: Sequence[Total]) -> Cell:
+def _sum_of(prices: Sequence[Total]) -> doc.Cell:
     if len(prices) == 1:
         return total_of(prices[0])
     return " + ".join(total_of(one).text for one in prices)
 
 
-def total_of(total: Total) -> Quantity:
+def total_of(total: Total) -> doc.Quantity:
     """A total: at least that where something is unknown, and with a digit less where it is estimated."""
     unit, kind = ("g", "mass") if total.name == "mass" else (total.unit, "money")
-    bare = Quantity(total.value, unit, kind, 3 if total.estimated else 4)
+    bare = doc.Quantity(total.value, unit, kind, 3 if total.estimated else 4)
     return replace(bare, own=f"≥ {bare.text}" if total.lacks else "")
 
 
-def lacking_words(every: Sequence[Total]) -> Iterator[Block]:
+def lacking_words(every: Sequence[Total]) -> Iterator[doc.Block]:
     """The band of what is estimated in the totals, and the parts that they leave out."""
     said = []
     for one in every:
@@ -130,31 +110,32 @@ def lacking_words(every: Sequence[Total]) -> Iterator[Block]:
             said.append(f"{one.name} {show_band(one.low, one.high, 'g', 'mass')}, by estimates")
         said += [f"no {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
     if said:
-        yield Words(f"In all: {'; '.join(said)}.", "note")
+        yield doc.Words(f"In all: {'; '.join(said)}.", "note")
 
 
-def _part_row(line: PartLine, axes: str) -> Row:
+def _part_row(line: PartLine, axes: str) -> doc.Row:
     named = named_part(line)
-    mass, low, high = (Quantity(value, "g", "mass") for value in (line.mass, line.mass_low, line.mass_high))
+    mass, low, high = (doc.Quantity(value, "g", "mass") for value in (line.mass, line.mass_low, line.mass_high))
     guessed = not isnan(line.mass_low)
-    masses = Quantity(line.quantity * line.mass, "g", "mass", 2 if guessed else 4)
+    masses = doc.Quantity(line.quantity * line.mass, "g", "mass", 2 if guessed else 4)
     if guessed:
-        masses = Quantity(masses.value, "g", "mass", own=f"≈ {masses.text}")
-    price, prices = (Quantity(n * line.price, line.currency, "money") for n in (1, line.quantity))
-    return Row({
-        "quantity": Quantity(line.quantity, own=f"{line.quantity} ×"), "role": line.role, "named": named, "axes": axes,
+        masses = doc.Quantity(masses.value, "g", "mass", own=f"≈ {masses.text}")
+    price, prices = (doc.Quantity(n * line.price, line.currency, "money") for n in (1, line.quantity))
+    return doc.Row({
+        "quantity": doc.Quantity(line.quantity, own=f"{line.quantity} ×"), "role": line.role, "named": named,
+        "axes": axes,
         "maker": line.maker, "family": line.family, "part": line.part, "order_number": line.order_number,
         "is": line.said if line.part else "", "said": line.said, "mass": mass,
         "mass_low": low if guessed else "", "mass_high": high if guessed else "",
         "masses": masses, "currency": line.currency, "price": price, "prices": prices,
-        "price_from_pieces": "" if line.pieces is None else Quantity(line.pieces), "price_date": line.price_date,
-        "price_confidence": (Mark(line.price_confidence),), "price_source": line.price_source,
-        "part_confidence": (Mark(line.confidence),), "part_source": line.document, "part_source_date": line.date,
+        "price_from_pieces": "" if line.pieces is None else doc.Quantity(line.pieces), "price_date": line.price_date,
+        "price_confidence": (doc.Mark(line.price_confidence),), "price_source": line.price_source,
+        "part_confidence": (doc.Mark(line.confidence),), "part_source": line.document, "part_source_date": line.date,
         "url": line.url, "note": line.note,
     }, name=line.role.replace(" ", "_"))  # fmt: skip
 
 
-def named_part(line: PartLine) -> Text:
+def named_part(line: PartLine) -> doc.Text:
     """Maker, family and ratio in large letters; below it the order number, and what the part is."""
     if not line.part:
         return line.said or "none is listed for this motor"
@@ -164,9 +145,9 @@ def named_part(line: PartLine) -> Text:
     number = line.order_number or f"{part}no order number"
     supply = f", {line.said}" if line.said.endswith(OWN_SUPPLY) else ""
     return (
-        Strong(" ".join(filter(None, (maker, line.family, ratio)))),
+        doc.Strong(" ".join(filter(None, (maker, line.family, ratio)))),
         supply,
-        Small("" if number == line.family else number),
+        doc.Small("" if number == line.family else number),
     )
 
 
@@ -180,9 +161,11 @@ OUTCOMES = {
 }
 
 
-def _summary(content: Content) -> Iterator[Block]:
+@doc.section("summary", "Summary", early="answer")
+def summary(content: Content) -> Iterator[doc.Block]:
+    """The outcome, the parts to order, the smallest margins."""
     result, best = content.result, content.drive
-    yield Verdict(bool(result.sets), [tuple(outcome_texts(content))])
+    yield doc.Verdict(bool(result.sets), [tuple(outcome_texts(content))])
     yield _title_table(content)
     if best is None:
         return
@@ -194,17 +177,19 @@ def _summary(content: Content) -> Iterator[Block]:
         yield replace(check_table("The checks that it fails", failed, "failed"), media="shown")
     else:
         count = number_of(len(best.deciding), "check")
-        yield tightest_table((f"The smallest margins of {count}", TableLink("checks", "; all are in ")), best.deciding)
+        yield tightest_table(
+            (f"The smallest margins of {count}", doc.TableLink("checks", "; all are in ")), best.deciding
+        )
 
 
-def _title_table(content: Content) -> Table:
+def _title_table(content: Content) -> doc.Table:
     """The machine in a workbook, which has no title page."""
     result = content.result
     said = {"Machine": result.spec.name, "Kind": machine_words(result.spec), **dict(content.title_block)}
     said |= {"Ranked by": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
-    rows = [Row({"title": title, "note": text}) for title, text in said.items()]
-    rows.append(Row({"title": "Verdict", "note": (Status(content.status),)}))
-    return Table("Drive sizing", (Column("title"), Column("note")), rows, media="book")
+    rows = [doc.Row({"title": title, "note": text}) for title, text in said.items()]
+    rows.append(doc.Row({"title": "Verdict", "note": (doc.Status(content.status),)}))
+    return doc.Table("Drive sizing", (doc.Column("title"), doc.Column("note")), rows, media="book")
 
 
 def outcome_texts(content: Content) -> Iterator[Any]:
@@ -214,7 +199,7 @@ def outcome_texts(content: Content) -> Iterator[Any]:
     if v:
         yield from (
             f" {v.loop.capitalize()} over {driven_over(v)}: ",
-            Status(v.status),
+            doc.Status(v.status),
             f" {v.failed}" if v.failed else "",
         )
 
@@ -230,7 +215,7 @@ def _found(content: Content) -> Iterator[Any]:
     numbers += f", {counts.judged:,} were checked in the machine" if some else ""
     required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
     if content.outcome == "unsure":
-        yield Strong(f"No drive reaches the confidence of {required}.")
+        yield doc.Strong(f"No drive reaches the confidence of {required}.")
         yield f" {numbers}, at nominal figures; {best.label} is the most probable."
         return
     undecided = [check.title for check in best.deciding if check.status in ("unknown", "open")]
@@ -242,13 +227,13 @@ def _found(content: Content) -> Iterator[Any]:
         reach = "reaches" if sampled.reached == 1 else "reach"
         numbers += f", at nominal figures; {sampled.reached} of {sampled.examined} sampled {reach} the confidence of "
         numbers += required
-    yield from (Status(content.status), " ", Strong(f"A drive was found{but}."))
+    yield from (doc.Status(content.status), " ", doc.Strong(f"A drive was found{but}."))
     yield f" {numbers}; {ranked_by(result.objective, result.sets)}."
 
 
 def _missed(content: Content) -> Iterator[Any]:
     best, counts = content.drive, content.result.counts
-    yield Strong("No drive meets all limits.")
+    yield doc.Strong("No drive meets all limits.")
     if not counts.considered:
         named = content.result.problem.spec.select.is_restricted
         left = "makers, families and parts that the spec names leave" if named else "catalogues list"
@@ -259,17 +244,15 @@ def _missed(content: Content) -> Iterator[Any]:
         yield f" The closest rejected drive is {best.label}" + (f"; it fails on: {failed}." if failed else ".")
 
 
-SUMMARY = Section(name="summary", title="Summary", blocks=_summary, early="answer")
-
-
-def _glance(content: Content) -> Iterator[Block]:
+@doc.section("glance", media="paper")
+def glance(content: Content) -> Iterator[doc.Block]:
     """The figures that a reader wants first."""
     behaviour, best, lines = content.behaviour, content.drive, content.bought
     if behaviour is None or best is None:
         return
     several = ", as specified" if len(content.result.problem.cases) > 1 else ""
     tight, title = tight_of(best, content.validation)
-    yield Tiles([
+    yield doc.Tiles([
         ("Smallest margin", tight, title),
         summed_tile(totals(lines), "mass", content.drives),
         summed_tile(totals(lines), "price", content.drives),
@@ -290,23 +273,20 @@ def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, st
     return f"{name.capitalize()} of {drives}{least}", value, "; ".join(notes)
 
 
-GLANCE = Section(name="glance", title="", blocks=_glance, media="paper")
-
-
-def _required(content: Content) -> Iterator[Block]:
+@doc.section("required", "Requirements on the machine", early="answer")
+def required(content: Content) -> Iterator[doc.Block]:
+    """Requirements on the machine, and by what margin they are met."""
     if content.drive and (
         table := required_table("Requirements on the machine, what is reached, and by what margin", content.drive)
     ):
         yield table
 
 
-REQUIRED = Section(name="required", title="Requirements on the machine", blocks=_required, early="answer")
-
-
 # -- Changes of the spec that would let a rejected drive pass.
 
 
-def _changes(content: Content) -> Iterator[Block]:
+@doc.section("changes", early="answer")
+def changes(content: Content) -> Iterator[doc.Block]:
     """Changes of the spec after which a drive passes, where none does, and those after which the closest one does."""
     result = content.result
     if content.outcome != "missed":
@@ -314,34 +294,33 @@ def _changes(content: Content) -> Iterator[Block]:
     if result.relaxations:
         yield changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
     elif result.counts.considered:
-        yield Words(not_enough(result))
+        yield doc.Words(not_enough(result))
     if content.drive and content.drive.changes:
         yield changes_table(
             "Changes after which the closest rejected drive passes, one figure at a time", content.drive.changes
         )
 
 
-CHANGES = Section(name="changes", title="", blocks=_changes, early="answer")
-
-
 # -- Confidence in the verdict: checks by status, estimated figures, tolerances and the closed loop.
 
 
-def _confidence(content: Content) -> Iterator[Block]:
+@doc.section("confidence", early="answer")
+def grounds(content: Content) -> Iterator[doc.Block]:
+    """Grounds of the verdict: checks by status, estimates, tolerances, the closed loop."""
     if content.drive:
         number = Counter(check.status for check in content.drive.deciding)
         said = f"{number['pass']} of {number_of(len(content.drive.deciding), 'check')} pass"
-        rows = [Row({"title": title, "note": text}) for title, text in _grounds(content, content.drive)]
-        columns = Column("title", "", "name"), Column("note", "", width=1.0)
-        yield Table(f"Confidence in the verdict: {said}", columns, rows, "confidence", look="figures")
+        rows = [doc.Row({"title": title, "note": text}) for title, text in _grounds(content, content.drive)]
+        columns = doc.name("title"), doc.Column("note", "", width=1.0)
+        yield doc.Table(f"Confidence in the verdict: {said}", columns, rows, "confidence", look="figures")
 
 
-def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, Text]]:
+def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, doc.Text]]:
     result = content.result
     for status in GRAVEST[:-1]:
         some = [check for check in best.deciding if check.status == status]
         if some:
-            yield status, ((Status(status), " ", _undecided(some, best, content)))
+            yield status, ((doc.Status(status), " ", _undecided(some, best, content)))
     if missing := missing_figures(best):
         yield "missing", ", ".join(missing)
     if best.estimated:
@@ -365,7 +344,7 @@ def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, Text]]:
         which = ", ".join(check.title for check in best.beside if check.status == status != "pass")
         yield (
             "by physics",
-            ("ranked by the paper's equations and rule; by physics ", Status(status), f" {which}".rstrip()),
+            ("ranked by the paper's equations and rule; by physics ", doc.Status(status), f" {which}".rstrip()),
         )
     v = content.validation
     if v is not None:
@@ -373,7 +352,7 @@ def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, Text]]:
         smallest = f" smallest margin {margin(tight.margin)}, {tight.title}" if tight else ""
         yield (
             v.loop,
-            (Status(v.status), f"{smallest}{f'; unknown: {unknown}' if unknown else ''}; over {driven_over(v)}"),
+            (doc.Status(v.status), f"{smallest}{f'; unknown: {unknown}' if unknown else ''}; over {driven_over(v)}"),
         )
 
 
@@ -408,203 +387,194 @@ def _deciding(braking: BrakingBudget) -> str:
     return f"brake_resistor: any, supply.capacitance{least}, or supply.accepts: all of a battery"
 
 
-CONFIDENCE = Section(name="confidence", title="", blocks=_confidence, early="answer")
-
-
 # -- The reported drive part by part, its checks, estimated figures, and the same drive by the other method.
 
 
 _TITLES = {"found": "The selected drive", "unsure": "The most probable drive", "missed": "The closest rejected drive"}
 
 
-def _drive(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
-    yield Words((f"{drive.label}: ", Status(drive.status)), media="paper")
+@doc.section("drive", lambda content: _TITLES[content.outcome], of_drive=True)
+def drive(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """A drive part by part; for other programs its ratios, mass and price."""
+    yield doc.Words((f"{drive.label}: ", doc.Status(drive.status)), media="paper")
     rows = []
     for role, part in drive.parts.items():
         if part is None:
             why = drive.without_controller if role == "controller" else ""
-            rows.append(Row({"role": role, "part": "unknown", "note": why or "none is listed for this motor"}))
+            rows.append(doc.Row({"role": role, "part": "unknown", "note": why or "none is listed for this motor"}))
             continue
         name, number, figures, doubt = part_figures(role, part, of.catalog, drive)
         rows.append(
-            Row(
+            doc.Row(
                 {
                     "role": role,
-                    "part": (Strong(name), Small(number)),
-                    "note": (figures, Small(doubt)) if doubt else figures,
+                    "part": (doc.Strong(name), doc.Small(number)),
+                    "note": (figures, doc.Small(doubt)) if doubt else figures,
                 }
             )
         )
     if "gearhead" not in drive.parts and "motor" in drive.parts:
-        rows.insert(1, Row({"role": "gearhead", "part": "none", "note": "the motor drives the load itself"}))
+        rows.insert(1, doc.Row({"role": "gearhead", "part": "none", "note": "the motor drives the load itself"}))
     if drive.belt_ratio != 1.0 and not drive.belt_drive:
-        efficient = Quantity(drive.belt_efficiency, "%", "dimensionless").text
+        efficient = doc.Quantity(drive.belt_efficiency, "%", "dimensionless").text
         place = 1 + next((n for n, row in enumerate(rows) if row.cells["role"] in ("gearhead", "actuator")), 0)
-        rows.insert(place, Row({"role": "belt", "part": f"{drive.belt_ratio:g}", "note": f"{efficient} efficient"}))
-    columns = Column("role", "", "name"), Column("part"), Column("note", width=1.0)
-    yield Table("", columns, rows, media="terminal", look="figures")
+        rows.insert(place, doc.Row({"role": "belt", "part": f"{drive.belt_ratio:g}", "note": f"{efficient} efficient"}))
+    columns = doc.name("role"), doc.Column("part"), doc.Column("note", width=1.0)
+    yield doc.Table("", columns, rows, media="terminal", look="figures")
     yield _identity(drive)
     if any(r.declared for r in drive.requirements):
         yield requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="wide")
 
 
-def _identity(s: DriveSet) -> Table:
+def _identity(s: DriveSet) -> doc.Table:
     """A drive for other programs: its parts, ratios, mass, price, objective and verdict."""
     parts = {name: getattr(s, name) for name in ("motor", "gearhead", "encoder", "controller")}
     parts |= {"brake": s.brake} if s.brake else {}
     parts |= s.belt_drive.parts if s.belt_drive else {}
     parts |= {"screw": s.chosen_screw.screw} if s.chosen_screw else {}
     rows = [
-        Row({"title": f"{part.manufacturer} {part.family}" if part else "", "value": part.part if part else "",
-             "status": "" if part else (Status("unknown"),)}, name=role.replace(" ", "_"))
+        doc.Row({"title": f"{part.manufacturer} {part.family}" if part else "", "value": part.part if part else "",
+             "status": "" if part else (doc.Status("unknown"),)}, name=role.replace(" ", "_"))
         for role, part in parts.items()
     ]  # fmt: skip
-    figures: dict[str, tuple[str, Cell, str]] = {
-        "gearhead_ratio": ("Ratio of the gearhead", Quantity(s.gearhead.ratio, "1", "plain"), ""),
-        "belt_ratio": ("Ratio of the belt", Quantity(s.belt_ratio, "1", "plain"), ""),
-        "total_ratio": ("Total ratio", Quantity(s.total_ratio, "1", "plain"), ""),
-        "mass": ("Mass", Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}"),
-        "price": ("Price", Quantity(s.price, "EUR", "money"), f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
-        "objective": ("Objective", Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
+    figures: dict[str, tuple[str, doc.Cell, str]] = {
+        "gearhead_ratio": ("Ratio of the gearhead", doc.Quantity(s.gearhead.ratio, "1", "plain"), ""),
+        "belt_ratio": ("Ratio of the belt", doc.Quantity(s.belt_ratio, "1", "plain"), ""),
+        "total_ratio": ("Total ratio", doc.Quantity(s.total_ratio, "1", "plain"), ""),
+        "mass": ("Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}"),
+        "price": ("Price", doc.Quantity(s.price, "EUR", "money"),
+                  f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
+        "objective": ("Objective", doc.Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
     }  # fmt: skip
     if s.belt_drive:
-        figures["centre_distance"] = "Centre distance", Quantity(s.belt_drive.centre_distance, "mm", "length"), ""
-        figures["teeth_in_mesh"] = "Teeth in mesh", Quantity(s.belt_drive.teeth_in_mesh, "1", "plain"), ""
+        figures["centre_distance"] = "Centre distance", doc.Quantity(s.belt_drive.centre_distance, "mm", "length"), ""
+        figures["teeth_in_mesh"] = "Teeth in mesh", doc.Quantity(s.belt_drive.teeth_in_mesh, "1", "plain"), ""
     if s.chosen_screw:
-        figures["screw_length"] = "Length of the screw", Quantity(s.chosen_screw.length, "mm", "length"), ""
+        figures["screw_length"] = "Length of the screw", doc.Quantity(s.chosen_screw.length, "mm", "length"), ""
     rows += [
-        Row({"title": title, "value": value, "note": note}, name=name) for name, (title, value, note) in figures.items()
+        doc.Row({"title": title, "value": value, "note": note}, name=name)
+        for name, (title, value, note) in figures.items()
     ]
-    rows.append(Row({"title": "All checks", "status": (Status(s.status),)}, name="verdict"))
+    rows.append(doc.Row({"title": "All checks", "status": (doc.Status(s.status),)}, name="verdict"))
     columns = (
-        Column("title", "what"),
-        Column("value", "value", "number"),
-        Column("status", "", "status"),
-        Column("note", "note"),
+        doc.Column("title", "what"),
+        doc.number("value", "value"),
+        doc.status("status"),
+        doc.Column("note", "note"),
     )
-    return Table("Parts, ratios, mass and price", columns, rows, record="set", media="wide")
+    return doc.Table("Parts, ratios, mass and price", columns, rows, record="set", media="wide")
 
 
-DRIVE = Section(name="drive", title=lambda content: _TITLES[content.outcome], blocks=_drive, of_drive=True)
-
-
-def _checks(of: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section("checks", "Checks", level=2, of_drive=True)
+def checks(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """Every check under the part that it concerns."""
     worst = of.of_machine(
         "; each at its worst wheel", "; each in its worst load case, the one as specified where none is named"
     )
     yield check_table(
         (f"All checks of {drive.label}{worst}",
-         Note("The bar is the used share of the limit, the long tick 100 %, a short "
+         doc.Note("The bar is the used share of the limit, the long tick 100 %, a short "
                                                      "one where the margin begins that the spec requires.")),
         drive.checks, "checks", grouped=True,
     )  # fmt: skip
 
 
-CHECKS = Section(name="checks", title="Checks", level=2, blocks=_checks, of_drive=True)
-
-
-def _estimates(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section("estimates", "Estimated figures", level=2, of_drive=True)
+def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
+    """Figures that no data sheet gives, with their bands, and the checks that hang on them."""
     if not drive.estimated:
         return
-    yield Words("No data sheet gives these figures; they are estimated from parts of the same kind that have them. One "
-                "part in twenty lies below the band, one above. A check passes where it passes at both ends.",
+    yield doc.Words("No data sheet gives these figures; they are estimated from parts of the same kind that have them. "
+                "One part in twenty lies below the band, one above. A check passes where it passes at both ends.",
                 "note")  # fmt: skip
-    columns = (Column("title", "figure", "name"), Column("value", "estimate", "number"),
-               Column("low", "from", "number"),
-               Column("high", "to", "number"), Column("note", "terms; peers", "small", 1.0))  # fmt: skip
+    columns = (doc.name("title", "figure"), doc.number("value", "estimate"),
+               doc.number("low", "from"),
+               doc.number("high", "to"), doc.small("note", "terms; peers", width=1.0))  # fmt: skip
     rows = [
-        Row({"title": one.title, "note": one.law.removeprefix("; "),
-             **{key: Quantity(x, one.unit, one.kind) for key, x in (("value", one.value), ("low", one.low),
-                                                                    ("high", one.high))}},
-            name=f"{one.part}_{one.figure}")
+        doc.Row({"title": one.title, "note": one.law.removeprefix("; "),
+                 **doc.quantities(one.unit, one.kind, value=one.value, low=one.low, high=one.high)},
+                name=f"{one.part}_{one.figure}")
         for one in drive.estimated
     ]  # fmt: skip
-    yield Table("Estimated figures", columns, rows, record="estimate")
+    yield doc.Table("Estimated figures", columns, rows, record="estimate")
     hanging = [check for check in drive.own_checks if check.status == "open"]
     if hanging:
         heads = (
-            Column("title", "check", "name"),
-            Column("chance", "it passes with"),
-            Column("note", "estimated figures behind it", "small", 1.0),
+            doc.name("title", "check"),
+            doc.Column("chance", "it passes with"),
+            doc.small("note", "estimated figures behind it", width=1.0),
         )
-        yield Table(
+        yield doc.Table(
             "Open checks",
             heads,
-            [Row({"title": c.title, "chance": about(c.probability), "note": c.note}) for c in hanging],
+            [doc.Row({"title": c.title, "chance": about(c.probability), "note": c.note}) for c in hanging],
         )
 
 
-ESTIMATES = Section(name="estimates", title="Estimated figures", level=2, blocks=_estimates, of_drive=True)
-
-
-def _physics(_: OfDrives, drive: DriveSet) -> Iterator[Block]:
+@doc.section(
+    "physics",
+    lambda content: f"The same drive by {'physics' if content.result.method == 'paper' else 'the paper'}",
+    of_drive=True,
+    appendix=True,
+    early="paper",
+)
+def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """The drive by the other method; on paper only where the method of the paper ranked."""
     if not drive.beside:
         return
     by_paper = drive.checks[0].method == "paper"
     other = "physics: the whole load cycle, no factors of the paper" if by_paper else "the paper's equations and rule"
-    media: Media = "all" if by_paper else "listed"
+    media: doc.Media = "all" if by_paper else "listed"
     if by_paper:
-        yield Words("The drive was ranked by the method of the paper, and its verdict is that method's. Here the same "
-                    "drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
+        yield doc.Words("The drive was ranked by the method of the paper, and its verdict is that method's. Here the "
+                    "same drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
     checks = check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
     yield replace(checks, media=media)
-    columns = (Column("title", "demand", "name"), Column("paper", "paper", "number"), Column("by_paper", "", "status"),
-               Column("physics", "physics", "number"), Column("by_physics", "", "status"),
-               Column("note", "why they differ", "small", 1.0))  # fmt: skip
+    columns = (doc.name("title", "demand"), doc.number("paper", "paper"), doc.status("by_paper"),
+               doc.number("physics", "physics"), doc.status("by_physics"),
+               doc.small("note", "why they differ", width=1.0))  # fmt: skip
     rows = [
-        Row({"title": pair.paper.title, "note": pair.why,
-             "paper": Quantity(pair.paper.demand, pair.paper.unit,
-                               pair.paper.kind), "by_paper": (Status(pair.paper.status),),
-             "physics": Quantity(pair.physics.demand, pair.physics.unit, pair.physics.kind),
-             "by_physics": (Status(pair.physics.status),)}, name=pair.paper.name)
+        doc.Row({"title": pair.paper.title, "note": pair.why,
+             "paper": doc.Quantity(pair.paper.demand, pair.paper.unit,
+                               pair.paper.kind), "by_paper": (doc.Status(pair.paper.status),),
+             "physics": doc.Quantity(pair.physics.demand, pair.physics.unit, pair.physics.kind),
+             "by_physics": (doc.Status(pair.physics.status),)}, name=pair.paper.name)
         for pair in drive.comparison
     ]  # fmt: skip
     if rows:
-        yield Table("Both methods where they check the same limit", columns, rows, record="comparison", media=media)
-
-
-PHYSICS = Section(
-    name="physics",
-    title=lambda content: f"The same drive by {'physics' if content.result.method == 'paper' else 'the paper'}",
-    blocks=_physics,
-    of_drive=True,
-    appendix=True,
-    early="paper",
-)
+        yield doc.Table("Both methods where they check the same limit", columns, rows, record="comparison", media=media)
 
 
 # -- Assumptions and warnings, and the figures that are unknown or not from a document.
 
 
-def _assumptions(content: Content) -> Iterator[Block]:
+@doc.section("assumptions", "Assumptions and unknowns", early="never")
+def assumptions(content: Content) -> Iterator[doc.Block]:
+    """Assumptions, warnings, and figures to be confirmed."""
     result = content.result
     if result.assumptions:
-        yield Bullets("Assumptions of the sizing:", list(result.assumptions))
+        yield doc.Bullets("Assumptions of the sizing:", list(result.assumptions))
     if result.warnings:
-        yield Bullets((Strong("Warnings:"),), list(result.warnings), "alarm")
+        yield doc.Bullets((doc.Strong("Warnings:"),), list(result.warnings), "alarm")
     yield from unknown_blocks(content)
 
 
-def unknown_blocks(content: Content) -> Iterator[Block]:
+def unknown_blocks(content: Content) -> Iterator[doc.Block]:
     """Checks that are unknown, and figures behind checks that are from no document."""
     best = content.drive
     if best is None:
         return
-    unknown = [Row({"title": title, "note": lacks}) for title, lacks in unknown_figures(best)]
-    yield Table(f"Unknown checks{', and the figures that they lack' if unknown else ': none'}",
-                (Column("title", "check", "name"), Column("note", "not known",
+    unknown = [doc.Row({"title": title, "note": lacks}) for title, lacks in unknown_figures(best)]
+    yield doc.Table(f"Unknown checks{', and the figures that they lack' if unknown else ': none'}",
+                (doc.name("title", "check"), doc.Column("note", "not known",
                                                           width=1.0)), unknown, "unknown")  # fmt: skip
-    marked = [Row({"title": name, "value": value, "mark": (Mark(mark),), "note": checks})
+    marked = [doc.Row({"title": name, "value": value, "mark": (doc.Mark(mark),), "note": checks})
               for name, value, mark, checks in marked_figures(best)]  # fmt: skip
     if not marked:
-        yield Words("No check rests on a figure that is derived, recalled or estimated.")
+        yield doc.Words("No check rests on a figure that is derived, recalled or estimated.")
         return
-    columns = (Column("title", "figure", "name"), Column("value", "value", "number"), Column("mark", "is", "mark"),
-               Column("note", "checks that rest on it", "small", 1.0, merged=True))  # fmt: skip
-    yield Table("Figures that a check rests on and that are not from a document: to be confirmed before anything is "
-                "built",
+    columns = (doc.name("title", "figure"), doc.number("value", "value"), doc.mark("mark", "is"),
+               doc.small("note", "checks that rest on it", width=1.0, merged=True))  # fmt: skip
+    yield doc.Table("Figures that a check rests on and that are not from a document: to be confirmed before anything "
+                "is built",
                 columns, marked, "marked")  # fmt: skip
-
-
-ASSUMPTIONS = Section(name="assumptions", title="Assumptions and unknowns", blocks=_assumptions, early="never")

@@ -10,8 +10,8 @@ import numpy as np
 
 from drivesizer.machine.set_cycle import turned
 from drivesizer.output.derivation import value_of, worked
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content
-from drivesizer.output.document.records import Block, Equation, Section, Words
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.spec.robot import AS_SPECIFIED
@@ -160,7 +160,9 @@ def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
 # -- From the driven shaft to the motor: the moment of its largest torque, and the mean over the cycle.
 
 
-def _worked(content: Content) -> Iterator[Block]:
+@doc.section("worked", "With the numbers put in", level=2, media="paper")
+def with_numbers(content: Content) -> Iterator[doc.Block]:
+    """The steps at the hardest moment, then over the cycle."""
     drive, result = content.drive, content.result
     if drive is None or result.method != "physics" or drive.steps or content.wheel:
         return
@@ -173,11 +175,11 @@ def _worked(content: Content) -> Iterator[Block]:
     row, end = (int(n) for n in np.unravel_index(int(line.argmax()), line.shape))
     at, f = _moment(cycle.load_cycle, row, end, case.spec.environment.gravity), cycle.functions[row, end]
     named = f" of load case {case.name}" if case.name not in ("", AS_SPECIFIED) else ""
-    yield Words(f"The moment{named} at which the motor's torque is largest, {show(at.time, 's', 'time')}, "
+    yield doc.Words(f"The moment{named} at which the motor's torque is largest, {show(at.time, 's', 'time')}, "
                 "and then the whole cycle. Numbers are put in in SI units.")  # fmt: skip
     steps = _load_steps(case.spec.load, at)
     if not steps:
-        yield Words(f"The load cycle has {show(at.torque, 'N*m', 'torque')} at the driven shaft there.")
+        yield doc.Words(f"The load cycle has {show(at.torque, 'N*m', 'torque')} at the driven shaft there.")
     belt, ratio = float(cycle.belt), float(drive.gearhead.ratio)
     belted = belt != 1.0 or drive.belt_efficiency != 1.0
     T, alpha, i = ("T_g", "alpha_g", "i_g") if belted else ("T", "alpha", "i")
@@ -210,7 +212,7 @@ def _worked(content: Content) -> Iterator[Block]:
         steps.append(worked("motor_voltage", "Its voltage", "U", _summed([("+", "k_e * omega"), ("+", "R * I")], volts),
                             volts, "V", "voltage", note)[0])  # fmt: skip
     steps += _over_the_cycle([one for one in drive.pieces if one.case == case.name], k_t)
-    yield from map(Equation, steps)
+    yield from map(doc.Equation, steps)
 
 
 _MOST_PIECES = 8  # under one root
@@ -241,6 +243,3 @@ def _moment(cycle: LoadCycle, row: int, end: int, gravity: float) -> Moment:
     way = float(np.sign(cycle.speed[row].mean()))
     return Moment(float(cycle.time[row, end]), way, float(cycle.speed[row, end]), float(cycle.acceleration[row, end]),
                   float(cycle.torque[row, end]), float(cycle.radius), round(turned_by, 12), gravity)  # fmt: skip
-
-
-WORKED = Section(name="worked", title="With the numbers put in", level=2, blocks=_worked, media="paper")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.output.document.axes import MachineContent, wide_of
-from drivesizer.output.document.candidates import every_list, set_columns
+from drivesizer.output.document.candidates import drives_in_rows, every_list
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.records import WIDE, Printed, Quantity, Row, Series, Status, Table, flat, text_of
 from drivesizer.output.words import csv_cell
@@ -161,15 +161,15 @@ def _value(cell: Any) -> Any:
 def sets_csv(result: SizingResult | MachineSizing) -> bytes:
     """One row per drive, of each axis where there are several: the best, the closest rejected, those of the front."""
     axes = [(one.name, one.result) for one in result.axes] if isinstance(result, MachineSizing) else [("", result)]
-    found = [(axis, of.objective, every_list(of)) for axis, of in axes]
-    every = [one for _, _, listed in found for one in listed]
-    heads, rows = set_columns(every, found[0][1])
-    names = [axis for axis, _, listed in found for _ in listed]
-    first = ["axis", "list"] if any(names) else ["list"]
-    made = (
-        [*([axis] if any(names) else []), where, *row] for axis, (where, _), row in zip(names, every, rows, strict=True)
-    )
-    return encoded([*first, *heads], made)
+    heads, rows = list[str](), list[tuple[str, Row]]()
+    for axis, of in axes:
+        columns, found = drives_in_rows(every_list(of), of.objective)
+        heads += [column.key for column in columns if column.key not in heads]
+        rows += [(axis, row) for row in found]
+    several = len(axes) > 1 or bool(axes[0][0])
+    return encoded([*(["axis"] if several else []), *heads],
+                   ([*([axis] if several else []), *(_value(row.cells.get(head, "")) for head in heads)]
+                    for axis, row in rows))  # fmt: skip
 
 
 def columns_csv(columns: Mapping[str, tuple[NDArray[np.float64], str, str]]) -> bytes:

@@ -121,7 +121,7 @@ def validation(proof: Validation, *, checks: bool = False) -> None:
     """Print a validation: its verdict, the tightest checks and what helps; all checks, gains and loops on request."""
     out = console()
     heading(out, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
-    loop = (at_work.LOOP, *((at_work.LOOP_DETAILS, at_work.LINEAR_LOOPS) if checks else ()))
+    loop = (at_work.loop, *((at_work.loop_details, at_work.linear_loops) if checks else ()))
     render.sections(out, (Printed(one, "", [*one.blocks(OfLoop(proof))]) for one in loop))
     if not checks:
         out.print(
