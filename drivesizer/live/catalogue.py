@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,9 @@ from drivesizer.catalog.query import Hit, origins, select, side_by_side
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
-from drivesizer.output import part as tables
+from drivesizer.output.document import part as sheets
+from drivesizer.output.document.paper import as_data
+from drivesizer.output.document.records import Words, text_of
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns
 from drivesizer.spec.any_spec import named_catalogs
 from drivesizer.spec.drive import Select
@@ -143,58 +146,36 @@ def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``part``: figures with confidence and document of each, tables, remarks and curves."""
+    """A piece ``part``: its sheet and what it does as HTML, curves, and the documents behind its figures."""
     from drivesizer.output.report.figures.parts import part_plots
     from drivesizer.output.report.html.plots import movable
 
     hit = hit_of(held, request["catalogue"], request["section"], request["part"])
-    sheet = tables.datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
-    origin = {name.replace("_", " "): source for name, source in origins(hit).items()}
-    documents = list({source.document: source for source in origin.values()}.values())
-    named = [source.document for source in documents]
-    rows = [[row["name"], row["text"], origin[row["name"]].confidence, named.index(origin[row["name"]].document) + 1]
-            for row in sheet["rows"]]  # fmt: skip
+    figures = {f"part-{name}": movable(plot) for name, plot in part_plots(hit).items()}
+    known = {source.document: source for source in origins(hit).values()}
     partners = [words + ", ".join(f"{name or 'no family'} ({n})" for name, n in families.items())
-                for words, families in tables.partner_lines(hit)]  # fmt: skip
+                for words, families in sheets.partner_lines(hit)]  # fmt: skip
+    remarks = [Words(one, "note") for one in partners]
+    remarks += [one for one in sheets.remarks(hit) if not text_of(one.text).startswith("source: ")]
     yield {
         "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
-        "head": tables.head(hit), "role": singular(hit.section),
-        "tables": [{"title": one.title, "heads": [list(head) for head in one.heads], "closing": one.closing,
-                    "rows": [list(row) for row in one.rows]} for one in _tables(hit)],
-        "figures": {name: movable(plot) for name, plot in part_plots(hit).items()}, "rows": rows,
-        "documents": [[source.document, source.date, source.url] for source in documents],
-        "remarks": [*([tables.EXCLUDED] if hit.table.excluded[hit.row] else []), *partners,
-                    *(f"tolerances: {line}" for line in tables.tolerance_lines(hit)),
-                    *(f"note: {tables.note_line(note)}" for note in sheet["notes"])],
+        "head": sheets.head(hit), "role": singular(hit.section), "figures": figures,
+        "sheet": _html([replace(sheets.figures_of(hit, sources=True), halves=False), *remarks]),
+        "does": _html(sheets.behaviour(hit), figures),
+        "documents": [[source.document, source.date, source.url] for source in known.values()],
     }  # fmt: skip
 
 
-def _tables(hit: Hit) -> Iterator[tables.PartTable]:
-    """Tables in the order of ``catalog show``."""
-    if hit.section in ("motors", "actuators"):
-        warmth = tables.heat(hit)
-        yield tables.torque_and_speed(hit)
-        yield from warmth.tables
-        said = "; ".join((*warmth.notes, *([warmth.missing] if warmth.missing else [])))
-        if said:
-            yield tables.PartTable((), (), closing=said)
-    if hit.section == "batteries":
-        yield from tables.discharges(hit)
-    if hit.section == "steppers":
-        yield from tables.pull_outs(hit)
-    yield from (table for table in (tables.estimates(hit), tables.limits_of_family(hit)) if table)
+def _html(blocks: Iterable[Any], figures: Piece | None = None) -> str:
+    from drivesizer.output.report.html.templates import section_html
+
+    return "".join(section_html([{"blocks": [as_data(block) for block in blocks]}], figures or {}, {}))
 
 
 def beside(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``."""
+    """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``, as HTML."""
     hits = [hit_of(held, name, request["section"], number) for name, number in request["parts"]]
-    rows = side_by_side(hits)
-    cells: list[Any] = [
-        [row.column.name.replace("_", " "), tables.DIFFERS[row.differs], [figure(v, row.column) for v in row.values]]
-        for row in rows
-    ]
-    yield {"kind": "beside", "heads": [[hit.part, hit.catalogue] for hit in hits], "rows": cells,
-           "closing": tables.closing(rows)}  # fmt: skip
+    yield {"kind": "beside", "html": _html(sheets.comparison(hits, side_by_side(hits), len(hits)))}
 
 
 # -- Choices in the catalogues as edits of the spec: a part, a family, the catalogues themselves.

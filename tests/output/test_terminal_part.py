@@ -200,7 +200,7 @@ def test_the_tables_of_heat(part, shown):
     said = words(shown(part()))
     assert "25 °C 40 °C 60 °C 80 °C 100 °C" in said
     assert "nominal 1.2 A 1.11 A 0.967 A 0.805 A –" in said
-    assert "overload at standstill, 25 °C, to 125 °C" in said
+    assert "Overload at standstill, 25 °C, to 125 °C" in said
     assert "current 1.8 A 2.4 A 3.6 A 6 A" in said
     assert said.count("from cold") == said.count("from warm") == 1
     assert "does not flow" not in said

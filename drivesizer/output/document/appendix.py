@@ -9,7 +9,7 @@ from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.query import Hit, origins
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content
-from drivesizer.output.part import datasheets
+from drivesizer.output.document.part import datasheets
 from drivesizer.results.drive_set import section_of
 from drivesizer.version import __version__
 

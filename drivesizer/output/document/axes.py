@@ -16,6 +16,7 @@ from drivesizer.output.document import records as doc
 from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
 from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
 from drivesizer.output.document.content import Content, driven_over
+from drivesizer.output.document.part import datasheets
 from drivesizer.output.document.rows import (
     CHECK_COLUMNS,
     check_row,
@@ -24,7 +25,6 @@ from drivesizer.output.document.rows import (
     figures_table,
     tight_of,
 )
-from drivesizer.output.part import datasheets
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.several_axes import choice_text, mass_tree, sampled_text, supply_texts
 from drivesizer.output.words import moved, number_of

@@ -15,8 +15,8 @@ from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Coverage, coverage, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
+from drivesizer.output.document.part import family_count
 from drivesizer.output.document.records import Table, listed
-from drivesizer.output.part import family_count
 from drivesizer.output.terminal.catalog import counts_text
 from drivesizer.output.terminal.render import blocks
 from drivesizer.output.terminal.tables import console, heading

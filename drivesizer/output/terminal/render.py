@@ -21,6 +21,7 @@ from drivesizer.output.document.records import (
     Mark,
     Math,
     Note,
+    Pair,
     Printed,
     Quantity,
     Small,
@@ -34,6 +35,7 @@ from drivesizer.output.document.records import (
 )  # fmt: skip
 from drivesizer.output.terminal.tables import MARK, STYLE, width_of
 
+_APART = 2  # characters between tables beside each other
 _MANY = 6  # columns, beyond which heads take several lines
 
 
@@ -47,9 +49,13 @@ def sections(console: Console, found: Iterable[Printed]) -> None:
 
 def blocks(console: Console, found: Iterable[Block]) -> None:
     """Print texts and tables; pictures, equations and what else is for paper are left out."""
-    for block in flat(found):
-        if isinstance(block, Table) and block.media in TERMINAL and block.rows:
-            _table(console, block)
+    for block in found:
+        if isinstance(block, Pair):
+            if not _beside(console, [*flat([block])]):
+                blocks(console, flat([block]))
+        elif isinstance(block, Table) and block.media in TERMINAL and block.rows:
+            if not (block.halves and _beside(console, _halves(block))):
+                _table(console, block)
         elif isinstance(block, Words) and block.media in TERMINAL:
             console.print(rich_text(block.text, {"note": "dim", "alarm": "bold red"}.get(block.look, "")))
         elif isinstance(block, Verdict):
@@ -61,6 +67,38 @@ def blocks(console: Console, found: Iterable[Block]) -> None:
                 console.print(Padding(RichText(item, style="" if block.look == "alarm" else "dim"), (0, 0, 0, 2)))
         elif isinstance(block, Heading):
             console.print(RichText(f"\n{block.title}", style="bold"))
+
+
+def _halves(block: Table) -> list[Table]:
+    half = -(-len(block.rows) // 2)
+    return [replace(block, rows=block.rows[:half]), replace(block, caption="", rows=block.rows[half:])]
+
+
+def _beside(console: Console, found: Sequence[Block]) -> bool:
+    """Print tables beside each other; False, without printing, where they do not fit, or are none."""
+    tables = [block for block in found if isinstance(block, Table) and block.media in TERMINAL and block.rows]
+    if len(tables) < 2 or len(tables) < len(found):
+        return False
+    sides = [_with_caption(_made(block, _columns(block)), block) for block in tables]
+    if sum(width_of(side) for side in sides) + _APART > console.width:
+        return False
+    grid = RichTable.grid(padding=(0, _APART, 0, 0))
+    grid.add_row(*sides)
+    console.print()
+    console.print(grid)
+    return True
+
+
+def _columns(block: Table) -> list[Column]:
+    columns = [c for c in block.columns if c.media in TERMINAL and c.form not in ("bar", "share")]
+    return [c for c in columns if any(row.cells.get(c.key, "") != "" for row in block.rows)]
+
+
+def _with_caption(made: RichTable, block: Table) -> RichTable:
+    caption = text_of(block.caption)
+    if caption:
+        made.title, made.title_justify, made.title_style = f"{caption[0].upper()}{caption[1:]}", "left", "bold"
+    return made
 
 
 def rich_text(text: Cell, style: str = "") -> RichText:
@@ -91,8 +129,7 @@ def rich_text(text: Cell, style: str = "") -> RichText:
 
 def _table(console: Console, block: Table) -> None:
     """A table below its caption, without columns that are empty, or yield where there is no room; words wrap."""
-    columns = [c for c in block.columns if c.media in TERMINAL and c.form not in ("bar", "share")]
-    columns = [c for c in columns if any(row.cells.get(c.key, "") != "" for row in block.rows)]
+    columns = _columns(block)
     made = _made(block, columns)
     if width_of(made) > console.width and columns[-1].form == "small":  # below the first column, which has more room
         first, last = columns[0].key, columns.pop().key
@@ -126,7 +163,7 @@ def _made(block: Table, columns: Sequence[Column]) -> RichTable:
                      show_header=any(column.head for column in columns))  # fmt: skip
     for column in columns:
         head = column.head.replace(" ", "\n") if len(columns) > _MANY else column.head
-        made.add_column(head, justify="right" if column.form == "number" else "left", overflow="fold")
+        made.add_column(RichText(head), justify="right" if column.form == "number" else "left", overflow="fold")
     group = ""
     for row in block.rows:
         if block.group and row.cells[block.group] != group:

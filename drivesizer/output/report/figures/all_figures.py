@@ -12,7 +12,7 @@ from drivesizer.files.writing import ready, write_files
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
 from drivesizer.output.report.figures.picture import Bars, Plot, on_paper, scatter
 from drivesizer.output.report.figures.set_behaviour import Behaviour
-from drivesizer.output.report.figures.style import FILES, Drawing, Ready
+from drivesizer.output.report.figures.style import CASES, FILES, Drawing, Ready
 from drivesizer.output.sketch import SKETCHES, sketch
 from drivesizer.output.words import first_wheel, reported
 from drivesizer.results.check_kinds import sorted_by_part
@@ -44,7 +44,7 @@ def report_pictures(
     made["profile"] = Pictured(cycle.speed_profile(result.spec), [cycle.motion(result.spec)])
     drawn = cycle.load(cycles)
     wheels = first_wheel(result.problem)
-    first = drawn if wheels or len(cycles) <= len(cycle.CASES) else cycle.load(cycles[: len(cycle.CASES)])
+    first = drawn if wheels or len(cycles) <= len(CASES) else cycle.load(cycles[: len(CASES)])
     made["cycle"] = Pictured(cycle.each_over_time(first) if wheels else on_paper(first), [drawn])
     if front := choice.trade_off(result):
         made["front"] = Pictured(scatter(front), [front])
@@ -61,7 +61,7 @@ def report_pictures(
             made["fields"] = Pictured(field.torque_speed_panels(alone), each[1:])
         made |= (does or Behaviour(result.problem, best)).pictures()
         if best.energy and machine.is_known(best.energy):
-            pair = [machine.consumers(best.energy), machine.charge(best.energy)]
+            pair: list[Plot | Bars] = [machine.consumers(best.energy), machine.charge(best.energy)]
             made["battery"] = Pictured(machine.battery(best.energy), pair)
     if validation:
         made |= {"loop" if name == "closed_loop" else name: one for name, one in loop_pictures(validation).items()}

@@ -1,0 +1,385 @@
+"""One part of a catalogue for every output: its figures with their confidence, tables, curves, remarks; and several."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isnan, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.catalog import Catalog, columns_of, singular
+from drivesizer.catalog.estimates import estimates_of
+from drivesizer.catalog.estimates.estimate import SAME_FAMILY, family_limits, law_text
+from drivesizer.catalog.parts import HELD, PullOuts
+from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
+from drivesizer.catalog.tables import ESTIMATED
+from drivesizer.catalog.view.search_view import CLAMPING_HUB
+from drivesizer.machine.part_curves import HEAT, continuous_curve, line, overload_times, permitted_current
+from drivesizer.output.document import records as doc
+from drivesizer.output.document.records import listed
+from drivesizer.output.words import figure, number_of
+from drivesizer.physics.thermal import DATA_TEMPERATURE, data_temperature, rated_ambient
+from drivesizer.results.drive_set import DriveSet, section_of
+from drivesizer.units import show
+
+# -- Parts as data sheets: every known figure, its confidence and its source.
+
+
+_NAMES = {"part", "family", "manufacturer"}  # in the heading already
+_LEFT, _RIGHT = ("", "left"), ("", "right")  # heads
+
+
+def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
+    """The known figures of each part of a drive, marked where not quoted from the maker."""
+    parts = {(section_of(part), part.part): part for part in drive_set.parts.values() if part is not None}  # each once
+    return [datasheet(section, part, catalog) for (section, _), part in parts.items()]
+
+
+def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
+    """The known figures of one part."""
+    table = catalog.table(section)
+    row = table.rows[part.part]
+    source, confidence, schema = (
+        catalog.sources[table.source[row]],
+        catalog.confidence(section, row),
+        columns_of(section),
+    )
+    rows = []
+    for name in schema:
+        if name in confidence and name not in _NAMES:
+            digits = 3 if confidence[name] == ESTIMATED else 6  # its band is wide
+            mark = "" if confidence[name] == "quoted" else confidence[name]
+            text = figure(getattr(part, name), schema[name], digits=digits)
+            rows.append({"name": name.replace("_", " "), "text": text, "mark": mark})
+    notes = [
+        {"where": ", ".join(name.replace("_", " ") for name in note.fields), "text": note.text,
+         "confidence": note.confidence, "source": note.source}
+        for note in catalog.notes_on(section, part.part)
+    ]  # fmt: skip
+    return {
+        "role": singular(section), "part": part.part, "family": part.family, "maker": part.manufacturer, "rows": rows,
+        "source": ", ".join(text for text in (source.document, source.date) if text), "url": source.url,
+        "confidence": source.confidence, "notes": notes,
+    }  # fmt: skip
+
+
+def head(hit: Hit) -> str:
+    """Maker and family of a part, with its reduction where it has one."""
+    reduction = f" {hit['reduction']}" if hit.section in ("gearheads", "actuators") else ""
+    return f"{hit['manufacturer']} {hit['family']}{reduction}".strip()
+
+
+def figures_of(hit: Hit, *, sources: bool = False) -> doc.Table:
+    """Every known figure with its confidence; on request that of all, and the number of the document."""
+    origin, named = {name.replace("_", " "): source for name, source in origins(hit).items()}, documents_of(hit)
+    rows = []
+    for row in datasheet(hit.section, hit.table.record(hit.row), hit.catalog)["rows"]:
+        source = origin[row["name"]]
+        cells: dict[str, doc.Cell] = {"title": row["name"], "value": row["text"]}
+        cells |= {"mark": (doc.Mark(source.confidence if sources else row["mark"]),)}
+        cells |= {"source": f"[{named.index(source.document) + 1}]"} if sources else {}
+        rows.append(doc.Row(cells))
+    heads = ("figure", "confidence") if sources else ("", "")
+    columns = (doc.name("title", heads[0]), doc.number("value"), doc.mark("mark", heads[1]),
+               doc.number("source", "source"))  # fmt: skip
+    return doc.Table("", columns[: 4 if sources else 3], rows, look="figures", halves=True)
+
+
+def documents_of(hit: Hit) -> list[str]:
+    """The documents behind a part's figures, each once."""
+    return list(dict.fromkeys(source.document for source in origins(hit).values()))
+
+
+# -- What a part does: torque and speed, heat, discharges, pull-out torque, estimates, limits of its family.
+
+
+_POINTS = (
+    ("no load", "no_load_speed", "", "no_load_current"),
+    ("nominal", "nominal_speed", "nominal_torque", "nominal_current"), ("stall", "", "stall_torque", "stall_current"),
+)  # fmt: skip
+
+
+def behaviour(hit: Hit) -> Iterator[doc.Block]:
+    """Tables of a part, and its curves in their place."""
+    if hit.section in ("motors", "actuators"):
+        schema = columns_of(hit.section)
+        rows = [(name, *(figure(hit[c], schema[c]) if c else "0" for c in columns))
+                for name, *columns in _POINTS]  # fmt: skip
+        heads = (_LEFT, ("speed", "right"), ("torque", "right"), ("current", "right"))
+        yield listed(heads, rows, "Torque and speed")
+        yield doc.Picture(f"part-{CURVES[hit.section][0]}", "", "speed over torque")
+        yield from _heat(hit)
+    for name in CURVES.get(hit.section, ()) if hit.section not in ("motors", "actuators") else ():
+        yield doc.Picture(f"part-{name}", "", name.replace("-", " "))
+    if hit.section == "batteries":
+        yield from _discharges(hit)
+    if hit.section == "steppers":
+        yield from _pull_outs(hit)
+    yield from _estimates(hit)
+
+
+CURVES = {  # names of a part's curves, of which some have several
+    "motors": ("speed-torque",), "actuators": ("speed-torque",), "gearheads": ("efficiency", "torque-ratio"),
+    "steppers": ("pull-out",), "batteries": ("discharge-current", "discharge-power", "discharge"),
+}  # fmt: skip
+
+
+def _discharges(hit: Hit) -> Iterator[doc.Block]:
+    """The printed discharges of a battery, constant currents and constant powers apart; times down, voltages across."""
+    every = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
+    for held, unit in HELD.items():
+        own = every.on(~np.isnan(getattr(every, held)))
+        ends, draw, rows = np.unique(own.cutoff_voltage), getattr(own, held), []
+        for time in np.unique(own.time):
+            cells = [draw[(own.time == time) & (own.cutoff_voltage == end)] for end in ends]
+            lasts = show(float(time), "min" if float(time) < 3600.0 else "h", "time")
+            rows.append((lasts, *(f"{c[0]:g}" if len(c) else "–" for c in cells)))
+        heads = (("lasts", "right"), *((show(float(end), "V", "voltage"), "right") for end in ends))
+        yield listed(heads, rows, f"Constant {held} ({unit}), down to")
+
+
+def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
+    """The printed pull-out curves of a stepper, one after the other."""
+    own = hit.catalog.pull_outs.on(hit.catalog.pull_outs.stepper == hit.row)
+    for curve in np.unique(own.curve).tolist():
+        one = own.on(own.curve == curve)
+        rows = [
+            (show(speed, "rpm", "rotary_speed", 4), show(torque, "N*m", "torque", 3))
+            for speed, torque in zip(one.speed.tolist(), one.torque.tolist(), strict=True)
+        ]
+        heads = (("speed", "right"), ("pull-out torque", "right"))
+        yield listed(heads, rows, f"Pull-out torque: {pull_out_conditions(one)}")
+
+
+def pull_out_conditions(curve: PullOuts) -> str:
+    """Supply voltage, current and driver with which a curve was measured."""
+    amps = float(curve.current[0])
+    with_ = [show(float(curve.voltage[0]), "V", "voltage")]
+    with_ += [] if np.isnan(amps) else [f"{show(amps, 'A', 'current')} amplitude"]
+    with_ += [str(curve.driver[0])] if curve.driver[0] else []
+    return ", ".join(with_)
+
+
+def _estimates(hit: Hit) -> Iterator[doc.Block]:
+    """Figures that its data sheet leaves out, as its peers have them; limits that all others of its family have."""
+    schema = columns_of(hit.section)
+
+    def shown(name: str, value: float, digits: int) -> str:
+        return show(value, schema[name].unit, schema[name].kind, digits)
+
+    rows = []
+    for one in estimates_of(hit.table, hit.row):
+        value, low, high = (shown(one.figure, figure, 2) for figure in (one.value, one.low, one.high))
+        rows.append((one.figure.replace("_", " "), value, f"{low} to {high}", law_text(one.fit)))
+    if rows:
+        yield listed((("estimated from peers", "left"), _RIGHT, ("5 to 95 %", "right"), ("from", "left")), rows)
+        yield doc.Words("Sizing takes these unless the spec has select: {estimates: off}.", "note")
+    limits = []
+    for found in family_limits(hit.table, hit.row):
+        alike = "the one other part prints it" if found.members == 1 else f"{found.members} parts print it, all alike"
+        limits.append((found.figure.replace("_", " "), shown(found.figure, found.value, 3), f"{SAME_FAMILY}; {alike}"))
+    if limits:
+        yield listed((("limits of the family", "left"), _RIGHT, ("from", "left")), limits)
+        yield doc.Words("Sizing does not use them.", "note")
+
+
+# -- Heat of a motor or actuator as tables: continuous current by ambient temperature, and overload times.
+
+
+_AMBIENTS = (DATA_TEMPERATURE, 313.15, 333.15, 353.15, 373.15)  # K
+_OVERLOADS = (1.5, 2.0, 3.0, 5.0)  # times the continuous current
+_SLOW = ("winding_time_constant", "motor_time_constant")
+
+
+def _heat(hit: Hit) -> Iterator[doc.Block]:
+    """Continuous current over ambient temperature and overload times at 25 degC, or what is missing for them."""
+    ambients, overloads = _ambients(hit), _overloads(hit)
+    found = [table for table in (ambients, overloads) if table]
+    if found:
+        yield doc.Pair(found[:1], found[1:])
+    notes = _bounds(hit) if overloads else []
+    needed = [*(() if found else HEAT[:1]), *(() if overloads else (*HEAT[1:], *_SLOW))]
+    if missing := ", ".join(name.replace("_", " ") for name in needed if isnan(hit[name])):
+        notes.append(f"{'overload' if found else 'heat'}: unknown without {missing}")
+    yield from (doc.Words(note) for note in notes)
+
+
+def _ambients(hit: Hit) -> doc.Table | None:
+    """Continuous current; None where it is known at 25 degC only, which is among the figures."""
+    currents = [permitted_current(hit, ambient) for ambient in _AMBIENTS]
+    if all(map(isnan, currents[1:])):
+        return None
+    heads = (_LEFT, *((show(ambient, "degC", "temperature"), "right") for ambient in _AMBIENTS))
+    all_permitted = _AMBIENTS[-1] <= hit["ambient_max"] or isnan(hit["ambient_max"])
+    title = f"Continuous current by ambient{'' if all_permitted else ' (– not permitted)'}"
+    name = "at standstill" if isnan(hit["nominal_current"]) else "nominal"
+    return listed(heads, [(name, *map(_amperes, currents))], title)
+
+
+def _overloads(hit: Hit) -> doc.Table | None:
+    """Overload times at a few currents; None where unknown."""
+    currents = [permitted_current(hit, DATA_TEMPERATURE) * times for times in _OVERLOADS]
+    times = [overload_times(hit, current) for current in currents]
+    if isnan(currents[0] + times[0][0]):
+        return None
+    rows = [("current", *map(_amperes, currents))]
+    for name, row in zip(("from cold", "from warm"), zip(*times, strict=True), strict=True):
+        if not isnan(row[0]):
+            each = ((x, "h" if x > 7200.0 else "min" if x > 120.0 else "s") for x in row)
+            rows.append((name, *(show(x, unit, "time", 3) for x, unit in each)))
+    limit = show(hit["max_winding_temperature"], "degC", "temperature")
+    heads = (_LEFT, *((f"{times:g} ×", "right") for times in _OVERLOADS))
+    return listed(heads, rows, f"Overload at standstill, 25 °C, to {limit}")
+
+
+def _bounds(hit: Hit) -> list[str]:
+    """Notes on overload times: the warm start, and limits other than heat."""
+    most, current = (_OVERLOADS[-1] * permitted_current(hit, DATA_TEMPERATURE),
+                     hit["nominal_voltage"] / hit["resistance"])  # fmt: skip
+    peak = hit["peak_torque"] / hit["torque_constant"]
+    notes = ["warm: winding and housing at the housing's temperature at the nominal point"]
+    if current < most:
+        notes.append(f"more than {_amperes(current)} does not flow at nominal voltage")
+    if peak < most:
+        notes.append(f"more than {_amperes(peak)} exceeds the permitted peak torque")
+    return notes
+
+
+def _amperes(current: float) -> str:
+    return "–" if isnan(current) else show(current, "A", "current", 3)
+
+
+# -- Speed over torque of a motor or an actuator's output, as curves with names: line, continuous region, points.
+
+
+_READ = 3.0  # times the nominal torque, the end of the axis; a large motor's stall is at 40 times
+
+
+class Curve(NamedTuple):
+    """Points over torque [N*m] of speed [rad/s]."""
+
+    kind: str  # line, continuous, peak, or nominal, a single point
+    name: str
+    torque: Sequence[float]
+    speed: Sequence[float]
+
+
+def reach_of(hit: Hit) -> float:
+    """End of the torque axis [N*m]: stall, or less where stall is far beyond the nominal torque; NaN unknown."""
+    ends, continuous = line(hit), continuous_curve(hit)[0]
+    nominal = hit["nominal_torque"]
+    if isnan(nominal):
+        own = 0.0 if isnan(hit["no_load_current"]) else hit["no_load_current"]
+        nominal = hit["torque_constant"] * (hit["nominal_current"] - own)
+    cut = ends.torque * (1.0 - min(hit["max_speed"] / ends.speed, 1.0))  # where the line starts, at the top speed
+    wanted = [x for x in (_READ * nominal, _READ * max(continuous, default=nan), 2.0 * cut) if x > 0.0]
+    return min([*([max(wanted)] if wanted else []), *([] if isnan(ends.torque) else [ends.torque])], default=nan)
+
+
+def speed_torque(hit: Hit) -> list[Curve]:
+    """The line, the continuous region, peak and nominal torque, as far as known; nothing without a line or region."""
+    ends, reach = line(hit), reach_of(hit)
+    found = [] if isnan(ends.torque) else [_line(hit, ends, reach)]
+    torque, speed = continuous_curve(hit)
+    if torque:
+        around = show(float(rated_ambient(hit)), "degC", "temperature")
+        found.append(Curve("continuous", f"continuous, at {around} around the motor", torque, speed))
+    if not found:
+        return []
+    peak = hit["peak_torque"]
+    if peak <= reach:
+        tallest = max(max(one.speed) for one in found)
+        found.append(Curve("peak", "peak torque, for a short time", [peak, peak], [0.0, tallest]))
+    return [*found, *_nominal(hit, ends)]
+
+
+def _line(hit: Hit, ends: Any, reach: float) -> Curve:
+    schema, top = columns_of(hit.section), hit["max_speed"]
+
+    def shown(name: str) -> str:
+        return figure(hit[name], schema[name])
+
+    start = min(ends.speed, top) if top > 0.0 else ends.speed
+    at = "nominal voltage" if isnan(hit["nominal_voltage"]) else shown("nominal_voltage")
+    name = f"at {at}, winding at {show(float(data_temperature(hit)), 'degC', 'temperature')}"
+    name += ", computed from R, k_t and the no-load speed" if ends.computed else ""
+    name += f"; cut at the permitted {shown('max_speed')}" if start < ends.speed else ""
+    stall = figure(ends.torque, schema["stall_torque"])
+    name += f"; stall, {stall}, is beyond the chart" if ends.torque > reach else ""
+    return Curve("line", name, [0.0, ends.torque * (1.0 - start / ends.speed), ends.torque], [start, start, 0.0])
+
+
+def _nominal(hit: Hit, ends: Any) -> list[Curve]:
+    """The nominal point; on the line where its speed is unknown."""
+    torque, speed = hit["nominal_torque"], hit["nominal_speed"]
+    name = "nominal torque, on the line" if isnan(speed) else "nominal point"
+    speed = ends.speed * (1.0 - torque / ends.torque) if isnan(speed) else speed
+    return [] if isnan(torque + speed) else [Curve("nominal", name, [torque], [speed])]
+
+
+# -- Remarks on one part: parts that it goes with, tolerances, notes, sources; and parts side by side.
+
+
+EXCLUDED = "excluded from sizing by a note"
+
+
+def family_count(count: int) -> str:
+    """A number of families.
+
+    >>> family_count(1), family_count(2)
+    ('1 family', '2 families')
+    """
+    return number_of(count, "family", "families")
+
+
+def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
+    """Parts that go with a part: a line for each kind, and of each of its families how many."""
+    found: list[tuple[str, dict[str, int]]] = []
+    for section, counts in partners(hit).items():
+        if counts:
+            found.append((f"{section}: {sum(counts.values())} in {family_count(len(counts))}: ", counts))
+        else:
+            found.append((f"{section}: none is listed; one may still exist", {}))
+    if hit.section == "gearheads" and hit["mounting"] == CLAMPING_HUB:
+        found.append(("motors: of any maker, with a shaft that fits the clamping hub", {}))
+    return found
+
+
+def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Block]:
+    """Exclusion, tolerances by the maker, notes, and the document, or all of them with their numbers."""
+    if hit.table.excluded[hit.row]:
+        yield doc.Words(EXCLUDED, "alarm")
+    sheet, stated = datasheet(hit.section, hit.table.record(hit.row), hit.catalog), dict[tuple[int, str], list[str]]()
+    for one in tolerances(hit):
+        name = f"losses of the {one.part}" if one.figure == "efficiency" else one.figure.replace("_", " ")
+        stated.setdefault((one.source, one.text), []).append(f"{name} {one.tolerance}")
+    for (number, text), figures in stated.items():
+        source = hit.catalog.sources[number]
+        said = "; ".join(filter(None, (", ".join(figures), text)))
+        yield doc.Words((doc.Strong("tolerances: "), f"{said} ({source.document}; {source.confidence})"))
+    for note in sheet["notes"]:
+        words = "; ".join(text for text in (note["text"], note["confidence"]) if text)
+        yield doc.Words((doc.Strong("note: "), f"{note['where']}: {words}" if note["where"] else words))
+    if not sources:
+        yield doc.Words((doc.Strong("source: "), f"{sheet['source']} ({sheet['confidence']})"))
+        return
+    known = {source.document: source for source in origins(hit).values()}
+    for place, name in enumerate(documents_of(hit), 1):
+        yield doc.Words(f"[{place}] " + ", ".join(filter(None, (name, known[name].date, known[name].url))))
+
+
+def comparison(hits: Sequence[Hit], rows: Sequence[Row], most: int) -> Iterator[doc.Block]:
+    """Parts side by side, so many in a table; a row in which they differ is marked, ? where some are unknown."""
+    for start in range(0, len(hits), most):
+        some = range(start, min(start + most, len(hits)))
+        columns = [doc.Column("mark"), doc.name("title")]
+        columns += [doc.number(str(n), f"{hits[n].part}\n{hits[n].catalogue}") for n in some]
+        made = []
+        for row in rows:
+            name, cells = row.column.name.replace("_", " "), {str(n): figure(row.values[n], row.column) for n in some}
+            mark = {True: "≠", False: "", None: "?"}[row.differs]
+            made.append(doc.Row({"mark": mark, "title": (doc.Strong(name),) if row.differs else name, **cells}))
+        yield doc.Table("", columns, made, look="beside")
+    differing = sum(row.differs is True for row in rows)
+    yield doc.Words(f"≠ differs ({differing} of {len(rows)} rows), ? undecided: a figure is unknown")
