@@ -17,7 +17,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output.document import part as sheets
 from drivesizer.output.document.paper import as_data
-from drivesizer.output.document.records import Words, text_of
+from drivesizer.output.document.records import Words
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns
 from drivesizer.spec.any_spec import named_catalogs
 from drivesizer.spec.drive import Select
@@ -155,8 +155,7 @@ def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     known = {source.document: source for source in origins(hit).values()}
     partners = [words + ", ".join(f"{name or 'no family'} ({n})" for name, n in families.items())
                 for words, families in sheets.partner_lines(hit)]  # fmt: skip
-    remarks = [Words(one, "note") for one in partners]
-    remarks += [one for one in sheets.remarks(hit) if not text_of(one.text).startswith("source: ")]
+    remarks = [*(Words(one, "note") for one in partners), *sheets.own_remarks(hit)]
     yield {
         "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
         "head": sheets.head(hit), "role": singular(hit.section), "figures": figures,

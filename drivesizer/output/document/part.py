@@ -346,8 +346,8 @@ def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
     return found
 
 
-def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Block]:
-    """Exclusion, tolerances by the maker, notes, and the document, or all of them with their numbers."""
+def own_remarks(hit: Hit) -> Iterator[doc.Words]:
+    """Exclusion, tolerances by the maker, notes."""
     if hit.table.excluded[hit.row]:
         yield doc.Words(EXCLUDED, "alarm")
     sheet, stated = datasheet(hit.section, hit.table.record(hit.row), hit.catalog), dict[tuple[int, str], list[str]]()
@@ -361,7 +361,13 @@ def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Block]:
     for note in sheet["notes"]:
         words = "; ".join(text for text in (note["text"], note["confidence"]) if text)
         yield doc.Words((doc.Strong("note: "), f"{note['where']}: {words}" if note["where"] else words))
+
+
+def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Words]:
+    """Those, and the document, or all documents with their numbers."""
+    yield from own_remarks(hit)
     if not sources:
+        sheet = datasheet(hit.section, hit.table.record(hit.row), hit.catalog)
         yield doc.Words((doc.Strong("source: "), f"{sheet['source']} ({sheet['confidence']})"))
         return
     known = {source.document: source for source in origins(hit).values()}

@@ -114,8 +114,8 @@ def searched(groups: Mapping[str, Mapping[str, Sequence[Hit]]], parts: Sequence[
             for section, names in groups.items() for name, hits in sorted(names.items())]  # fmt: skip
     heads = (("", "left"), ("family", "left"), ("parts", "right"), ("kind", "left"), ("catalogue", "left"))
     blocks(out, [listed(heads, rows)])
-    heads = (("", "left"), ("part", "left"), ("family", "left"), ("catalogue", "left"))
-    blocks(out, [listed(heads, [(hit.section, hit.part, hit["family"], hit.catalogue) for hit in parts[:limit]])])
+    of_parts = (("", "left"), ("part", "left"), ("family", "left"), ("catalogue", "left"))
+    blocks(out, [listed(of_parts, [(hit.section, hit.part, hit["family"], hit.catalogue) for hit in parts[:limit]])])
     if len(parts) > limit:
         out.print(Text(f"the first {limit} of {number_of(len(parts), 'part')}; --limit shows more"))
 

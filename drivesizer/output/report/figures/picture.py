@@ -292,7 +292,7 @@ def spots(
     low, spread = at.min(axis=0), np.where(np.ptp(at, axis=0) == 0.0, 1.0, np.ptp(at, axis=0))
     places = ((at - low) / spread + AROUND) / (1.0 + 2.0 * np.array(AROUND)) * room
     taken = [(x - _DOT, y - _DOT, x + _DOT, y + _DOT) for x, y in places]
-    found = []
+    found = list[tuple[str, str]]()
     for x, y in places:
         spot = ("", "")
         for text in texts[len(found)]:
