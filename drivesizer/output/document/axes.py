@@ -35,8 +35,8 @@ from drivesizer.results.sizing import SizingResult
 from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.output.report.figures.all_figures import Pictured
     from drivesizer.output.report.figures.field import Panel
+    from drivesizer.output.report.figures.picture import Pictured
 
 
 _FIELDS = 6  # of axes in one figure, which leaves room for a heading on its page
@@ -122,8 +122,8 @@ class MachineContent:
     @cached_property
     def loads(self) -> dict[str, Pictured]:
         """Figures with the field of every axis, as many on each as a page has room for."""
-        from drivesizer.output.report.figures.all_figures import Pictured
         from drivesizer.output.report.figures.field import torque_speed_panels
+        from drivesizer.output.report.figures.picture import Pictured
 
         fields = [*self._fields()]
         parts = [fields[n : n + _FIELDS] for n in range(0, len(fields), _FIELDS)]
@@ -143,9 +143,8 @@ class MachineContent:
     @cached_property
     def pictures(self) -> dict[str, Pictured]:
         """Every figure by name: those of all axes, then those of each."""
-        from drivesizer.output.report.figures.all_figures import Pictured
         from drivesizer.output.report.figures.machine import axes_power
-        from drivesizer.output.report.figures.picture import on_paper
+        from drivesizer.output.report.figures.picture import Pictured, on_paper
 
         made, power = dict(self.loads), self.sizing.power
         if power is not None and len(power.unknown) < len(power.axes):

@@ -23,7 +23,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.output.report.figures.all_figures import Pictured
+    from drivesizer.output.report.figures.picture import Pictured
     from drivesizer.output.report.figures.set_behaviour import Behaviour
 
 

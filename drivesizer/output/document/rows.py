@@ -66,7 +66,7 @@ def _worst_end(c: Check) -> Iterator[doc.Row]:
         return
     high, least = c.band.high, c.band.least_margin
     alike = high > 0.0 and abs(c.limit / high - 1.0 - least) < _ALIKE
-    ends = doc.quantities(c.unit, c.kind, value=high, limit=c.limit) if alike else {}
+    ends = doc.quantities(c.unit, c.kind, value=high, limit=c.limit) if alike else {"value": "", "limit": ""}
     yield doc.Row({
         "part": part_of(c.name), "title": (doc.Small("at worst, by estimates"),), "method": c.method, "case": c.case,
         **ends, "margin": doc.Quantity(least, "%", "margin"), "used": doc.Bar(use(least)),

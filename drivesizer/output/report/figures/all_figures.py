@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
 
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import ready, write_files
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
-from drivesizer.output.report.figures.picture import Bars, Plot, on_paper, scatter
+from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, on_paper, scatter
 from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.output.report.figures.style import CASES, FILES, Drawing, Ready
 from drivesizer.output.sketch import SKETCHES, sketch
@@ -20,13 +19,6 @@ from drivesizer.results.sizing import SizingResult
 
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 _MOST_PANELS = 6  # of the motor's field that can be moved
-
-
-class Pictured(NamedTuple):
-    """A figure on paper, and on the page: one or several that can be moved; without them as on paper."""
-
-    paper: Drawing | None
-    page: Sequence[Plot | Bars] = ()
 
 
 def report_pictures(

@@ -11,14 +11,14 @@ import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, isfinite
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.output.derivation import clean, short
 from drivesizer.output.report.figures import style
-from drivesizer.output.report.figures.style import COLOURS, Window
+from drivesizer.output.report.figures.style import COLOURS, Drawing, Window
 from drivesizer.units import label
 
 if TYPE_CHECKING:
@@ -106,6 +106,13 @@ class Bars:
     rows: Sequence[tuple[str, float]]
     across: str
     unit: str
+
+
+class Pictured(NamedTuple):
+    """A figure on paper, and on the page: one or several that can be moved; without them as on paper."""
+
+    paper: Drawing | None
+    page: Sequence[Plot | Bars] = ()
 
 
 def over_time(*diagrams: Diagram, windows: Sequence[Window], **more: Any) -> Plot:

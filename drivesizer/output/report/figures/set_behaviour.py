@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import fsum, isfinite, isnan, sqrt
-from typing import TYPE_CHECKING
 
 from drivesizer.control.path_following.following import Followed
 from drivesizer.control.path_following.runs import drawn as shown_runs
@@ -18,7 +17,7 @@ from drivesizer.machine.supply_power import EnergyFlow, energy_flow
 from drivesizer.output.report.figures import cycle, machine
 from drivesizer.output.report.figures.cycle import MOST_WHEELS
 from drivesizer.output.report.figures.field import efficiency_map
-from drivesizer.output.report.figures.picture import on_paper
+from drivesizer.output.report.figures.picture import Pictured, on_paper
 from drivesizer.output.words import first_wheel
 from drivesizer.physics.stepper import copper_loss, idle_loss
 from drivesizer.physics.thermal import current_derating, rated_ambient
@@ -28,9 +27,6 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.spec.mounting import rise_left
 from drivesizer.units import show
-
-if TYPE_CHECKING:
-    from drivesizer.output.report.figures.all_figures import Pictured
 
 _BODIES = ("winding_time_constant", "motor_time_constant", "thermal_resistance_winding", "thermal_resistance_housing",
            "resistance")  # fmt: skip
@@ -111,8 +107,6 @@ class Behaviour:
 
     def pictures(self) -> dict[str, Pictured]:
         """Its figures by name; those that depend on figures that the catalogue does not know are left out."""
-        from drivesizer.output.report.figures.all_figures import Pictured
-
         made: dict[str, Pictured] = {}
         usable = float(self.spec.feed_of(self.drive_set.controller).usable)
         if self.known:  # the efficiency map has all load cycles, or the first where they would cover one another

@@ -12,7 +12,7 @@ from drivesizer.output.document.axes import MachineContent, document_of, picture
 from drivesizer.output.document.candidates import candidate_numbers
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
-from drivesizer.output.report.figures.all_figures import Pictured
+from drivesizer.output.report.figures.picture import Pictured
 from drivesizer.output.report.figures.style import COLOURS, Drawing
 from drivesizer.output.report.html.candidate_plots import choices_plot, sets_plot, weights_section
 from drivesizer.output.report.html.plots import Data, movable
