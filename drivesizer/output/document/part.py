@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import isnan, nan
-from typing import Any, NamedTuple
+from math import isnan
+from typing import Any
 
 import numpy as np
 
 from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.estimates import estimates_of
 from drivesizer.catalog.estimates.estimate import SAME_FAMILY, family_limits, law_text
-from drivesizer.catalog.parts import HELD, PullOuts
+from drivesizer.catalog.parts import HELD
 from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view.search_view import CLAMPING_HUB
-from drivesizer.machine.part_curves import HEAT, continuous_curve, line, overload_times, permitted_current
+from drivesizer.machine.part_curves import HEAT, overload_times, permitted_current
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.records import listed
+from drivesizer.output.part_curves import pull_out_conditions
 from drivesizer.output.words import figure, number_of
-from drivesizer.physics.thermal import DATA_TEMPERATURE, data_temperature, rated_ambient
+from drivesizer.physics.thermal import DATA_TEMPERATURE
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.units import show
 
@@ -152,15 +153,6 @@ def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
         yield listed(heads, rows, f"Pull-out torque: {pull_out_conditions(one)}")
 
 
-def pull_out_conditions(curve: PullOuts) -> str:
-    """Supply voltage, current and driver with which a curve was measured."""
-    amps = float(curve.current[0])
-    with_ = [show(float(curve.voltage[0]), "V", "voltage")]
-    with_ += [] if np.isnan(amps) else [f"{show(amps, 'A', 'current')} amplitude"]
-    with_ += [str(curve.driver[0])] if curve.driver[0] else []
-    return ", ".join(with_)
-
-
 def _estimates(hit: Hit) -> Iterator[doc.Block]:
     """Figures that its data sheet leaves out, as its peers have them; limits that all others of its family have."""
     schema = columns_of(hit.section)
@@ -248,74 +240,6 @@ def _bounds(hit: Hit) -> list[str]:
 
 def _amperes(current: float) -> str:
     return "–" if isnan(current) else show(current, "A", "current", 3)
-
-
-# -- Speed over torque of a motor or an actuator's output, as curves with names: line, continuous region, points.
-
-
-_READ = 3.0  # times the nominal torque, the end of the axis; a large motor's stall is at 40 times
-
-
-class Curve(NamedTuple):
-    """Points over torque [N*m] of speed [rad/s]."""
-
-    kind: str  # line, continuous, peak, or nominal, a single point
-    name: str
-    torque: Sequence[float]
-    speed: Sequence[float]
-
-
-def reach_of(hit: Hit) -> float:
-    """End of the torque axis [N*m]: stall, or less where stall is far beyond the nominal torque; NaN unknown."""
-    ends, continuous = line(hit), continuous_curve(hit)[0]
-    nominal = hit["nominal_torque"]
-    if isnan(nominal):
-        own = 0.0 if isnan(hit["no_load_current"]) else hit["no_load_current"]
-        nominal = hit["torque_constant"] * (hit["nominal_current"] - own)
-    cut = ends.torque * (1.0 - min(hit["max_speed"] / ends.speed, 1.0))  # where the line starts, at the top speed
-    wanted = [x for x in (_READ * nominal, _READ * max(continuous, default=nan), 2.0 * cut) if x > 0.0]
-    return min([*([max(wanted)] if wanted else []), *([] if isnan(ends.torque) else [ends.torque])], default=nan)
-
-
-def speed_torque(hit: Hit) -> list[Curve]:
-    """The line, the continuous region, peak and nominal torque, as far as known; nothing without a line or region."""
-    ends, reach = line(hit), reach_of(hit)
-    found = [] if isnan(ends.torque) else [_line(hit, ends, reach)]
-    torque, speed = continuous_curve(hit)
-    if torque:
-        around = show(float(rated_ambient(hit)), "degC", "temperature")
-        found.append(Curve("continuous", f"continuous, at {around} around the motor", torque, speed))
-    if not found:
-        return []
-    peak = hit["peak_torque"]
-    if peak <= reach:
-        tallest = max(max(one.speed) for one in found)
-        found.append(Curve("peak", "peak torque, for a short time", [peak, peak], [0.0, tallest]))
-    return [*found, *_nominal(hit, ends)]
-
-
-def _line(hit: Hit, ends: Any, reach: float) -> Curve:
-    schema, top = columns_of(hit.section), hit["max_speed"]
-
-    def shown(name: str) -> str:
-        return figure(hit[name], schema[name])
-
-    start = min(ends.speed, top) if top > 0.0 else ends.speed
-    at = "nominal voltage" if isnan(hit["nominal_voltage"]) else shown("nominal_voltage")
-    name = f"at {at}, winding at {show(float(data_temperature(hit)), 'degC', 'temperature')}"
-    name += ", computed from R, k_t and the no-load speed" if ends.computed else ""
-    name += f"; cut at the permitted {shown('max_speed')}" if start < ends.speed else ""
-    stall = figure(ends.torque, schema["stall_torque"])
-    name += f"; stall, {stall}, is beyond the chart" if ends.torque > reach else ""
-    return Curve("line", name, [0.0, ends.torque * (1.0 - start / ends.speed), ends.torque], [start, start, 0.0])
-
-
-def _nominal(hit: Hit, ends: Any) -> list[Curve]:
-    """The nominal point; on the line where its speed is unknown."""
-    torque, speed = hit["nominal_torque"], hit["nominal_speed"]
-    name = "nominal torque, on the line" if isnan(speed) else "nominal point"
-    speed = ends.speed * (1.0 - torque / ends.torque) if isnan(speed) else speed
-    return [] if isnan(torque + speed) else [Curve("nominal", name, [torque], [speed])]
 
 
 # -- Remarks on one part: parts that it goes with, tolerances, notes, sources; and parts side by side.

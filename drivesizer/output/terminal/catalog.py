@@ -16,6 +16,7 @@ from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.catalog.parts import Column
 from drivesizer.catalog.query import Hit, Row, Selection, families
+from drivesizer.output import part_curves
 from drivesizer.output.document import part
 from drivesizer.output.document.records import Picture, listed
 from drivesizer.output.terminal.render import blocks
@@ -165,12 +166,12 @@ def chart_of(out: Console, hit: Hit) -> None:
     series = [
         Series(one.name, from_si(np.asarray(one.torque), torque.unit, torque.kind).tolist(),
                from_si(np.asarray(one.speed), speed.unit, speed.kind).tolist(), **_LOOKS[one.kind])
-        for one in part.speed_torque(hit)
+        for one in part_curves.speed_torque(hit)
     ]  # fmt: skip
     if not series:
         return
     width = min(out.width, _WIDEST)
-    level = Axis("torque", label(torque.unit), from_si(part.reach_of(hit), torque.unit, torque.kind))
+    level = Axis("torque", label(torque.unit), from_si(part_curves.reach_of(hit), torque.unit, torque.kind))
     upright = Axis("speed", label(speed.unit), max(y for one in series for y in one.y))
     out.print()
     out.print(*chart(series, level, upright, width, width // _HEIGHT), sep="\n")

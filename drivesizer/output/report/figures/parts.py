@@ -13,7 +13,7 @@ from drivesizer.catalog.parts import HELD
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.battery import pack_of, run_time
 from drivesizer.machine.part_curves import gear_efficiency, nominal_voltage_curves
-from drivesizer.output.document.part import pull_out_conditions, reach_of, speed_torque
+from drivesizer.output.part_curves import pull_out_conditions, reach_of, speed_torque
 from drivesizer.output.report.figures.picture import DASHED, DOTTED, MIXED, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import torque_unit
 from drivesizer.physics.stepper import PULL_OUT_SHARE, pull_out_torque, rotor_teeth
