@@ -15,7 +15,7 @@ import sys
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Mapping
 from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from math import inf
@@ -56,7 +56,7 @@ class Refusal(Exception):  # noqa: N818
 class Response(NamedTuple):
     """What is answered: the whole content, or lines as they come."""
 
-    content: bytes | Iterator[bytes]
+    content: bytes | Generator[bytes]
     kind: str = "application/json"
     kept: str = "no-store"  # how long a browser may keep it
 
@@ -258,7 +258,7 @@ class _Connection(BaseHTTPRequestHandler):
         if self.command != "HEAD":
             self.wfile.write(content)
 
-    def _streamed(self, lines: Iterator[bytes]) -> None:
+    def _streamed(self, lines: Generator[bytes]) -> None:
         """Lines as they come; where the browser goes away, who makes them knows at once."""
         chunked = self.request_version == "HTTP/1.1"
         self.close_connection |= not chunked
@@ -273,7 +273,7 @@ class _Connection(BaseHTTPRequestHandler):
         except OSError:
             self.close_connection = True
         finally:
-            lines.close()  # type: ignore[attr-defined]
+            lines.close()
             self._count(-1)
 
     def _count(self, more: int) -> None:

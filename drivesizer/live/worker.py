@@ -13,7 +13,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from math import inf
 from tempfile import TemporaryDirectory
@@ -77,7 +77,7 @@ class Engine:
 
     def pieces(
         self, job: tuple[int, str, Piece], own: dict[str, bytes], longest: float, useful: Callable[[], bool]
-    ) -> Iterator[bytes]:
+    ) -> Generator[bytes]:
         """Pieces of a job as lines of JSON; whatever becomes of it, the next one finds a process that is free."""
         until, free, self.leaving = time.monotonic() + longest, False, inf
         try:
@@ -141,7 +141,7 @@ class Engines:
     def answer(
         self, name: str, request: Piece, *, tab: str = "", kind: str = "", slow: bool = False,
         wanted: Callable[[], bool] = lambda: True,
-    ) -> Iterator[bytes]:  # fmt: skip
+    ) -> Generator[bytes]:  # fmt: skip
         """Pieces of a job as JSON, a line each; one that says so where a newer request of the kind came first."""
         with self.changed:
             if self.waiting >= _WAITING:
@@ -156,7 +156,7 @@ class Engines:
 
     def _pieces(
         self, job: tuple[int, str, Piece], tab: str, key: str, slow: bool, wanted: Callable[[], bool]
-    ) -> Iterator[bytes]:
+    ) -> Generator[bytes]:
         def useful() -> bool:
             return not self.closed and self.newest.get(key, job[0]) == job[0] and wanted()
 
