@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from enum import IntEnum
 from math import inf, isfinite, isnan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,17 @@ class Mechanics:
     def motor_per_speed(self) -> float:
         """Motor speed per speed of the load, K/r [rad/m, or 1]."""
         return self.ratio / self.radius
+
+    def resistance_along(self, direction: Any) -> Any:
+        """Torque of the load at the driven shaft [N*m] in a direction of motion: 1, -1, or 0 at rest."""
+        moving = np.where(direction > 0.0, self.forward_torque, self.backward_torque)
+        return np.where(direction == 0.0, self.rest_torque, moving)
+
+    def at_motor(self, torque: Any, direction: Any) -> Any:
+        """Torque at the motor [N*m] against one at the driven shaft and friction, by the direction of power."""
+        driving, braking = through_gears(self.ratio, self.efficiency)
+        share = np.where(torque * direction > 0.0, driving, braking)
+        return self.friction * direction + torque * np.where(direction == 0.0, 1.0 / self.ratio, share)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -78,17 +78,23 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
 
 def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, dict[str, System]]:
     """The open loops of a controller by name and direction of power."""
-    every = modes(train)
+    every, names = modes(train), ("velocity", "position")[: 2 if controller.velocity_steps else 1]
+    outer = {
+        name: {
+            direction: open_loop(name, train, every[regime], controller) for direction, regime in _DIRECTIONS.items()
+        }
+        for name in names
+    }
+    return ({"current": {"": current_open_loop(train, controller)}} if isinstance(controller, Cascade) else {}) | outer
 
-    def both(opened: Callable[..., System], answer: str = "speed") -> dict[str, System]:
-        return {name: from_error(opened(train, every[r], controller), answer) for name, r in _DIRECTIONS.items()}
 
+def open_loop(name: str, train: DriveTrain, mode: Mode, controller: Cascade | Gains) -> System:
+    """The open velocity or position loop of a controller."""
     if isinstance(controller, Gains):
-        return {"velocity": both(voltage_open_loop)}
-    found = {"current": {"": current_open_loop(train, controller)}, "velocity": both(velocity_open_loop)}
-    if controller.position_kp and controller.position_period:
-        found["position"] = both(position_open_loop, "angle")
-    return found
+        return from_error(voltage_open_loop(train, mode, controller))
+    if name == "position":
+        return from_error(position_open_loop(train, mode, controller), "angle")
+    return from_error(velocity_open_loop(train, mode, controller))
 
 
 def _worse(name: str, opened: Mapping[str, System]) -> Loop:
@@ -308,7 +314,7 @@ def tuned(
 
 def flaw(controller: Gains | Cascade, train: DriveTrain, least: float) -> str:
     """The first margin that a loop misses, in words."""
-    for name, opened in _opened(controller, train):
+    for name, opened in _checked(controller, train):
         margin, bandwidth = margin_and_bandwidth(opened)
         if math.isnan(margin):
             return f"the {name} is unstable"
@@ -323,25 +329,19 @@ def flaw(controller: Gains | Cascade, train: DriveTrain, least: float) -> str:
     return ""
 
 
-def _opened(controller: Gains | Cascade, train: DriveTrain) -> Iterator[tuple[str, System]]:
+def _checked(controller: Gains | Cascade, train: DriveTrain) -> Iterator[tuple[str, System]]:
     """The loops to be checked, with their names."""
     every, rigid = modes(train), replace(train, stiffness=math.inf)
-
-    def velocity(train: DriveTrain, mode: Mode) -> System:
-        if isinstance(controller, Gains):
-            return from_error(voltage_open_loop(train, mode, controller))
-        return from_error(velocity_open_loop(train, mode, controller))
-
     for direction, regime in _DIRECTIONS.items():
         if train.flexible:
-            yield f"velocity loop with a stiff shaft, {direction},", velocity(rigid, every[regime])
-        yield f"velocity loop, {direction},", velocity(train, every[regime])
-        if isinstance(controller, Cascade) and controller.position_kp and controller.position_period:
-            opened = position_open_loop(train, every[regime], controller)
-            yield f"position loop, {direction},", from_error(opened, "angle")
+            stiff = open_loop("velocity", rigid, every[regime], controller)
+            yield f"velocity loop with a stiff shaft, {direction},", stiff
+        yield f"velocity loop, {direction},", open_loop("velocity", train, every[regime], controller)
+        if controller.velocity_steps:
+            yield f"position loop, {direction},", open_loop("position", train, every[regime], controller)
     if train.flexible and train.gap:
-        alone = Mode(inertia=train.motor_inertia, drag=train.friction)
-        yield "velocity loop of the motor alone, in the backlash,", velocity(rigid, alone)
+        alone = open_loop("velocity", rigid, Mode(inertia=train.motor_inertia, drag=train.friction), controller)
+        yield "velocity loop of the motor alone, in the backlash,", alone
 
 
 # -- The controller of a drive: its rates and its encoder, gains by rule, checked on the sampled loop.
@@ -353,8 +353,14 @@ def _opened(controller: Gains | Cascade, train: DriveTrain) -> Iterator[tuple[st
 _PERIOD = 1e-3  # s, of a velocity loop on the voltage, where the controller's is unknown
 
 
-def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
-    """The drive train of a spec and a drive, the controller designed for it, and the assumptions of both."""
+def designed(
+    spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cascade | None = None
+) -> tuple[DriveTrain, Gains | Cascade, list[str]]:
+    """The drive train of a spec and a drive, the controller designed for it or given, and the assumptions of both."""
+    if controller is not None:  # designed before, of this machine or of one like it
+        period = controller.period if isinstance(controller, Gains) else controller.current_period
+        rigid, said = drive_train(spec, drive_set, period)
+        return _with_shaft(spec, drive_set, rigid), controller, said
     c, cascade, found = spec.control, spec.control.structure == "cascade", drive_set.controller
     if cascade:
         every, said = rates(found, c.rate)
@@ -388,13 +394,6 @@ def designed(spec: RobotSpec, drive_set: DriveParts) -> tuple[DriveTrain, Gains 
     if why:
         said.append(f"the loop is {slower:.3g} times slower than its design rule, with which {why}")
     return train, controller, said
-
-
-def train_behind(spec: RobotSpec, drive_set: DriveParts, controller: Gains | Cascade) -> tuple[DriveTrain, list[str]]:
-    """The drive train behind a controller that was designed before, of this machine or of one like it."""
-    period = controller.period if isinstance(controller, Gains) else controller.current_period
-    rigid, said = drive_train(spec, drive_set, period)
-    return _with_shaft(spec, drive_set, rigid), said
 
 
 def edges_of(spec: RobotSpec, drive_set: DriveParts) -> int:

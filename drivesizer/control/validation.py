@@ -63,7 +63,7 @@ class Cascade:
     @property
     def velocity_steps(self) -> int:
         """Periods of the velocity loop in one of the position loop; 0 without a position loop."""
-        return round(self.position_period / self.velocity_period)
+        return round(self.position_period / self.velocity_period) if self.position_kp else 0
 
 
 class Rates(NamedTuple):
@@ -220,15 +220,13 @@ class Gains:
     rule: str  # "given in the spec", or the design rule's name
     source: str  # the rule's citation
 
-    @property
-    def velocity_period(self) -> float:
-        """Period of the one loop [s], by the name of a cascade's."""
-        return self.period
+    # by the names of a cascade's: it is the one loop, with none inside and none around it
+    current_steps, velocity_steps = 1, 0
 
     @property
-    def current_steps(self) -> int:
-        """Periods of a current loop in one of this, which has none inside."""
-        return 1
+    def velocity_period(self) -> float:
+        """Its period [s]."""
+        return self.period
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -86,7 +86,7 @@ def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     corners = np.unique(np.concatenate([task.time, [t for t in task.load_time if start < t < task.time[-1]]]))
     speed = np.interp(corners, task.time, task.speed)
     more = np.interp(corners, task.load_time, task.load_torque) if len(task.load_time) else np.zeros(len(corners))
-    slow = h * (max(c.velocity_steps, 1) if isinstance(c, Cascade) else 1)
+    slow = h * max(c.velocity_steps, 1)
     steady = (np.diff(speed) == 0.0) & (np.diff(more) == 0.0)
     spare = np.where(steady, np.floor((np.diff(corners) - settling) / slow).clip(0.0) * slow, 0.0)
     gone = np.concatenate([[0.0], np.cumsum(spare)])  # s left out until a corner
@@ -132,12 +132,9 @@ def _stretches_around(places: list[float], count: int, most: int, step: int) -> 
 def _load_torque(case: ClosedLoop, speed: Array, slope: Array, more: Array) -> Array:
     """Torque that resists the motor along the reference beyond the inertia of driving [N*m]."""
     train, turns = case.train, np.sign(speed)
-    own = np.where(turns > 0.0, train.forward_torque, np.where(turns < 0.0, train.backward_torque, train.rest_torque))
-    torque = train.load_inertia * slope / train.ratio + own + more
-    driving, braking = 1.0 / (train.ratio * train.efficiency), train.efficiency / train.ratio
-    share = np.where(turns == 0.0, 1.0 / train.ratio, np.where(torque * turns > 0.0, driving, braking))
-    found: Array = train.friction * turns + torque * share - train.load_inertia * driving / train.ratio * slope
-    return found
+    torque = train.load_inertia * slope / train.ratio + train.resistance_along(turns) + more
+    driving = train.load_inertia / (train.ratio**2 * train.efficiency)
+    return np.asarray(train.at_motor(torque, turns) - driving * slope)
 
 
 # --- the closed loop along it
@@ -148,7 +145,7 @@ def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
     c, mode = case.controller, modes(case.train)[Regime.FORWARD_DRIVING]
     speed, load = course.speed[:-1], course.load
     fed = _feedforward(c, speed, course.slope)
-    steps = c.velocity_steps if isinstance(c, Cascade) and c.position_kp and c.position_period else 0
+    steps = c.velocity_steps
     if isinstance(c, Gains):
         opened = voltage_open_loop(case.train, mode, c)
     else:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.parts import Controller, one_row
 from drivesizer.control.drive_train import DriveTrain, within_reach
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Simulation, Supply, Task, simulate
-from drivesizer.control.loop_design import analyse, designed, edges_of, train_behind
+from drivesizer.control.loop_design import analyse, designed, edges_of
 from drivesizer.control.validation import Cascade, Gains, Loops
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
@@ -55,10 +55,7 @@ def prepared(
     spec: RobotSpec, drive_set: DriveParts, profile: Profile, controller: Gains | Cascade | None = None
 ) -> Prepared:
     """A drive and its task as the engine takes them; an unknown limit is none there, and unknown in its check."""
-    if controller is None:
-        train, controller, said = designed(spec, drive_set)
-    else:
-        train, said = train_behind(spec, drive_set, controller)
+    train, controller, said = designed(spec, drive_set, controller)
     within_reach(train, profile)
     _sampled(controller.velocity_period, profile)
     feed, figures = spec.feed_of(drive_set.controller, drive_set.brake), drive_set.controller or Controller()

@@ -57,12 +57,6 @@ def mode_of(p: Array, i: float, w: float, f: float, v: float, l: float) -> int:
     return 4 * (side + 1) + (18 if T * p[at.RATIO] * p[at.J_M] + p[at.J_L] * M > 0.0 else 0)
 
 
-def friction_holds(p: Array, f: float, l: float) -> bool:
-    """Whether friction alone holds a motor at rest."""
-    code = mode_of(p, 0.0, 0.0, f, 0.0, l)
-    return code % 3 == 1 and code // 3 % 3 == 1
-
-
 def load_torque(p: Array, side: int) -> float:
     """Constant torque of the load by direction of motion."""
     return float(p[at.T_F] if side > 0 else p[at.T_B] if side < 0 else p[at.T_0])
@@ -390,21 +384,16 @@ def pid(p: Array, s: Array, place: int, error: float, rests: bool) -> float:
 def drain(p: Array, s: Array, error: float, speed: float, slope: float, l: float) -> None:
     """Drain the outer integral at rest, where friction holds: what braking left there would stay as a current."""
     still = speed == 0.0 and slope == 0.0 and abs(error) <= p[at.RESTS] and abs(s[at.W]) <= p[at.RESTS]
-    if still and p[at.KEPT] != 1.0 and s[at.OUTER] != 0.0 and friction_holds(p, s[at.F], l):
-        least = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
-        s[at.OUTER] = s[at.OUTER] * p[at.KEPT] if abs(s[at.OUTER]) > least else 0.0
+    if still and p[at.KEPT] != 1.0 and s[at.OUTER] != 0.0:
+        alone = mode_of(p, 0.0, 0.0, s[at.F], 0.0, l)  # without current
+        if alone % 3 == 1 and alone // 3 % 3 == 1:
+            least = p[at.TOL_I] if p[at.CASCADE] != 0.0 else p[at.TOL_U]
+            s[at.OUTER] = s[at.OUTER] * p[at.KEPT] if abs(s[at.OUTER]) > least else 0.0
 
 
 def whole_counts(p: Array, angle: float) -> float:
     """An angle in whole counts."""
     return float(math.floor(angle * p[at.EDGES] / (2.0 * math.pi)))
-
-
-def position_error(p: Array, s: Array, angle: float) -> float:
-    """Position error [rad]; with counts in whole counts, so that a motor within its count may rest."""
-    if p[at.EDGES] == 0.0:
-        return float(angle - s[at.X])
-    return (whole_counts(p, angle) - whole_counts(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
 
 
 def measured_speed(p: Array, s: Array, ring: Array) -> float:
@@ -425,22 +414,20 @@ def feedforward_current(p: Array, speed: float, slope: float) -> float:
     return float(p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope)
 
 
-def limit_current(p: Array, s: Array, demand: float) -> None:
-    """Limit a current demand by the I2t integral."""
-    s[at.LIMIT] = permitted_current(p, s, p[at.H] * p[at.N_V])
-    s[at.I_DEMAND] = min(max(demand, -s[at.LIMIT]), s[at.LIMIT])
-    s[at.I_CUT] = demand - s[at.I_DEMAND]
-
-
 def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float, l: float) -> None:
     """The outer loops of the cascade at their samples: position, then velocity; each one of its periods late."""
     n_v, n_p = int(p[at.N_V]), int(p[at.N_P])
     if k % n_v != 0:
         return
-    limit_current(p, s, s[at.I_NEXT])
+    demand, s[at.LIMIT] = s[at.I_NEXT], permitted_current(p, s, p[at.H] * p[at.N_V])
+    s[at.I_DEMAND] = min(max(demand, -s[at.LIMIT]), s[at.LIMIT])
+    s[at.I_CUT] = demand - s[at.I_DEMAND]
     w = measured_speed(p, s, ring)
     if n_p > 0 and k % (n_v * n_p) == 0:
-        s[at.W_ADD], s[at.W_NEXT] = s[at.W_NEXT], p[at.PKP] * position_error(p, s, angle)
+        lag = float(angle - s[at.X])
+        if p[at.EDGES] != 0.0:  # in whole counts, so that a motor within its count may rest
+            lag = (whole_counts(p, angle) - whole_counts(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
+        s[at.W_ADD], s[at.W_NEXT] = s[at.W_NEXT], p[at.PKP] * lag
     error = speed + s[at.W_ADD] - w
     drain(p, s, error, speed, slope, l)
     s[at.I_NEXT] = feedforward_current(p, speed, slope) + pid(

@@ -112,8 +112,12 @@ def alike(run: Run, before: Array, lap: Lap, earlier: Sequence[Lap], turned: flo
     if left < 1 or run.status:
         return 0
     exact = by_state and not run.p[at.EDGES] and _repeats(run, before, turned)
-    if not exact and not (_same_sums(run.p, lap, earlier) and not _drifts(lap, earlier, left)):
-        return 0
+    if not exact:  # the same squares of current and torque, and the same work without the copper's heat
+        if not earlier or lap.count < (_LEAST if run.p[at.EDGES] else _LEAST_EXACT):
+            return 0
+        (a, scale), (b, _) = _means(lap), _means(earlier[-1])
+        if not np.all(np.abs(a - b) <= _ALIKE * scale) or _drifts(lap, earlier, left):
+            return 0
     until = _until_full(run, before, lap, _PERIODIC if exact else _FULL), _until_warm(run, before, lap, left)
     return int(min(left, *until))
 
@@ -129,24 +133,13 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
     share = _PERIODIC_WARM / STILL_WARM if p[at.HEAT] else _PERIODIC / STILL
     demand = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
 
-    def compared(state: Array) -> Array:  # voltages without the copper's drop, which varies with the temperature
-        free = state.copy()
-        free[voltages(p)] -= state[at.RES] * state[at.I]
-        return free[_COMPARED]
-
+    both = np.array([s, before])  # voltages without the copper's drop, which varies with the temperature
+    both[:, voltages(p)] -= (both[:, at.RES] * both[:, at.I])[:, None]
     limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand,
                        p[at.TOL_U], p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W]])  # fmt: skip
-    if np.any(np.abs(compared(s) - compared(before)) > share * limits):
+    if np.any(np.abs(both[0] - both[1])[_COMPARED] > share * limits):
         return False
     return not p[at.PKP] or bool(abs(s[at.X] - before[at.X] - turned) <= share * p[at.TOL_X])
-
-
-def _same_sums(p: Array, lap: Lap, earlier: Sequence[Lap]) -> bool:
-    """Whether laps have the same sums: squares of current and torque, and the work done, without the copper's heat."""
-    if not earlier or lap.count < (_LEAST if p[at.EDGES] else _LEAST_EXACT):
-        return False
-    (a, scale), (b, _) = _means(lap), _means(earlier[-1])
-    return bool(np.all(np.abs(a - b) <= _ALIKE * scale))
 
 
 def _drifts(lap: Lap, earlier: Sequence[Lap], left: int) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 import drivesizer.control.engine.layout as at
 from drivesizer.control.drive_train import DriveTrain, columns, discretised
-from drivesizer.control.engine.kernel import feedforward_current, holding_torque, load_torque, mode_of
+from drivesizer.control.engine.kernel import feedforward_current, holding_torque, mode_of
 from drivesizer.control.engine.layout import PARAMETERS, STATE, TALLY, Array
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
@@ -118,7 +118,10 @@ def pieces_of(task: Task, p: Array) -> Array:
     (v, slope), (l, dl) = line(start, time, speed), line(start, *load)
     slope = np.where(short, (line(later, time, speed)[0] - v) / h, slope)
     dl = np.where(short, (line(later, *load)[0] - l) / h, dl)
-    return np.column_stack((first, last, start, v, slope, _angle(start, time, speed), l, dl, corner))
+    n = np.clip(np.searchsorted(time, start, "right") - 1, 0, len(time) - 2)
+    turned = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
+    angle = turned + (start - time[n]) * (speed[n] + line(start, time, speed)[0]) / 2.0  # rad, of the reference
+    return np.column_stack((first, last, start, v, slope, angle, l, dl, corner))
 
 
 def line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
@@ -130,13 +133,6 @@ def line(x: Array, corners: Array, values: Array) -> tuple[Array, Array]:
     slope = np.where(inside, rise / run, 0.0)
     beyond = np.where(n < 0, values[0], values[-1])
     return np.where(inside, values[a] + slope * (x - corners[a]), beyond), slope
-
-
-def _angle(x: Array, time: Array, speed: Array) -> Array:
-    """Angle of the reference at some times [rad]."""
-    n = np.clip(np.searchsorted(time, x, "right") - 1, 0, len(time) - 2)
-    before = np.concatenate(([0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2.0)))[n]
-    return np.asarray(before + (x - time[n]) * (speed[n] + line(x, time, speed)[0]) / 2.0)
 
 
 # -- A drive by the names of ``layout``: drive train, controller, limits, heat.
@@ -178,13 +174,13 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
         named |= {"H": c.period, "N_V": 1.0}
     else:
         velocity, kp, ki, kd = c.velocity_period, c.velocity_kp, c.velocity_ki, c.velocity_kd
-        position = c.position_kp if c.velocity_steps else 0.0
         named |= {
             "CASCADE": 1.0, "H": c.current_period, "N_V": c.current_steps, "N_P": c.velocity_steps,
-            "CKP": c.current_kp, "CKI": c.current_ki * c.current_period, "PKP": position,
+            "CKP": c.current_kp, "CKI": c.current_ki * c.current_period,
+            "PKP": c.position_kp if c.velocity_steps else 0.0,
             "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
             "PROMPT": float(drive.prompt),
-            "TOL_X": named["TOL_W"] / position if position else math.inf,
+            "TOL_X": named["TOL_W"] / c.position_kp if c.velocity_steps else math.inf,
         }  # fmt: skip
     filtered = c.filter_time + velocity
     named |= {"KP": kp, "KI": ki * velocity, "KD": kd / filtered, "KEEP": c.filter_time / filtered,
@@ -208,11 +204,11 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
 # -- Drives at their start: in equilibrium at the first speed, their matrices computed together.
 
 
-def _start(p: Array, pieces: Array, heat: MotorHeat | None, ki: tuple[bool, bool]) -> Array:
+def _start(p: Array, pieces: Array, drive: Drive, ki: tuple[bool, bool]) -> Array:
     """The state in equilibrium at the first speed; ki: whether the outer and the inner loop have an integral."""
-    s = np.zeros(len(STATE))
+    s, heat = np.zeros(len(STATE)), drive.heat
     w, l = float(pieces[0, 3]), float(pieces[0, 6])
-    i, T = _equilibrium(p, w, l)
+    i, T = _equilibrium(drive.train, p, w, l)
     s[at.I], s[at.W], s[at.V] = i, w, w / p[at.RATIO]
     if p[at.TWO]:
         s[at.F] = T / p[at.C] + 0.5 * p[at.GAP] * np.sign(T)
@@ -230,21 +226,17 @@ def _start(p: Array, pieces: Array, heat: MotorHeat | None, ki: tuple[bool, bool
     return s
 
 
-def _equilibrium(p: Array, w: float, l: float) -> tuple[float, float]:
+def _equilibrium(train: DriveTrain, p: Array, w: float, l: float) -> tuple[float, float]:
     """Current that keeps a speed, and the driven shaft's torque; none of either where friction holds."""
-    k = p[at.K_T]
+    T = float(train.resistance_along(np.sign(w))) + l
     if w:
-        side = 1 if w > 0.0 else -1
-        T = load_torque(p, side) + l
-        share = p[at.DRIVE] if T * side > 0.0 else p[at.BRAKE]
-        return float((side * p[at.F_M] + p[at.B_M] * w + T * share) / k), float(T)
-    T = p[at.T_0] + l
+        return float((train.at_motor(T, np.sign(w)) + train.viscous * w) / train.torque_constant), T
     ends = (T, T) if p[at.TWO] else (p[at.T_F] + l, p[at.T_B] + l)
     if p[at.TWO] and p[at.T_B] <= -l <= p[at.T_F]:
         return 0.0, 0.0
     if holding_torque(p, ends[1], -1) <= 0.0 <= holding_torque(p, ends[0], 1):
-        return 0.0, float(T)
-    return float(T / (p[at.RATIO] * k)), float(T)
+        return 0.0, T
+    return T / (train.ratio * train.torque_constant), T
 
 
 @dataclass(slots=True)
@@ -300,7 +292,7 @@ def _begun(p: Array, M: Array, drive: Drive, pieces: Array) -> Run:
     scratch = M[0].copy() if p[at.HEAT] else M[0], np.full(M.shape[1:3], math.nan), np.zeros(16), np.zeros(at.STEADY)
     before = p[at.H] * p[at.N_V] * np.arange(-int(p[at.WINDOW]), 0)  # counts of the periods before the start
     ring = np.floor(float(pieces[0, 3]) * before * p[at.EDGES] / (2.0 * math.pi))
-    return Run(p, _start(p, pieces, drive.heat, ki), tally(), M, scratch, pieces, np.asarray(ring))
+    return Run(p, _start(p, pieces, drive, ki), tally(), M, scratch, pieces, np.asarray(ring))
 
 
 def tally() -> Array:

@@ -151,11 +151,8 @@ def least_share(stepper: Stepper, task: Task, *, at_rest: bool = False) -> float
 
 def _balance(stepper: Stepper, first: Array, share: float) -> float:
     """Angle of the rotor behind the field at the start [rad], where load and motor balance; most where they do not."""
-    speed, load = first[1], first[3]
-    rests = {1.0: stepper.forward_torque, -1.0: stepper.backward_torque, 0.0: stepper.rest_torque}
-    drag = rests[float(np.sign(speed))] + load
-    power = float(np.sign(drag * speed))
-    needed = drag / stepper.ratio * stepper.efficiency**-power + np.sign(speed) * stepper.friction
+    speed, turns = first[1], np.sign(first[1])
+    needed = float(stepper.at_motor(stepper.resistance_along(turns) + first[3], turns))
     grid = np.linspace(0.0, stepper.top_speed or 1.0, len(stepper.torque))
     if not speed and not first[2]:
         share *= stepper.idle
