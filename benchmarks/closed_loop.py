@@ -16,7 +16,7 @@ import numpy as np
 from goals import line
 
 from drivesizer.control.drive_train import DriveTrain
-from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate, simulate_many
+from drivesizer.control.engine import CurrentLimit, Drive, Supply, Task, simulate
 from drivesizer.control.validation import Cascade, Gains
 
 PERIOD = 1e-3
@@ -86,9 +86,9 @@ def main() -> None:
     print(f"{'10 s at 1 kHz, saturated':40}{one * 1e3:9.2f} ms   python-control, LSODA {theirs * 1e3:9.0f} ms")
     print(line("loop", theirs / one), f"\n{'they differ by':40}{off:9.1e} of the top speed")
     many = [replace(DRIVE, train=replace(MACHINE, resistance=2.0 + 1e-4 * n)) for n in range(1000)]
-    bare, _ = best(lambda: simulate_many(many[:1], SAW, threads=1), 9)
+    bare, _ = best(lambda: simulate(many[:1], SAW, rows=0, threads=1), 9)
     for threads in (1, 2):
-        all_of_them, _ = best(lambda threads=threads: simulate_many(many, SAW, threads=threads), 3)
+        all_of_them, _ = best(lambda threads=threads: simulate(many, SAW, rows=0, threads=threads), 3)
         print(f"{f'1000 drives, {threads} threads':40}{all_of_them:9.2f} s    {all_of_them / bare:9.0f} single runs")
     cycles = int(HOURS * 3600 / CYCLE)
     mission, found = best(lambda: simulate(DRIVE, replace(SAW, cycles=cycles), rows=0), 3)

@@ -139,7 +139,9 @@ def mechanics(spec: RobotSpec, drive_set: DriveParts) -> tuple[Mechanics, list[s
     """Rotor, gears and load of a drive; inertias and a friction that are unknown are 0, and named."""
     own, shaft = drive_set.at_motor, at_shaft(spec)
     coulomb = 0.0 if drive_set.steps else own.coulomb  # a stepper's is in its pull-out torque
-    unknown = [f"inertia of the {part}" for part in drive_set.unknown_inertias]
+    inertias = {"brake": drive_set.brake_inertia, "gearhead": drive_set.gearhead.inertia}
+    inertias |= {"encoder": drive_set.encoder.inertia} if drive_set.encoder else {}
+    unknown = [f"inertia of the {part}" for part, inertia in inertias.items() if isnan(inertia)]
     unknown += ["friction of the motor"] * isnan(coulomb) + ["inertia of the load"] * isnan(shaft.inertia)
     found = Mechanics(
         friction=(0.0 if isnan(coulomb) else coulomb) + own.idle,

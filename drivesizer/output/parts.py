@@ -13,7 +13,7 @@ from drivesizer.catalog.query import Hit, origins
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.words import LESS, confidences, not_quoted
 from drivesizer.results import ratings
-from drivesizer.results.drive_set import DriveSet, MassRow, made_by, section_of
+from drivesizer.results.drive_set import DriveSet, MassRow, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import GearStage
 from drivesizer.spec.robot import RobotSpec
@@ -436,6 +436,8 @@ def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tup
         elif names:
             more = f" and {len(names) - 4} more" if len(names) > 5 else ""
             doubts.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
-    name = made_by(part) if len(catalog.digests) > 1 else part.family  # the maker is obvious with one catalogue
+    name = part.family  # the maker is obvious with one catalogue, or where the family names it
+    if len(catalog.digests) > 1 and part.manufacturer not in part.family:
+        name = f"{part.manufacturer} {part.family}"
     reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
     return f"{name}{reduction}", part.part, " · ".join(shown), "; ".join(doubts)

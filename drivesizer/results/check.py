@@ -136,10 +136,8 @@ def _severity(check: Check) -> tuple[float, ...]:
     """Status, then margin; where there is none, the larger demand and the smaller figure that is to meet it."""
     if not isnan(check.margin):
         return GRAVEST.index(check.status), check.margin
-    demand, limit = (
-        nan_as if isnan(figure) else figure for figure, nan_as in ((check.demand, 0.0), (check.limit, inf))
-    )
-    return GRAVEST.index(check.status), 1e99, -abs(demand), limit
+    demand, limit = 0.0 if isnan(check.demand) else abs(check.demand), inf if isnan(check.limit) else check.limit
+    return GRAVEST.index(check.status), 1e99, -demand, limit
 
 
 # -- Results of sampling, as plain records: probability, limiting checks and the assumptions that matter most.
@@ -170,11 +168,6 @@ class FigureSpread:
     low: float  # SI, that 5 % of samples are below; NaN unknown
     middle: float  # the median
     high: float  # that 95 % are below
-
-    @property
-    def texts(self) -> list[str]:
-        """The three percentiles as they are printed."""
-        return [show(value, self.unit, self.kind) for value in (self.low, self.middle, self.high)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,10 +216,6 @@ class Reliability:
     drivers: tuple[Driver, ...] = ()  # all of them, the one that matters most first
     loop: LoopShare | None = None
     no_loop: str = ""  # why it was not put through the closed loop although that was wanted
-
-    def reaches(self, confidence: float) -> bool:
-        """Whether the probability is at least that."""
-        return self.probability >= confidence
 
     @property
     def passing(self) -> float:

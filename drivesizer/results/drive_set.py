@@ -335,13 +335,6 @@ class DriveParts:
         """Ratio, inertia, friction and losses of motor and gears."""
         return MotorAndGears(*map(float, motor_and_gears(self.motor, self.gearhead, self.encoder, self.brake_inertia)))
 
-    @property
-    def unknown_inertias(self) -> list[str]:
-        """Parts whose inertia is unknown, beside the rotor's."""
-        known = {"brake": self.brake_inertia, "gearhead": self.gearhead.inertia}
-        known |= {"encoder": self.encoder.inertia} if self.encoder else {}
-        return [name for name, inertia in known.items() if isnan(inertia)]
-
     def inertia(self, unknown: float = nan) -> float:
         """Its inertia at the motor's shaft, brake and encoder included, by ``drive_inertia`` [kg*m^2]."""
         return float(drive_inertia(self.motor, self.gearhead, self.encoder, self.brake_inertia, unknown=unknown))
@@ -506,8 +499,3 @@ class DriveSet(DriveParts):
 def section_of(part: Any) -> str:
     """The catalogue's section that a part is listed in, such as ``motors``."""
     return next(section for section, kind in PARTS.items() if isinstance(part, kind))
-
-
-def made_by(part: Any) -> str:
-    """Maker and family of a part; the family alone where it names its maker."""
-    return str(part.family if part.manufacturer in part.family else f"{part.manufacturer} {part.family}")

@@ -61,14 +61,10 @@ class ChosenScrew:
 
     @property
     def running(self) -> str:
-        """Size of the screw, in words."""
+        """Size of the screw in words, with the mass of the shaft where that of the nut is unknown."""
         size = " x ".join(show(x, "mm", "length") for x in (self.screw.diameter, self.screw.lead))
-        return f"{self.screw.kind} screw {size}, {show(self.length, 'mm', 'length')} long{self._shaft}"
-
-    @property
-    def _shaft(self) -> str:
-        """The mass of the shaft, where that of the nut is unknown."""
-        return f", shaft {show(self.shaft_mass, 'kg', 'mass')}" if isnan(self.screw.mass) else ""
+        shaft = f", shaft {show(self.shaft_mass, 'kg', 'mass')}" if isnan(self.screw.mass) else ""
+        return f"{self.screw.kind} screw {size}, {show(self.length, 'mm', 'length')} long{shaft}"
 
 
 def leaves_open(spec: RobotSpec) -> bool:
@@ -85,13 +81,9 @@ def wants_screw(spec: RobotSpec) -> bool:
 def chosen_of(spec: RobotSpec, screw: Screw) -> ChosenScrew:
     """A screw of a catalogue at the length that a spec needs."""
     load: Any = spec.load
-    shaft = float(shaft_mass(_thick(screw), load.overall))
+    thick = screw.diameter if isnan(screw.shaft_diameter) else screw.shaft_diameter  # of a smooth one of its inertia
+    shaft = float(shaft_mass(thick, load.overall))
     return ChosenScrew(screw=replace(screw, mass=shaft + screw.nut_mass), length=load.overall, shaft_mass=shaft)
-
-
-def _thick(screw: Screw) -> float:
-    """Diameter of a smooth shaft of the same inertia, as makers have it [m]."""
-    return screw.diameter if isnan(screw.shaft_diameter) else screw.shaft_diameter
 
 
 def screw_figures(load: ScrewLoad, screw: Screw) -> dict[str, Any]:

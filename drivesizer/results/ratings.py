@@ -98,18 +98,12 @@ def controller_power_limit(power: Any, controller: Figures, voltage: float, **mo
     >>> [float(controller_power_limit(500.0, r4, volts).limit) for volts in (24.0, 32.0, 44.0)]
     [900.0, 775.0, 400.0]
     """
-    limit = permitted_power(controller, voltage)
-    most = np.where(np.isnan(limit), controller["max_power"], limit)
-    return at_most("controller_power", power, Range(limit, most), **more)
-
-
-def permitted_power(controller: Figures, voltage: float) -> Array:
-    """Power that controllers permit at a supply voltage [W], see ``controller_power_limit``."""
     most, low = controller["max_power"], controller["reduced_power"]
     first, last = controller["max_power_voltage"], controller["reduced_power_voltage"]
     share = np.clip((voltage - first) / (last - first), 0.0, 1.0)
     limit = np.where(voltage <= np.asarray(first), most, most - (most - low) * share)
-    return np.where(np.isnan(most), np.inf, limit)
+    limit = np.where(np.isnan(most), np.inf, limit)
+    return at_most("controller_power", power, Range(limit, np.where(np.isnan(limit), most, limit)), **more)
 
 
 def nominal_current_limit(

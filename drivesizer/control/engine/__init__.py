@@ -33,7 +33,7 @@ from drivesizer.files.machine_code import machine_code
 
 __all__ = [
     "FIGURES", "CurrentLimit", "Drive", "MotorHeat", "Simulation", "Supply", "Task", "is_compiled",
-    "line", "simulate", "simulate_many",
+    "line", "simulate",
 ]  # fmt: skip
 
 
@@ -85,7 +85,6 @@ def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
 
 
 _MOST_STEPS = 50_000_000  # of one drive: some ten seconds of computing
-_MOST_ROWS = 20_000
 _BLOCK = 256  # drives whose matrices are held at a time
 _PROBLEMS = ("", "the state leaves the range of numbers: the loop is unstable", "more steps than are permitted")
 
@@ -95,36 +94,27 @@ def is_compiled() -> bool:
     return KERNEL.kept
 
 
-def simulate(drive: Drive, task: Task, *, rows: int = _MOST_ROWS, most_steps: int = _MOST_STEPS) -> Simulation:
-    """Simulate one drive along a task, with its time series."""
-    return _simulate([drive], task, rows, most_steps, 1)
-
-
-def simulate_many(
-    drives: Sequence[Drive], task: Task, *, threads: int = 2, most_steps: int = _MOST_STEPS
+def simulate(
+    drive: Drive | Sequence[Drive], task: Task, *, rows: int = 20_000, most_steps: int = _MOST_STEPS, threads: int = 2
 ) -> Simulation:
-    """Simulate many drives along one task; the figures do not depend on the number of threads."""
-    return _simulate(drives, task, 0, most_steps, threads)
+    """Simulate a drive along a task, with so many rows of its time series, or several drives side by side.
 
-
-def _simulate(drives: Sequence[Drive], task: Task, rows: int, most: int, threads: int) -> Simulation:
-    loop = machine_code(KERNEL)
+    The figures do not depend on the number of threads.
+    """
+    drives, loop = [drive] if isinstance(drive, Drive) else drive, machine_code(KERNEL)
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
     series = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
     found: list[Run] = []
     with ThreadPoolExecutor(threads) as pool:  # which starts a thread with the first task
         each = pool.map if len(drives) > 1 and threads > 1 else map
         for block in blocks:  # made ready by one thread: two would wait for each other's interpreter
-            runs = ready(block, task, most)
+            runs = ready(block, task, most_steps)
             series[2][3] = max(series[0].shape[0] // (2 * len(runs[0].pieces)), 1)
             list(each(lambda part: [all_cycles(loop, one, task.cycles, series) for one in part],
                       [runs[n::threads] for n in range(threads)]))  # fmt: skip
             found += runs
+    kept = {name: series[0][: series[2][0], n] + (task.time[0] if n == 0 else 0.0) for n, name in enumerate(ROW)}
     return Simulation(
-        figures=figures_of(found),
-        problems=tuple(_PROBLEMS[run.status] for run in found),
-        slopes=tuple(run.slopes for run in found),
-        series=None
-        if not rows
-        else {name: series[0][: series[2][0], n] + (task.time[0] if n == 0 else 0.0) for n, name in enumerate(ROW)},
-    )
+        figures=figures_of(found), problems=tuple(_PROBLEMS[run.status] for run in found),
+        slopes=tuple(run.slopes for run in found), series=kept if rows else None,
+    )  # fmt: skip

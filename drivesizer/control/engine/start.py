@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 import drivesizer.control.engine.layout as at
-from drivesizer.control.drive_train import DriveTrain, columns, discretised
+from drivesizer.control.drive_train import DriveTrain, Mechanics, columns, discretised
 from drivesizer.control.engine.kernel import feedforward_current, holding_torque, mode_of
 from drivesizer.control.engine.layout import PARAMETERS, STATE, TALLY, Array
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
+from drivesizer.physics.drive_train import through_gears
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
 
 
@@ -144,6 +145,15 @@ _EVERY, _SLOW = 16.0, 1e4  # periods after which derivatives of slow temperature
 _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes are met to 4e-6 of themselves
 
 
+def mechanical(m: Mechanics) -> dict[str, float]:
+    """Rotor, gears and load by the names of the parameters."""
+    driving, braking = through_gears(m.ratio, m.efficiency)
+    return {
+        "J_M": m.motor_inertia, "F_M": m.friction, "RATIO": m.ratio, "DRIVE": driving, "BRAKE": braking,
+        "J_L": m.load_inertia, "T_F": m.forward_torque, "T_B": m.backward_torque, "T_0": m.rest_torque,
+    }  # fmt: skip
+
+
 def table(drive: Drive, top: float, most: int) -> list[float]:
     """A drive as parameters of the simulation."""
     m, c, supply, limit = drive.train, drive.controller, drive.supply, drive.current
@@ -152,12 +162,8 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
     tight = STILL if drive.heat is None else STILL_WARM
     square = limit.continuous**2
     budget = (limit.peak**2 - square) * limit.peak_time if math.isfinite(square) else math.inf
-    named = {
-        "R25": m.resistance, "K_T": m.torque_constant, "K_E": m.back_emf_constant,
-        "J_M": m.motor_inertia, "F_M": m.friction, "B_M": m.viscous,
-        "RATIO": m.ratio, "DRIVE": 1.0 / (m.ratio * m.efficiency), "BRAKE": m.efficiency / m.ratio,
-        "J_L": m.load_inertia, "T_F": m.forward_torque, "T_B": m.backward_torque,
-        "T_0": m.rest_torque,
+    named = mechanical(m) | {
+        "R25": m.resistance, "K_T": m.torque_constant, "K_E": m.back_emf_constant, "B_M": m.viscous,
         "C": m.stiffness if m.flexible else 0.0, "DAMP": m.damping, "GAP": m.gap, "G_0": 1.0 / m.belt_ratio,
         "G_D": 1.0 / (m.belt_ratio * m.belt_efficiency), "G_B": m.belt_efficiency / m.belt_ratio,
         "TWO": float(m.flexible), "EDGES": drive.edges, "WINDOW": max(c.counted_over, 1),

@@ -11,6 +11,8 @@ import numpy as np
 
 from drivesizer.control.drive_train import Mechanics, mechanics, require, within_reach
 from drivesizer.control.engine import Task, line
+from drivesizer.control.engine.layout import PARAMETERS
+from drivesizer.control.engine.start import mechanical
 from drivesizer.control.open_loop import kernel as at
 from drivesizer.control.open_loop.kernel import Array
 from drivesizer.control.validation import Stepping, Validation
@@ -94,28 +96,25 @@ def simulate(
     stepper: Stepper, task: Task, *, share: float = 1.0, ends: float = math.inf, at_rest: bool = False
 ) -> Turned:
     """Simulate a stepper along a task, from the balance with its load, up to a lag at which it ends."""
-    p, pulses = np.zeros(len(at.PARAMETERS)), stepper.natural_frequency
+    pulses = stepper.natural_frequency
     fine = stepper.teeth * stepper.microstep <= _FINE
     turn = _WHOLE / (stepper.teeth * stepper.top_speed * _PER_TURN) if stepper.top_speed else math.inf
     rubs = stepper.friction or stepper.efficiency != 1.0 or stepper.forward_torque != stepper.backward_torque
     pieces, step = _pieces(task, stepper.ratio), min(1.0 / (_PER_SWING * pulses), turn)
+    machine = mechanical(stepper) | {"K_T": 1.0}  # its torque in the place of a current
     figures = {
-        at.J_M: stepper.motor_inertia, at.J_L: stepper.load_inertia, at.RATIO: stepper.ratio,
-        at.EFF: stepper.efficiency, at.FRICTION: stepper.friction, at.T_F: stepper.forward_torque,
-        at.T_B: stepper.backward_torque, at.T_0: stepper.rest_torque, at.TEETH: stepper.teeth,
-        at.DAMP: 2.0 * stepper.damping_ratio * math.sqrt(stepper.teeth * stepper.inertia),
-        at.FADES: 2.0 / math.sqrt(stepper.teeth * stepper.inertia),
-        at.MICRO: stepper.microstep, at.RAMP: _RAMP * pulses * stepper.microstep if fine else math.inf,
-        at.H: step, at.V_STEP: (stepper.top_speed or 1.0) / (len(stepper.torque) - 1),
-        at.SHARE: share, at.IDLE: stepper.idle, at.RUBS: float(bool(rubs)), at.ENDS: ends,
-        at.EVERY: max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * step),
+        "TEETH": stepper.teeth, "DAMP": 2.0 * stepper.damping_ratio * math.sqrt(stepper.teeth * stepper.inertia),
+        "FADES": 2.0 / math.sqrt(stepper.teeth * stepper.inertia), "MICRO": stepper.microstep,
+        "RAMP": _RAMP * pulses * stepper.microstep if fine else math.inf, "H": step,
+        "V_STEP": (stepper.top_speed or 1.0) / (len(stepper.torque) - 1), "SHARE": share, "IDLE": stepper.idle,
+        "RUBS": float(bool(rubs)), "ENDS": ends, "EVERY": max(pieces[:, 0].sum() / (_ROWS - 2), 0.25 * step),
     }  # fmt: skip
-    for place, value in figures.items():
-        p[place] = value
+    p = np.array([machine.get(name, 0.0) for name in PARAMETERS])
+    q = np.array([figures.get(name, 0.0) for name in at.FIGURES])
     rows, g = np.zeros((_ROWS if math.isinf(ends) else 0, len(at.ROW))), np.zeros(len(at.TALLY))
     g[at.G_SLIPPED] = -1.0
     w, x = 0.0 if at_rest else pieces[0, 1], -_balance(stepper, pieces[0], share)
-    if machine_code(at.KERNEL)(p, np.ascontiguousarray(stepper.torque), pieces, g, rows, x, w, float(_MOST)):
+    if machine_code(at.KERNEL)(p, q, np.ascontiguousarray(stepper.torque), pieces, g, rows, x, w, float(_MOST)):
         raise InputError(
             f"the motion of {pieces[:, 0].sum():.4g} s takes more than {_MOST} steps of a stepper's simulation; "
             "expected a shorter one by --profile"

@@ -188,12 +188,6 @@ def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: G
     return Arrays(W, K, B, np.asarray(M, float), np.asarray(C, float), max(math.hypot(*q) for q in p.contacts))
 
 
-def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
-    """The state of a platform that rolls without slip."""
-    turning = a.W[:, at.AX : at.AT + 1] @ velocity / a.W[:, at.RA] * (a.W[:, at.KIND] != 2.0)
-    return np.concatenate([posture, velocity, turning, np.zeros(at.TALLIES)])
-
-
 # -- Simulation of a platform that follows a trajectory: planner, robot model, wheel controllers, actual platform.
 #
 # The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
@@ -325,7 +319,10 @@ def follow(
     if poses and not (is_unicycle(d.kinematics) if poses.unicycle else d.kinematics.mobility == 3):
         raise InputError("pose loop: it does not fit the motions that this platform allows")
     a = arrays(actual(platform, misjudged), misjudged, contact, ground)
-    count = sample_count(trajectory.total, speeds.period)
+    count = math.floor(trajectory.total / speeds.period + 1e-9) + 1
+    if not 2 <= count <= _MOST:
+        raise InputError(f"following: expected 2 to {_MOST} samples, got {count} of {speeds.period:g} s in "
+                         f"{trajectory.total:g} s")  # fmt: skip
     plan = sampled(trajectory, np.arange(count) * speeds.period)
     fed = np.zeros((count + 1, len(platform.wheels)))
     if model == "dynamic":
@@ -334,16 +331,10 @@ def follow(
         # between the ends of a piece a held wheel would slide by rounding
         eta, rate = (map_columns(allowed, found) for found in ahead.in_robot())
         fed[:, d.kinematics.driven] = wheel_torques(d, Moving(eta, rate, ahead.posture[2], ground)).T
-    start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
+    velocity = plan.in_robot()[0][:, 0]  # rolling without slip
+    turning = a.W[:, at.AX : at.AT + 1] @ velocity / a.W[:, at.RA] * (a.W[:, at.KIND] != 2.0)
+    start = np.concatenate([plan.posture[:, 0], velocity, turning, np.zeros(at.TALLIES)])
     return simulated(a, d, plan, speeds, poses, fed, start, tolerance)
-
-
-def sample_count(total: float, period: float) -> int:
-    """Samples in a time."""
-    found = math.floor(total / period + 1e-9) + 1
-    if not 2 <= found <= _MOST:
-        raise InputError(f"following: expected 2 to {_MOST} samples, got {found} of {period:g} s in {total:g} s")
-    return found
 
 
 def simulated(a: Arrays, d: Dynamics, plan: Planned, speeds: SpeedLoop, poses: PoseLoop | None, fed: Array,

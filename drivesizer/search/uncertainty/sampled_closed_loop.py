@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
-from itertools import chain, zip_longest
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +24,8 @@ from drivesizer.control.closed_loop.run import (
     prepared,
     run,
     unlimited,
-    without_limits,
 )
-from drivesizer.control.engine import Simulation, Task, simulate_many
-from drivesizer.errors import InputError
+from drivesizer.control.engine import Simulation, Task, simulate
 from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.results.check import Check, LoopShare
 from drivesizer.results.drive_set import DriveParts
@@ -119,22 +116,13 @@ def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulatio
 
 
 def _freed(made: Sequence[Prepared], found: Sequence[Simulation], nominal: ClosedLoop) -> list[Simulation]:
-    """The same without limits: those that met any side by side, and where that is refused one by one.
-
-    One that cannot be simulated without them at all is as it is with them.
-    """
+    """The same without limits where any was met; one that cannot be simulated without them is as it is with them."""
     places = [n for n, out in enumerate(found) if not out.problems[0] and limited(out, nominal.loops)]
-    free, each = [*found], [made[n]._replace(drive=unlimited(made[n].drive)) for n in places]
-    try:
-        together = _simulated(each)
-    except InputError:
-        together = []
-    for n, out in zip_longest(places, together):
-        if out is not None and not out.problems[0]:
-            free[n] = out
-        else:
-            with suppress(InputError):
-                free[n] = without_limits(made[n].drive, made[n].task, found[n], nominal.loops)
+    free = [*found]
+    for n, out in zip(
+        places, _simulated([made[n]._replace(drive=unlimited(made[n].drive)) for n in places]), strict=True
+    ):
+        free[n] = found[n] if out.problems[0] else out
     return free
 
 
@@ -147,7 +135,7 @@ def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
     found: dict[int, Simulation] = {}
     for task in tasks:
         places = [n for n, one in enumerate(made) if one.task == task]
-        together = simulate_many([made[n].drive for n in places], task)
+        together = simulate([made[n].drive for n in places], task, rows=0)
         for k, n in enumerate(places):
             figures = {name: column[k : k + 1] for name, column in together.figures.items()}
             found[n] = Simulation(figures=figures, problems=(together.problems[k],), series=None)
