@@ -195,12 +195,12 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     if out.problems[0]:
         cure = _SHORTER if "steps" in out.problems[0] else "expected other gains"
         raise InputError(f"profile {profile.name}: {out.problems[0]}; {cure}")
-    free = without_limits(drive, task, out, loops)
+    (free,) = without_limits([(drive, task)], [out], loops)
     cycle = replace(task, cycles=1)
     periodic, start, last = _periodic(drive, cycle, out if task.cycles == 1 else None)
     steady: tuple[Simulation, ...] = ()
     if last is not None and last is not out and not last.problems[0]:  # else it is the first one
-        steady = last, without_limits(start, cycle, last, loops)
+        steady = last, *without_limits([(start, cycle)], [last], loops)
     begins = (start.heat.winding, start.heat.housing) if steady and start.heat else None
     return ClosedLoop(spec, drive_set, profile, made.train, made.controller, loops, made.usable_voltage, task, out,
                       free, periodic, said, steady, begins, slow is not None)  # fmt: skip
@@ -228,23 +228,31 @@ def slower(drive: Drive) -> Drive | None:
     return replace(drive, controller=replace(c, current_kp=kp, current_ki=ki, current_period=h), prompt=True)
 
 
-def limited(out: Simulation, loops: Loops) -> bool:
-    """Whether a simulation met limits without which it can be simulated."""
-    met = out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0]
-    return bool(met) and all(loop.stable for loop in loops.all)
+def simulated(made: Sequence[tuple[Drive, Task]]) -> list[Simulation]:
+    """Each drive on its task, without time series; those with the same task side by side."""
+    found: dict[int, Simulation] = {}
+    for n, (_, task) in enumerate(made):
+        if n not in found:
+            places = [k for k, (_, other) in enumerate(made) if other == task]
+            together = simulate([made[k][0] for k in places], task, rows=0, most_steps=LONGEST)
+            for place, k in enumerate(places):
+                figures = {name: column[place : place + 1] for name, column in together.figures.items()}
+                found[k] = Simulation(figures=figures, problems=(together.problems[place],), series=None)
+    return [found[n] for n in range(len(made))]
 
 
-def unlimited(drive: Drive) -> Drive:
-    """A drive without limits of voltage and current."""
-    return replace(drive, supply=replace(drive.supply, voltage=math.inf, resistance=0.0), current=CurrentLimit())
-
-
-def without_limits(drive: Drive, task: Task, out: Simulation, loops: Loops) -> Simulation:
-    """Simulate without limits of voltage and current, the winding warming; the one with limits where that fails."""
-    if not limited(out, loops):
-        return out
-    free = simulate(unlimited(drive), task, rows=0, most_steps=LONGEST)
-    return out if free.problems[0] else free
+def without_limits(made: Sequence[tuple[Drive, Task]], found: Sequence[Simulation], loops: Loops) -> list[Simulation]:
+    """Drives that met a limit of voltage or current without any, the winding warming; as they are where that fails."""
+    stable, free = all(loop.stable for loop in loops.all), [*found]
+    met = [out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0] for out in found]
+    places = [n for n, out in enumerate(found) if stable and met[n] and not out.problems[0]]
+    unlimited = [
+        (replace(drive, supply=replace(drive.supply, voltage=math.inf, resistance=0.0), current=CurrentLimit()), task)
+        for drive, task in (made[n] for n in places)
+    ]
+    for n, out in zip(places, simulated(unlimited), strict=True):
+        free[n] = found[n] if out.problems[0] else out
+    return free
 
 
 def as_warm(drive: Drive, start: Sequence[float] | NDArray[np.float64]) -> Drive:

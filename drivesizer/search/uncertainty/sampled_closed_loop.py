@@ -16,16 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.run import (
-    ClosedLoop,
-    Prepared,
-    as_warm,
-    limited,
-    prepared,
-    run,
-    unlimited,
-)
-from drivesizer.control.engine import Simulation, Task, simulate
+from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, prepared, run, simulated, without_limits
+from drivesizer.control.engine import Drive, Task
 from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.results.check import Check, LoopShare
 from drivesizer.results.drive_set import DriveParts
@@ -76,15 +68,22 @@ def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts
     """The checks of each machine with the nominal one's controller: from cold, without limits, and in steady state."""
     motions = [nominal.profile if spec.motion == nominal.spec.motion else motion_of(spec) for spec, _ in machines]
     made = [prepared(*machine, motion, nominal.controller) for machine, motion in zip(machines, motions, strict=True)]
-    cold = _simulated(made)
-    free, warm, found = _freed(made, cold, nominal), _warm(made, nominal), list[tuple[Check, ...]]()
-    for (spec, drive), motion, one, out, alone, steady in zip(machines, motions, made, cold, free, warm, strict=True):
+    cold, warm = [(one.drive, one.task) for one in made], list[tuple[Drive, Task]]()
+    if nominal.steady_start is not None:  # a cycle of each that begins as warm as the nominal one's
+        warm = [(as_warm(drive, nominal.steady_start), replace(task, cycles=1)) for drive, task in cold]
+    outs, steady = simulated(cold), simulated(warm)
+    free, steady_free = without_limits(cold, outs, nominal.loops), without_limits(warm, steady, nominal.loops)
+    cycles = [() if out.problems[0] else (out, alone) for out, alone in zip(steady, steady_free, strict=True)]
+    found = list[tuple[Check, ...]]()
+    for (spec, drive), motion, one, out, alone, cycle in zip(
+        machines, motions, made, outs, free, cycles or [()] * len(made), strict=True
+    ):
         if out.problems[0]:
             found.append((replace(checks(nominal)[0], status="fail", title=_LOST),))
             continue
         loop = ClosedLoop(
             spec, drive, motion, one.train, one.controller, nominal.loops, one.usable_voltage, one.task,
-            out, alone, {}, one.assumptions, steady_cycle=steady,
+            out, alone, {}, one.assumptions, steady_cycle=cycle,
         )  # fmt: skip
         found.append(tuple(check for check in checks(loop) if check.name != "winding_temperature"))
     return found
@@ -100,43 +99,3 @@ def _weakest(found: Sequence[tuple[Check, ...]]) -> str:
         if check.margin == check.margin:
             margins.setdefault(check.title, []).append(check.margin)
     return min(margins, key=lambda title: float(np.mean(margins[title])), default="")
-
-
-def _warm(made: Sequence[Prepared], nominal: ClosedLoop) -> list[tuple[Simulation, ...]]:
-    """A cycle of each that begins as warm as the nominal one's, and without limits; none where that is unknown."""
-    if nominal.steady_start is None:
-        return [()] * len(made)
-    warmer = [
-        one._replace(drive=as_warm(one.drive, nominal.steady_start), task=replace(one.task, cycles=1)) for one in made
-    ]
-    found = _simulated(warmer)
-    return [
-        () if out.problems[0] else (out, free) for out, free in zip(found, _freed(warmer, found, nominal), strict=True)
-    ]
-
-
-def _freed(made: Sequence[Prepared], found: Sequence[Simulation], nominal: ClosedLoop) -> list[Simulation]:
-    """The same without limits where any was met; one that cannot be simulated without them is as it is with them."""
-    places = [n for n, out in enumerate(found) if not out.problems[0] and limited(out, nominal.loops)]
-    free = [*found]
-    for n, out in zip(
-        places, _simulated([made[n]._replace(drive=unlimited(made[n].drive)) for n in places]), strict=True
-    ):
-        free[n] = found[n] if out.problems[0] else out
-    return free
-
-
-def _simulated(made: Sequence[Prepared]) -> list[Simulation]:
-    """Each on its task; those with the same task side by side."""
-    tasks: list[Task] = []
-    for one in made:
-        if one.task not in tasks:
-            tasks.append(one.task)
-    found: dict[int, Simulation] = {}
-    for task in tasks:
-        places = [n for n, one in enumerate(made) if one.task == task]
-        together = simulate([made[n].drive for n in places], task, rows=0)
-        for k, n in enumerate(places):
-            figures = {name: column[k : k + 1] for name, column in together.figures.items()}
-            found[n] = Simulation(figures=figures, problems=(together.problems[k],), series=None)
-    return [found[n] for n in range(len(made))]
