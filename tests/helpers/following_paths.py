@@ -13,7 +13,6 @@ from drivesizer.control.path_following.following import (
     SpeedLoop,
     arrays,
     first_state,
-    sample_count,
     simulated,
 )
 from drivesizer.platform.dynamics import LEVEL, dynamics
@@ -85,7 +84,7 @@ def drive(
     given = np.asarray(torques, dtype=float)
     idle = (0.0,) * len(given)
     held = SpeedLoop(period=period, proportional=idle, integral=idle, limit=(math.inf,) * len(given))
-    count = sample_count(given.shape[1] * period, period)
+    count = given.shape[1] + 1
     fed = np.zeros((count + 1, len(platform.wheels)))
     fed[: count - 1, d.kinematics.driven] = given.T
     a = arrays(platform, EXACT, contact or Contact(), ground)

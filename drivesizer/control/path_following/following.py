@@ -188,6 +188,12 @@ def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: G
     return Arrays(W, K, B, np.asarray(M, float), np.asarray(C, float), max(math.hypot(*q) for q in p.contacts))
 
 
+def first_state(a: Arrays, posture: Array, velocity: Array) -> Array:
+    """The state of a platform that rolls without slip."""
+    turning = a.W[:, at.AX : at.AT + 1] @ velocity / a.W[:, at.RA] * (a.W[:, at.KIND] != 2.0)
+    return np.concatenate([posture, velocity, turning, np.zeros(at.TALLIES)])
+
+
 # -- Simulation of a platform that follows a trajectory: planner, robot model, wheel controllers, actual platform.
 #
 # The robot model turns the trajectory into wheel speeds, (32), and when it is the dynamic one into torques as well,
@@ -331,9 +337,7 @@ def follow(
         # between the ends of a piece a held wheel would slide by rounding
         eta, rate = (map_columns(allowed, found) for found in ahead.in_robot())
         fed[:, d.kinematics.driven] = wheel_torques(d, Moving(eta, rate, ahead.posture[2], ground)).T
-    velocity = plan.in_robot()[0][:, 0]  # rolling without slip
-    turning = a.W[:, at.AX : at.AT + 1] @ velocity / a.W[:, at.RA] * (a.W[:, at.KIND] != 2.0)
-    start = np.concatenate([plan.posture[:, 0], velocity, turning, np.zeros(at.TALLIES)])
+    start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
     return simulated(a, d, plan, speeds, poses, fed, start, tolerance)
 
 
