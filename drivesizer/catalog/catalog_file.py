@@ -15,37 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import schema
+from drivesizer.catalog import parts, schema, tables
 from drivesizer.catalog.laws import derived
-from drivesizer.catalog.parts import (
-    DATA,
-    DIRECT,
-    DISCHARGES,
-    HELD,
-    PARTS,
-    PULL_OUTS,
-    RELATIONS,
-    Column,
-    Discharges,
-    PullOuts,
-    columns_of,
-    entries,
-    printed,
-    singular,
-)
-from drivesizer.catalog.tables import (
-    CONFIDENCE,
-    NO_GEARHEAD_SOURCE,
-    Across,
-    Catalog,
-    Note,
-    Source,
-    Table,
-    empty,
-    filled,
-    unique_pairs,
-    with_no_gearhead,
-)
+from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.tables import Catalog, Note, Source, Table
 from drivesizer.catalog.tolerances import TOLERANCES, MakerTolerance, share
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
@@ -69,26 +42,26 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {schema.SCHEMA}")
     _read_sources(reader, data["sources"])
     maker = reader.plain_text(data["manufacturer"], ("manufacturer",))
-    tables: dict[str, Any] = {s: _section(reader, s, data.get(s), maker) for s in PARTS}
-    if data.get(DATA) is not None:
+    sections: dict[str, Any] = {s: _section(reader, s, data.get(s), maker) for s in PARTS}
+    if data.get(parts.DATA) is not None:
         for section in ("motors", "actuators"):
-            column = tables[section][DATA]
-            column[np.isnan(column)] = _figure(reader, columns_of(section)[DATA], data[DATA], (DATA,))
-    reader.notes += derived(tables)
-    families = {part: {str(name) for s in (f"{part}s", "actuators") for name in np.unique(tables[s]["family"])} - {""}
+            column = sections[section][parts.DATA]
+            column[np.isnan(column)] = _figure(reader, columns_of(section)[parts.DATA], data[parts.DATA], (parts.DATA,))
+    reader.notes += derived(sections)
+    families = {part: {str(name) for s in (f"{part}s", "actuators") for name in np.unique(sections[s]["family"])} - {""}
                 for part in ("motor", "gearhead")}  # fmt: skip
     tolerances = _maker_tolerances(reader, data.get(TOLERANCES), maker, families)
     lists = data.get("compatibility")
     groups = lists.get("motor_gearhead") if isinstance(lists, dict) else None
     named = [g.get("gearheads") for g in groups if isinstance(g, dict)] if isinstance(groups, list) else []
-    if any(isinstance(names, list) and DIRECT in names for names in named):
-        reader.sources[DIRECT] = NO_GEARHEAD_SOURCE
-        tables["gearheads"] = with_no_gearhead(tables["gearheads"], len(reader.sources) - 1)
+    if any(isinstance(names, list) and parts.DIRECT in names for names in named):
+        reader.sources[parts.DIRECT] = tables.NO_GEARHEAD_SOURCE
+        sections["gearheads"] = tables.with_no_gearhead(sections["gearheads"], len(reader.sources) - 1)
     return Catalog(
-        **tables,
-        **_pairs(reader, tables, lists or {}),
-        discharges=_discharges(reader, data.get(DISCHARGES), tables["batteries"].rows),
-        pull_outs=_pull_outs(reader, data.get(PULL_OUTS), tables["steppers"].rows),
+        **sections,
+        **_pairs(reader, sections, lists or {}),
+        discharges=_discharges(reader, data.get(parts.DISCHARGES), sections["batteries"].rows),
+        pull_outs=_pull_outs(reader, data.get(parts.PULL_OUTS), sections["steppers"].rows),
         sources=tuple(reader.sources.values()),
         notes=tuple(reader.notes),
         digests={name: digest},
@@ -193,8 +166,8 @@ def _read_sources(reader: _Reader, given: Any) -> None:
 
 
 def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
-    if value not in CONFIDENCE:
-        raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(CONFIDENCE)}")
+    if value not in tables.CONFIDENCE:
+        raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(tables.CONFIDENCE)}")
 
 
 # -- Tables of parts
@@ -202,14 +175,15 @@ def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
 
 def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
-    shape, found_tables, places = schema.table(section), [empty(section)], list[Path_]()  # of every row, for messages
+    shape, found_tables = schema.table(section), [tables.empty(section)]
+    places = list[Path_]()  # of every row, for messages
     for entry, path in reader.entries(given, (section,), shape):
         head = {"manufacturer": maker, "family": reader.plain_text(entry["family"], (*path, "family"))}
         found: dict[str, Any] = dict(_table(reader, section, entry, path))
         count = len(found["part"])
         places += [(*path, "rows", row) for row in range(count)]
         source = np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32)
-        found_tables.append(Table(section, filled(section, found | head, count), source, np.zeros(count, bool)))
+        found_tables.append(Table(section, tables.filled(section, found | head, count), source, np.zeros(count, bool)))
         _read_notes(reader, section, entry, path, found | head)
     whole = {name: np.concatenate([one[name] for one in found_tables]) for name in columns_of(section)}
     numbers = whole["part"].tolist()
@@ -276,7 +250,7 @@ def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tup
         at, (name, unit) = (*path, index), _head(text)
         if name not in columns:
             raise reader.fail(at, f"unknown column {quoted(name)}{_did_you_mean(name, columns)}")
-        if name in _NOT_A_COLUMN or name not in printed(section):
+        if name in _NOT_A_COLUMN or name not in parts.printed(section):
             said = _NOT_A_COLUMN.get(name, f"{name} of {section} is not given: the search fills it")
             raise reader.fail(at, said)
         column = columns[name]
@@ -315,8 +289,8 @@ def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
         return np.nan
     if isinstance(cell, int | float) and not isinstance(cell, bool):
         return float(cell)
-    if column.kind == "ratio" and isinstance(cell, str) and (printed := RATIO.fullmatch(cell)):
-        return float(Fraction(printed[1]))
+    if column.kind == "ratio" and isinstance(cell, str) and (exact := RATIO.fullmatch(cell)):
+        return float(Fraction(exact[1]))
     raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
 
 
@@ -337,13 +311,13 @@ def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
 def _read_notes(reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: Mapping[str, Any]) -> None:
     here = {str(part) for part in columns["part"]}
     for note, at in reader.entries(entry.get("notes"), (*path, "notes"), schema.NOTE):
-        parts = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))
+        numbers = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))
         names = tuple(str(f) for f in reader.sequence(note.get("fields") or [], (*at, "fields")))
-        for part in parts:
+        for part in numbers:
             if part not in here:
                 raise reader.fail((*at, "parts"), f"{quoted(part)} is not a part of this table")
         for name in names:
-            if name not in columns and (section, name) != ("batteries", DISCHARGES):
+            if name not in columns and (section, name) != ("batteries", parts.DISCHARGES):
                 raise reader.fail((*at, "fields"), f"{quoted(name)} is not a figure of this table")
         if "confidence" in note:
             _known_confidence(reader, note["confidence"], at)
@@ -355,7 +329,7 @@ def _read_notes(reader: _Reader, section: str, entry: dict[str, Any], path: Path
         said |= {key: reader.flag(note.get(key, False), (*at, key)) for key in ("exclude", "accepted", "rule")}
         if said["source"]:
             said["source"] = reader.sources[said["source"]].document
-        reader.notes.append(Note(section=section, parts=parts, fields=names, **said))
+        reader.notes.append(Note(section=section, parts=numbers, fields=names, **said))
 
 
 # -- Parts that go together: families and part numbers resolved to rows.
@@ -364,11 +338,11 @@ def _read_notes(reader: _Reader, section: str, entry: dict[str, Any], path: Path
 # loaded together.
 
 
-def _pairs(reader: _Reader, tables: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
+def _pairs(reader: _Reader, whole: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
     """The pairs of each relation, and under ``across`` what names another catalogue."""
-    members = {section: table.members for section, table in tables.items()}
-    found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {relation: [] for relation in RELATIONS}
-    across: list[Across] = []
+    members = {section: table.members for section, table in whole.items()}
+    found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {relation: [] for relation in parts.RELATIONS}
+    across: list[tables.Across] = []
     for relation, groups in reader.fields(given, ("compatibility",), {"properties": schema.LISTS}).items():
         left, *rights = sections = schema.LISTS[relation]
         listed = reader.sequence(groups, ("compatibility", relation))
@@ -379,22 +353,24 @@ def _pairs(reader: _Reader, tables: Mapping[str, Table[Any]], given: Any) -> dic
                     text = "does not go with parts of another catalogue; list those that fit"
                     raise reader.fail((*path, "without"), text)
                 sides = {s: _names(reader, members[s], group[s], (*path, s)) for s in sections}
-                across += [Across(f"motor_{singular(right)}", sides[left], sides[right], source) for right in rights]
+                for right in rights:
+                    relation_of = f"motor_{parts.singular(right)}"
+                    across.append(tables.Across(relation_of, sides[left], sides[right], source))
                 continue
             rows = {s: _rows(reader, members[s], group[s], (*path, s)) for s in sections}
             if "without" in group:
                 out = _rows(reader, members[rights[0]], group["without"], (*path, "without"))
                 rows[rights[0]] = np.setdiff1d(rows[rights[0]], out)
             for right in rights:
-                found[f"motor_{singular(right)}"].append((rows[left], rows[right], source))
-    rank = [CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
+                found[f"motor_{parts.singular(right)}"].append((rows[left], rows[right], source))
+    rank = [tables.CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
     pairs: dict[str, Any] = {"across": tuple(across)}
     for name, groups in found.items():  # each pair once with the most reliable source that states it
         all_of = [np.zeros((3, 0), np.int64)]
         for motors, others, source in sorted(groups, key=lambda one: rank[one[2]]):
             each = np.repeat(motors, len(others)), np.tile(others, len(motors))
             all_of.append(np.array([*each, np.full(len(each[0]), source)]))
-        pairs[name] = unique_pairs(*np.concatenate(all_of, axis=1))
+        pairs[name] = tables.unique_pairs(*np.concatenate(all_of, axis=1))
     return pairs
 
 
@@ -430,14 +406,14 @@ def _names(reader: _Reader, members: Mapping[str, Any], given: Any, path: Path_)
 # -- Discharge tables, as makers print them: rows are end voltages, columns times
 
 
-def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> Discharges:
+def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> parts.Discharges:
     seen: dict[tuple[int, str, float, float], Path_] = {}
     rows: list[tuple[float, ...]] = []
-    for entry, path in reader.entries(given, (DISCHARGES,), schema.DISCHARGE):
+    for entry, path in reader.entries(given, (parts.DISCHARGES,), schema.DISCHARGE):
         battery = _row(reader, entry, "battery", batteries, path)
         source = reader.source_number(entry["source"], (*path, "source"))
         held, unit = _head(entry["held"])
-        if held not in HELD or not unit:
+        if held not in parts.HELD or not unit:
             text = f"{quoted(entry['held'])} is not known; expected current (A) or power (W)"
             raise reader.fail((*path, "held"), text)
         factor = reader.read((*path, "held"), scale, unit, held)[0]
@@ -457,7 +433,7 @@ def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> Disch
                     raise reader.fail(here, "this end voltage and time are given twice for the battery")
                 pair = (draw, np.nan) if held == "current" else (np.nan, draw)
                 rows.append((battery, source, cutoff, time, *pair))
-    found: Discharges = entries(Discharges, rows)
+    found: parts.Discharges = parts.entries(parts.Discharges, rows)
     return found
 
 
@@ -498,9 +474,9 @@ def _above_zero(reader: _Reader, cell: Any, path: Path_) -> float:
 # -- Pull-out curves of steppers: rows are speeds and torques at a supply voltage
 
 
-def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> PullOuts:
+def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> parts.PullOuts:
     points: list[tuple[Any, ...]] = []
-    for number, (entry, path) in enumerate(reader.entries(given, (PULL_OUTS,), schema.PULL_OUT)):
+    for number, (entry, path) in enumerate(reader.entries(given, (parts.PULL_OUTS,), schema.PULL_OUT)):
         stepper = _row(reader, entry, "stepper", steppers, path)
         source = reader.source_number(entry["source"], (*path, "source"))
         at_head = {"current": np.nan}
@@ -511,7 +487,7 @@ def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> PullOut
         driver = reader.plain_text(entry["driver"], (*path, "driver")) if "driver" in entry else ""
         head = (stepper, source, number, at_head["voltage"], at_head["current"])
         points += [(*head, *point, driver) for point in _points(reader, entry, path)]
-    found: PullOuts = entries(PullOuts, points)
+    found: parts.PullOuts = parts.entries(parts.PullOuts, points)
     return found
 
 
@@ -546,13 +522,13 @@ def _maker_tolerances(
 ) -> tuple[MakerTolerance, ...]:
     found: list[MakerTolerance] = []
     for entry, path in reader.entries(given, (TOLERANCES,), schema.TOLERANCE):
-        parts = [part for part in schema.FIGURES if part in entry]
-        if not parts:
+        roles = [part for part in schema.FIGURES if part in entry]
+        if not roles:
             example = "e.g. motor: {resistance: +- 10 %}"
             raise reader.fail(path, f"expected {' or '.join(schema.FIGURES)}, {example}")
         source = reader.source_number(entry["source"], (*path, "source"))
         text = reader.plain_text(entry.get("text"), (*path, "text"))
-        for part in parts:
+        for part in roles:
             named = _families(reader, entry, (*path, "families"), families[part], part)
             allowed, at = schema.FIGURES[part], (*path, part)
             figures = reader.fields(entry[part], at, {"properties": allowed})
