@@ -16,7 +16,7 @@ def commands() -> str:
     """Every command with its arguments, options and example."""
     every = [(path, command) for path, command in _walk((), typer.main.get_command(app)) if path]
     rows = Counter(_row(p, command) for _, command in every for p in command.params if not p.hidden)
-    shared = {row for row, count in rows.items() if count > 1 and row.startswith("| `-")}
+    shared = {row for row, count in rows.items() if count > 1}
     table = "\n".join(["| | what it is |", "|---|---|", *(row for row in rows if row in shared)])
     parts = [f"## Options of several commands\n\n{table}"]
     return "\n\n".join([*parts, *(_command(path, command, shared) for path, command in every)])
@@ -32,12 +32,9 @@ def _walk(path: tuple[str, ...], command: Any) -> list[tuple[tuple[str, ...], An
 
 def _command(path: tuple[str, ...], command: Any, shared: set[str]) -> str:
     name = " ".join(("drivesizer", *path))
-    context = command.make_context(name, [], resilient_parsing=True)
-    usage = " ".join(command.collect_usage_pieces(context))
     parts = [f"{'#' * (len(path) + 1)} {name}", _text(command.help or "")]
     if getattr(command, "commands", None):
         return "\n\n".join(parts)
-    parts.append(f"`{name} {usage}`")
     every = [_row(p, command) for p in command.params if not p.hidden]
     rows, common = [row for row in every if row not in shared], [row.split("`")[1] for row in every if row in shared]
     if rows:

@@ -149,7 +149,7 @@ def _value(field: dict[str, Any]) -> str:
     """The default of a field, of words before the others; where it has none what it takes, a figure in brackets."""
     default, takes = field.get("default"), _takes(field)
     if own := " or ".join(f"`{one}`" for one in field.get("examples") or ()):
-        takes = f"({own})" if takes == "a text" else re.sub(r"\(`.*?`\)", f"({own})", takes, count=1)
+        takes = f"({own})" if takes == "text" else re.sub(r"\(`.*?`\)", f"({own})", takes, count=1)
     if default is None:
         return takes
     shown = f"`{default}`" if isinstance(default, str) else f"`{json.dumps(default)}`"
@@ -173,7 +173,7 @@ def _kind_alone(text: str) -> bool:
 def _takes(field: dict[str, Any]) -> str:
     """The values that a field takes, in words."""
     if "$ref" in field:
-        return "a section"
+        return "section"
     if {"$ref": "#/$defs/Solid"} in field.get("oneOf", ()):
         return f"{_takes(field['oneOf'][0])}, or [a body](spec.md#inertia), or a list of both"
     if "const" in field:
@@ -190,17 +190,17 @@ def _takes(field: dict[str, Any]) -> str:
 def _plain(field: dict[str, Any]) -> str:
     kind = field.get("type")
     if kind == ["string", "integer"]:
-        return "a name"
+        return "name"
     if kind == ["number", "string"]:
-        return "a number or percent"
+        return "number or %"
     if kind == "array":
-        each = _takes(field["items"]) if field.get("items") else "a list"
-        return "a list of sections" if each == "a section" else f"a list, each {each}" if field.get("items") else each
+        each = _takes(field["items"]) if field.get("items") else "list"
+        return "sections" if each == "section" else f"list, each {each}" if field.get("items") else each
     if field.get("examples"):
         return f"({' or '.join(f'`{example}`' for example in field['examples'])})"
     if kind == "integer" and "minimum" in field:
-        return f"a whole number from {field['minimum']}" + (f" to {field['maximum']}" if "maximum" in field else "")
-    return {"string": "a text", "boolean": "`true` or `false`", "number": "a number", "object": "a section"}[str(kind)]
+        return f"whole number from {field['minimum']}" + (f" to {field['maximum']}" if "maximum" in field else "")
+    return {"string": "text", "boolean": "`true` or `false`", "number": "number", "object": "section"}[str(kind)]
 
 
 def reference(field: dict[str, Any]) -> str:

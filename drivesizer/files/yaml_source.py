@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
@@ -71,6 +71,35 @@ class YamlSource:
         place = f"{self.name}:{line}" if line else self.name
         field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{_short(p)}" for p in path).lstrip(".")
         return f"{place}: {printable(field)}" if field else place
+
+
+class OfFile:
+    """What was read of a file, its ``source``, or of a dict, which has no name."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def source(self) -> YamlSource:
+            """The file."""
+
+    @property
+    def entered(self) -> dict[str, Any]:
+        """The data as the user wrote them."""
+        return dict(self.source.data)
+
+    @property
+    def text(self) -> str:
+        """The file as the user wrote it, comments included."""
+        return self.source.text
+
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return self.source.name
+
+    def where(self, path: Path_) -> str:
+        """File, line and name of a field, for a message."""
+        return self.source.where(path)
 
 
 def _short(key: str, longest: int = 60) -> str:

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import OfFile, YamlSource
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec
@@ -41,7 +41,7 @@ class AxisSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MachineSpec:
+class MachineSpec(OfFile):
     """A machine.yaml: named axes, and what they share."""
 
     name: str
@@ -86,25 +86,6 @@ class MachineSpec:
     def is_several(self) -> bool:
         """Whether there is more than one axis, or a robot with joints."""
         return len(self.axes) > 1 or self.robot is not None
-
-    @property
-    def file(self) -> str:
-        """Name of the file."""
-        return self.source.name
-
-    @property
-    def entered(self) -> dict[str, Any]:
-        """The machine as the user wrote it."""
-        return dict(self.source.data)
-
-    @property
-    def text(self) -> str:
-        """The file as the user wrote it."""
-        return self.source.text
-
-    def where(self, path: Path_) -> str:
-        """File, line and name of a field, for a message."""
-        return self.source.where(path)
 
 
 class _Named(Protocol):

@@ -16,7 +16,7 @@ from pydantic import Field, PrivateAttr, ValidationError, field_validator, model
 from drivesizer.catalog import Brake, Controller
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import Path_, YamlSource, read, written
+from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, read, written
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.motions import Motion, Trapezoid
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -30,39 +30,6 @@ from drivesizer.spec.messages import explained, refuse_contradictions
 from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
-
-# -- A model that knows the file of which it was read: its text, its data as they were written, and lines of fields.
-
-
-class OfFile(fields.Section):
-    """A group of fields that was read of a file, or of a dict, which has no name."""
-
-    _source: YamlSource | None = PrivateAttr(default=None)
-
-    @property
-    def source(self) -> YamlSource:
-        """The file that it was read from; an empty one where there is none."""
-        return self._source or YamlSource("{}", "")
-
-    @property
-    def entered(self) -> dict[str, Any]:
-        """The spec as the user wrote it."""
-        return dict(self._source.data) if self._source else {}
-
-    @property
-    def text(self) -> str:
-        """The file as the user wrote it, comments included."""
-        return self._source.text if self._source else ""
-
-    @property
-    def file(self) -> str:
-        """Name of the file."""
-        return self._source.name if self._source else ""
-
-    def where(self, path: Path_) -> str:
-        """File, line and name of a field, for a message."""
-        return self._source.where(path) if self._source else ".".join(str(step) for step in path)
-
 
 # -- Power stages between the supply and the motors: of one controller, and with what keeps a brake released.
 
@@ -96,7 +63,7 @@ def or_any(schema: dict[str, Any]) -> None:
     schema["anyOf"].insert(0, {"const": "any", "type": "string"})
 
 
-class RobotSpec(OfFile):
+class RobotSpec(fields.Section, OfFile):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
     name: str = Field(min_length=1, max_length=200)
@@ -135,11 +102,17 @@ class RobotSpec(OfFile):
         "further load cases; a drive must pass all"
     )
 
+    _source: YamlSource = PrivateAttr(default_factory=lambda: YamlSource("{}", ""))
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
     _on_common_bus: bool = PrivateAttr(default=False)
     _waits_until: float | None = PrivateAttr(default=None)
     _brake_released: float = PrivateAttr(default=1.0)
+
+    @property
+    def source(self) -> YamlSource:
+        """The file that it was read from; an empty one where there is none."""
+        return self._source
 
     @model_validator(mode="after")
     def _agreeing(self) -> RobotSpec:
@@ -452,7 +425,7 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
 
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before: RobotSpec | None = None) -> RobotSpec:
     axis, known = _axis(data), data
-    if before is not None and before._source is not None and _axis(before._source.data) == axis:
+    if before is not None and _axis(before._source.data) == axis:
         known = {**data, **fields.unchanged(data, before._source.data, before)}
     try:
         spec = RobotSpec.model_validate(known, context={"axis": axis})
