@@ -10,7 +10,6 @@ from __future__ import annotations
 import difflib
 import json
 import re
-import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -23,15 +22,14 @@ from drivesizer.catalog.parts import PARTS, RELATIONS, Column, columns_of
 from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
-from drivesizer.files.sheets import Sheet
+from drivesizer.files.sheets import Sheet, currency_of, decimal_sign, figure, plain_head, split_head, unit_of
 from drivesizer.files.yaml_source import Path_, YamlSource, read
-from drivesizer.units import kind_of_unit, number, scale
+from drivesizer.units import scale
 
 _KEYS = ("manufacturer", "family", "source", "unknown", "common", "units", "columns")
 _SOURCE = ("name", "document", "confidence", "date", "url")
 _UNKNOWN = ("", "-", "–", "—", "~")
 _NO_FIGURE = ("n/a", "na", "n.a.", "tbd", "k.a.", "none", "null", "nan")  # further ones, where a number is due
-_SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
 _NEAR = 0.86  # likeness of a head to a word, from which on it counts
 _GENERAL = frozenset(
     {"part", "family", "manufacturer", "mass", "length", "diameter", "price", "kind", "shaft_diameter"}
@@ -112,14 +110,14 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None], com
         raise InputError(f'{file.where(("unknown",))}: expected a list, e.g. ["-", n/a]')
     shared = _mapping(file, given.get("common"), ("common",))
     for entry in common:
-        name, sign, value = entry.partition("=")
+        name, sign, text = entry.partition("=")
         if not sign or name.strip() not in known:
             raise InputError(f"--set: {quoted(entry)}; expected a column and its figure, e.g. kind=brushed")
-        shared |= {name.strip(): value.strip()}
-    for name, figure in shared.items():
+        shared |= {name.strip(): text.strip()}
+    for name, value in shared.items():
         if name not in known or name in ("part", "family", "manufacturer"):
             raise InputError(f"{file.where(('common', name))}: not a figure that parts have in common")
-        if isinstance(figure, dict | list | bool):
+        if isinstance(value, dict | list | bool):
             raise InputError(f"{file.where(('common', name))}: expected a figure with its unit, or text")
     units = _mapping(file, given.get("units"), ("units",))
     return Plan(
@@ -165,39 +163,6 @@ class Layout(NamedTuple):
     lying: bool = False
 
 
-def _split(head: str) -> tuple[str, str]:
-    """A head without its unit, and the unit.
-
-    >>> _split("Nominal voltage [V]"), _split("free_speed_rpm"), _split("Max. torque, Nm"), _split("Kt (N.m/A)")
-    (('Nominal voltage', 'V'), ('free speed', 'rpm'), ('Max. torque', 'Nm'), ('Kt', 'N*m/A'))
-    """
-    text = " ".join(head.split())
-    if text in _COLUMNS:
-        return text, ""
-    for pattern in (r"(.+?)\s*\[([^\]]+)\]\W*", r"(.+?)\s*\(([^()]+(?:\([^()]*\))?)\)\W*", r"(.+?),\s*(\S+)",
-                    r"(.+?)\s+/\s+(\S+)", r"(.+?)\s+in\s+(\S+)", r"(.+)[_ ]([^_\s]+)"):  # fmt: skip
-        match = re.fullmatch(pattern, text)
-        if match and (unit := _unit(match.group(2), small="_" in text)):
-            return match.group(1).replace("_", " ") if "_" in match.group(1) else match.group(1), unit
-    return text, ""
-
-
-def _unit(text: str, small: bool = False) -> str:
-    """A unit in the reader's spelling, empty where it is none; letters of a name such as ``torque_nm`` are small."""
-    text = text.strip()
-    for one in (text, _words()["units"].get(text, ""), re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", text)):
-        if one and (kind_of_unit(one) is not None or _currency(one)):
-            return one
-    return {"nm": "N*m", "v": "V", "a": "A", "w": "W", "ma": "mA"}.get(text, "") if small else ""
-
-
-def _currency(unit: str) -> str:
-    """Code of a currency, of its sign or of the code itself; empty where a unit is none."""
-    return _SIGNS.get(
-        unit, unit if re.fullmatch(r"USD|EUR|CHF|GBP|JPY|CNY|CAD|AUD|SEK|DKK|NOK|PLN|CZK|KRW|INR", unit) else ""
-    )
-
-
 def _layouts(sheet: Sheet, units: Mapping[str, str]) -> Iterator[Layout]:
     rows = [(line, cells) for line, cells in sheet.rows if any(cells)]
     for place, (line, cells) in enumerate(rows[:15]):  # upright
@@ -205,7 +170,7 @@ def _layouts(sheet: Sheet, units: Mapping[str, str]) -> Iterator[Layout]:
         if len(named) < 2 or place + 1 == len(rows):
             continue
         below = rows[place + 1][1]
-        own = [_unit(cell) or ("1" if cell == "1" else "") for cell in below]
+        own = [unit_of(cell) or ("1" if cell == "1" else "") for cell in below]
         has_units = any(own) and not any(cell and not unit for cell, unit in zip(below, own, strict=True))
         heads = [
             _head(cell, own[at] if has_units and at < len(own) else "", line, units) for at, cell in enumerate(cells)
@@ -216,12 +181,12 @@ def _layouts(sheet: Sheet, units: Mapping[str, str]) -> Iterator[Layout]:
     if width < 2 or len(rows) < 2:
         return
     full = [(line, [*cells, *[""] * (width - len(cells))]) for line, cells in rows]
-    shares = [sum(bool(_unit(cells[at])) for _, cells in full) / len(full) for at in range(width)]
+    shares = [sum(bool(unit_of(cells[at])) for _, cells in full) / len(full) for at in range(width)]
     unit_at = max(range(1, width), key=lambda at: shares[at])
     unit_at = unit_at if shares[unit_at] > 0.3 else 0
     values = [at for at in range(1, width) if at != unit_at
               and sum(bool(re.search(r"\d", cells[at])) for _, cells in full) > len(full) // 4]  # fmt: skip
-    heads = [_head(cells[0], _unit(cells[unit_at]) if unit_at else "", line, units) for line, cells in full]
+    heads = [_head(cells[0], unit_of(cells[unit_at]) if unit_at else "", line, units) for line, cells in full]
     if values:  # what a line of a data sheet says once it says of all parts
         alone = {place: cells[at] for place, (_, cells) in enumerate(full)
                  if sheet.separator == " " and len(some := [at for at in values if cells[at]]) == 1
@@ -231,7 +196,7 @@ def _layouts(sheet: Sheet, units: Mapping[str, str]) -> Iterator[Layout]:
 
 
 def _head(cell: str, unit: str, line: int, units: Mapping[str, str]) -> Head:
-    theirs, own = _split(cell)
+    theirs, own = (cell, "") if cell in _COLUMNS else split_head(cell)
     return Head(cell, units.get(cell, units.get(theirs, unit or own)), line)
 
 
@@ -260,24 +225,9 @@ def _meanings(section: str) -> dict[str, list[str]]:
     return found
 
 
-def _plain(text: str) -> str:
-    """A head in small letters, without accents and marks, without what stands in brackets and the row's number.
-
-    >>> _plain("Max. continuous torque [mNm]"), _plain("3 Trägheitsmoment"), _plain("No load speed @ 12V")
-    ('max continuous torque', 'tragheitsmoment', 'no load speed')
-    """
-    bare = re.sub(r"[\[(][^\])]*[\])]|\s(@|at|bei)\s.*|^\s*\d{1,2}\s+(?=\D)", "", text.casefold())
-    ascii_only = unicodedata.normalize("NFKD", bare).encode("ascii", "ignore").decode()
-    return (
-        " ".join(re.sub(r"[^a-z0-9]+", " ", ascii_only).split())
-        .replace("maximum ", "max ")
-        .replace("maximale ", "max ")
-    )
-
-
 def _spoken(theirs: str) -> list[str]:
     """A head's words, whole and without the symbol behind them."""
-    words = _plain(_split(theirs)[0])
+    words = plain_head(theirs if theirs in _COLUMNS else split_head(theirs)[0])
     first, _, last = words.rpartition(" ")
     return [words, first] if first and len(last) <= 3 else [words]
 
@@ -329,10 +279,10 @@ def _unit_of(layout: Layout, place: int, name: str, known: Mapping[str, Column])
     for _, cells in layout.parts:
         cell = cells[place] if place < len(cells) else ""
         if (match := re.search(r"\d\s*([^\d\s.,'()+±-][^()\d]*(?:\d[^()\d]*)?)$|^([€$£])", cell)) and (
-            unit := _unit(match.group(1) or match.group(2))
+            unit := unit_of(match.group(1) or match.group(2))
         ):
             return unit
-    return str(_words()["implied"].get(_plain(head.theirs), ""))
+    return str(_words()["implied"].get(plain_head(head.theirs), ""))
 
 
 def _unfit(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -> str:
@@ -341,7 +291,7 @@ def _unfit(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -
     if name in _words()["per_turn"] and name in known and unit in ("deg", "°"):
         return ""
     for column in (known[one] for one in name.split() if one in known):
-        if column.name in ("price", "foreign_price") and _currency(unit):
+        if column.name in ("price", "foreign_price") and currency_of(unit):
             continue
         if column.kind in _TEXTS:
             if unit not in ("", "1"):
@@ -406,60 +356,6 @@ def _mapped(layout: Layout, section: str, given: Plan, where: str) -> list[Head]
 # -- Figures of a cell.
 
 
-def decimal_sign(cells: Sequence[str], separator: str) -> str:
-    """The sign before decimals in a table: what no other reading allows decides, then the separator.
-
-    >>> decimal_sign(["24,5", "1.200"], ";"), decimal_sign(["24.5", "1,200"], ";"), decimal_sign(["1,200"], ",")
-    (',', '.', '.')
-    """
-    text = " ; ".join(cells)
-    commas = len(re.findall(r"(?<![\d.,])\d+,(?:\d{1,2}|\d{4,})(?![\d.,])|(?<![\d.,])0,\d+|\d\.\d{3},\d", text))
-    points = len(re.findall(r"(?<![\d.,])\d+\.(?:\d{1,2}|\d{4,})(?![\d.,])|(?<![\d.,])0\.\d+|\d,\d{3}\.\d", text))
-    if commas != points:
-        return "," if commas > points else "."
-    return "," if separator in (";", "\t") and re.search(r"\d,\d", text) else "."
-
-
-_FIGURE = re.compile(
-    r"(?:[<>≤≥≈~=±]|ca\.?|max\.?|min\.?|up to|bis|approx\.?)*\s*([€$£]|US\$)?\s*"
-    r"([+-]?[0-9](?:[0-9.,']|\s(?=[0-9]{3}(?![0-9])))*(?:[eE][+-]?[0-9]+)?)"
-    r"(?:\s*[x×·*]\s*10\^?([+-]?[0-9]+))?\s*(.*)"
-)
-_SMALL = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
-_SIGNS_OF_PRINT = str.maketrans("−\u00a0\u202f\u2009’", "-   '")
-
-
-def figure(cell: str, decimal: str) -> tuple[str, str]:
-    """The number of a cell, with a decimal point, and what follows it.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-
-    Examples
-    --------
-    >>> figure("1.234,5 min-1", ","), figure("1'200", "."), figure("≤ 0.5°", "."), figure("€ 12,50", ",")
-    (('1234.5', 'min-1'), ('1200', ''), ('0.5', '°'), ('12.50', '€'))
-    """
-    powers = re.sub(r"(?<=10)[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda power: power.group().translate(_SMALL), cell)
-    match = _FIGURE.fullmatch(powers.translate(_SIGNS_OF_PRINT).strip())
-    if match is None:
-        raise InputError(f"{quoted(cell)} does not start with a number")
-    sign, digits, power, rest = match.groups()
-    digits = re.sub(r"[\s']", "", digits).rstrip(".,")
-    other = "." if decimal == "," else ","
-    if other in digits:
-        if not re.fullmatch(rf"[+-]?\d{{1,3}}(?:\{other}\d{{3}})+(?:\{decimal}\d*)?", digits):
-            raise InputError(
-                f"{quoted(cell)}: {quoted(other)} does not part thousands; decimals have {quoted(decimal)} here"
-            )
-        digits = digits.replace(other, "")
-    digits = digits.replace(decimal, ".")
-    number(digits)  # in the range of floats, written in one way
-    return digits + (f"e{power}" if power else ""), (sign or rest).strip()
-
-
 def _cell(cell: str, column: Column, unit: str, decimal: str) -> str:
     """A cell as YAML in its column's unit."""
     if column.kind == "text":
@@ -468,13 +364,13 @@ def _cell(cell: str, column: Column, unit: str, decimal: str) -> str:
     if column.kind == "ratio" and RATIO.fullmatch(bare):
         return bare.removesuffix(":1")
     text, rest = figure(bare.removesuffix(":1"), decimal)
-    own = _unit(rest) or (_unit(rest.split()[0]) if rest and not rest.startswith((".", "-", "–", "to ")) else "")
+    own = unit_of(rest) or (unit_of(rest.split()[0]) if rest and not rest.startswith((".", "-", "–", "to ")) else "")
     if rest and not own and not (column.kind == "dimensionless" and rest == "1"):
         raise InputError(f"{quoted(cell)} is not a plain number; the unit belongs in the head, or in the row below it")
-    if own and own != unit and not _currency(own):
+    if own and own != unit and not currency_of(own):
         (factor, offset), (to, start) = scale(own, column.kind), scale(unit or "1", column.kind)
         text = f"{(float(text) * factor + offset - start) / to:.12g}"
-    if not _currency(unit):
+    if not currency_of(unit):
         factor, offset = scale(unit or "1", column.kind)
         if float(text) * factor + offset < column.least or (column.kind == "ratio" and float(text) <= 0.0):
             least = "not above 0" if column.kind == "ratio" else f"below {column.least:g}"
@@ -649,7 +545,7 @@ def _prices(heads: list[Head], section: str, given: Plan) -> tuple[list[Head], d
     """Prices in another currency than euros go into the columns for them; nothing is converted."""
     common = dict(given.common)
     for at, head in enumerate(heads):
-        code = _currency(head.unit) if head.column in ("price", "foreign_price") else ""
+        code = currency_of(head.unit) if head.column in ("price", "foreign_price") else ""
         if not code or code == "EUR":
             continue
         francs = code == "CHF" and "list_price" in columns_of(section)

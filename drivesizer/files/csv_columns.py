@@ -1,9 +1,14 @@
-"""Reader of CSV files with a header, a row of units and then numbers: strict, to columns in SI."""
+"""Reader of recordings and tables of numbers, to columns in SI.
+
+CSV with a header, a row of units and then numbers is read as it is, fast. A file as loggers and spreadsheets write it
+(other separators, a decimal comma, ``torque [N*m]``, further columns) is brought to that form by ``files.sheets``.
+"""
 
 from __future__ import annotations
 
 import csv
 import math
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
@@ -12,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.sheets import decimal_sign, figure, plain_head, sheets, split_head, unit_of
 from drivesizer.files.text import missing, read_text
 from drivesizer.units import KINDS, noun, possible, scale
 from drivesizer.units.kinds import RANGES
@@ -23,6 +29,17 @@ _PLAIN = str.maketrans("", "", "0123456789+-.eE, \r\n")  # of numbers that need 
 _MOST_ROWS = 1_000_000
 _ROW = 64  # bytes of each that a file may have
 _ABOVE = 3  # line of the first row of numbers
+_MEANINGS = {  # of heads of recordings
+    "time": ("time", "t", "timestamp", "zeit", "elapsed time"),
+    "speed": ("speed", "velocity", "angular velocity", "omega", "w", "v", "n", "drehzahl", "geschwindigkeit", "vel"),
+    "torque": ("torque", "tau", "m", "moment", "drehmoment", "load torque", "effort"),
+    "position": ("position", "pos", "x", "s", "weg"),
+    "angle": ("angle", "theta", "phi", "winkel", "position", "pos"),
+}
+
+
+class LeftOutWarning(UserWarning):
+    """Columns of a recording that nobody takes."""
 
 
 def path_from_spec(spec_file: str, name: str, where: str) -> Path:
@@ -159,12 +176,81 @@ class Sheet:
 
 def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Array]:
     """Columns of a recording in SI, with rising times, or of a table with a first column that rises."""
-    sheet = Sheet(path, len(forms[0]), most)
-    names = [name.lower() for name in sheet.names]
-    form = next((form for form in forms if sorted(form) == sorted(names)), None)
-    if form is None:
-        shown = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
-        raise sheet.fault(sheet.line, "header", f"{shown}; expected {' or '.join(','.join(form) for form in forms)}")
+    most = _MOST_ROWS if most is None else most
+    try:
+        sheet = Sheet(path, len(forms[0]), most)
+        names = [name.lower() for name in sheet.names]
+        form = next((form for form in forms if sorted(form) == sorted(names)), None)
+        if form is None:
+            shown = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
+            expected = f"{shown}; expected {' or '.join(','.join(form) for form in forms)}"
+            raise sheet.fault(sheet.line, "header", expected)
+    except InputError as error:
+        logged = _logged(path, forms, most)
+        if logged is None:
+            raise error from None
+        sheet, names, form, factors = logged
+    else:
+        factors = sheet.factors(names, form)
     rising = "time" if "time" in form else next(iter(form))
-    found = sheet.values(names, form, sheet.factors(names, form), rising)
+    found = sheet.values(names, form, factors, rising)
     return {name: found[names.index(name)] for name in form}
+
+
+def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[Sheet, list[str], Form, list[float]] | None:
+    """A recording as loggers and spreadsheets write it, as a sheet of plain numbers; None where it is none."""
+    try:
+        table = max(sheets(path, most * _ROW), key=lambda one: len(one.rows))
+    except InputError:
+        return None
+    rows = [(line, cells) for line, cells in table.rows if any(cells)]
+    head = next((place for place, (_, cells) in enumerate(rows[:20]) if _meant(cells, forms)), None)
+    if head is None:
+        return None
+    line, cells = rows[head]
+    form, at = _meant(cells, forms)[0]
+    units = [unit for _, unit in map(split_head, cells)]
+    below = rows[head + 1][1] if head + 1 < len(rows) else []
+    own = [unit_of(cell) for cell in below]
+    has_units = any(own) and not any(cell and not unit for cell, unit in zip(below, own, strict=True))
+    factors = []
+    for name in form:
+        unit = units[at[name]] or (own[at[name]] if has_units else "")
+        try:
+            factors.append(scale(unit, form[name])[0])
+        except InputError as error:
+            shown = f"{error}" if unit else "has no unit"
+            example = f"expected e.g. {name} [{KINDS[form[name]].si}], or a row of units below the header"
+            raise InputError(f"{path}:{line}: {cells[at[name]]}: {shown}; {example}") from None
+    left_out = [cell for k, cell in enumerate(cells) if cell and k not in {at[name] for name in form}]
+    if left_out:
+        warnings.warn(f"{path}: columns left out: {', '.join(left_out)}", LeftOutWarning, stacklevel=2)
+    numbers = rows[head + 1 + has_units :]
+    decimal = decimal_sign([cell for _, some in numbers[:500] for cell in some], table.separator)
+    plain = (
+        (number, _plain_cells(path, number, some, [at[name] for name in form], decimal)) for number, some in numbers
+    )
+    sheet = Sheet.__new__(Sheet)
+    sheet.path, sheet.most, sheet.text, sheet.rows = path, most, "", plain
+    sheet.example = "e.g. 0.5,1.2,0.3"
+    return sheet, list(form), form, factors
+
+
+def _meant(cells: Sequence[str], forms: Sequence[Form]) -> list[tuple[Form, dict[str, int]]]:
+    """The form that heads mean, with the place of each column; empty where none or more than one is meant."""
+    heads, found = [plain_head(split_head(cell)[0]) for cell in cells], list[tuple[Form, dict[str, int]]]()
+    for form in forms:
+        at = {name: k for name in form for k, head in enumerate(heads) if head in (name, *_MEANINGS.get(name, ()))}
+        if len(at) == len(form) == len(set(at.values())):
+            found.append((form, at))
+    return found if len({frozenset(at.values()) for _, at in found}) == 1 else []
+
+
+def _plain_cells(path: Path, line: int, cells: Sequence[str], places: Sequence[int], decimal: str) -> list[str]:
+    """The cells of a row that are taken, with decimal points."""
+    if len(cells) <= max(places):
+        raise InputError(f"{path}:{line}: row: {len(cells)} cells; the header has more")
+    try:
+        return [figure(cells[place], decimal)[0] if decimal == "," else cells[place] for place in places]
+    except InputError as error:
+        raise InputError(f"{path}:{line}: row: {error}") from None

@@ -8,15 +8,16 @@ import csv
 import io
 import json
 import re
+import unicodedata
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import read_bytes
-from drivesizer.units import kind_of_unit
+from drivesizer.units import kind_of_unit, number
 
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"),
           (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))  # fmt: skip
@@ -27,6 +28,15 @@ _KLIPPER = {"resistance": "ohm", "inductance": "H", "holding_torque": "N*m", "ma
 _MJCF = {"resistance": "ohm", "inductance": "H", "motorconst": "N*m/A", "armature": "kg*m^2"}
 
 
+_SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
+_CODES = frozenset("USD EUR CHF GBP JPY CNY CAD AUD SEK DKK NOK PLN CZK KRW INR".split())  # noqa: SIM905
+_SPELLINGS = {  # of units, beside those of their reader
+    "VDC": "V", "V DC": "V", "Vdc": "V", "VAC": "V", "Volt": "V", "Volts": "V", "volts": "V", "Amp": "A", "Amps": "A",
+    "amps": "A", "Arms": "A", "A rms": "A", "A(rms)": "A", "ADC": "A", "Apk": "A", "Ohms": "ohm", "Watt": "W",
+    "Watts": "W", "watts": "W", "Newton meters": "N*m", "kg.cm": "kgf*cm", "grams": "g",
+}  # fmt: skip
+
+
 class Sheet(NamedTuple):
     """One table of a file: its name where the file has several, and its rows, each with its line."""
 
@@ -35,13 +45,16 @@ class Sheet(NamedTuple):
     separator: str = ""  # of a text file; a space, where it is the lines of a data sheet
 
 
-def sheets(path: Path) -> list[Sheet]:
+def sheets(path: Path, largest: int = 64_000_000) -> list[Sheet]:
     """All tables of a file, cells as printed; the content decides what the file is, then its suffix.
 
     Parameters
     ----------
     path
         CSV, TSV or text in UTF-8, UTF-16 or cp1252; XLSX; PDF; JSON; a Klipper ``.cfg``; MJCF (``.xml``).
+
+    largest
+        Bytes that the file may have.
 
     Returns
     -------
@@ -52,7 +65,7 @@ def sheets(path: Path) -> list[Sheet]:
     InputError
         When the file cannot be read as a table.
     """
-    raw = read_bytes(path)
+    raw = read_bytes(path, largest)
     if raw.startswith(b"PK\x03\x04"):
         return _workbook(raw, path)
     if raw.startswith(b"%PDF"):
@@ -188,9 +201,9 @@ def _pages(raw: bytes, path: Path) -> list[Sheet]:
     if not any(text.strip() for text in texts):
         raise InputError(f"{path}: the PDF has pictures and no text; type the figures into a table")
     found = []
-    for number, text in enumerate(texts, 1):
+    for page, text in enumerate(texts, 1):
         rows = [(at, line_cells(line)) for at, line in enumerate(text.splitlines(), 1) if line.strip()]
-        found.append(Sheet(f"page {number}", rows, " "))
+        found.append(Sheet(f"page {page}", rows, " "))
     return found
 
 
@@ -255,3 +268,104 @@ def _mjcf(text: str, path: Path) -> list[Sheet]:
     parts = ((0, {"part": one.get("name", f"motor {at}"), **{k: v for k, v in one.attrib.items() if k in _MJCF}})
              for at, one in enumerate(root.iter("dcmotor"), 1))  # fmt: skip
     return _table(parts, _MJCF, path, "no <dcmotor>")
+
+
+# -- Heads and figures of such tables.
+
+
+def split_head(head: str) -> tuple[str, str]:
+    """A head without its unit, and the unit.
+
+    >>> split_head("Nominal voltage [V]"), split_head("free_speed_rpm"), split_head("Kt (N.m/A)")
+    (('Nominal voltage', 'V'), ('free speed', 'rpm'), ('Kt', 'N*m/A'))
+    """
+    text = " ".join(head.split())
+    for pattern in (r"(.+?)\s*\[([^\]]+)\]\W*", r"(.+?)\s*\(([^()]+(?:\([^()]*\))?)\)\W*", r"(.+?),\s*(\S+)",
+                    r"(.+?)\s+/\s+(\S+)", r"(.+?)\s+in\s+(\S+)", r"(.+)[_ ]([^_\s]+)"):  # fmt: skip
+        match = re.fullmatch(pattern, text)
+        if match and (unit := unit_of(match.group(2), small="_" in text)):
+            return match.group(1).replace("_", " ") if "_" in match.group(1) else match.group(1), unit
+    return text, ""
+
+
+def unit_of(text: str, small: bool = False) -> str:
+    """A unit in the reader's spelling, empty where it is none; letters of a name such as ``torque_nm`` are small."""
+    text = text.strip()
+    for one in (text, _SPELLINGS.get(text, ""), re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", text)):
+        if one and (kind_of_unit(one) is not None or currency_of(one)):
+            return one
+    return {"nm": "N*m", "v": "V", "a": "A", "w": "W", "ma": "mA"}.get(text, "") if small else ""
+
+
+def currency_of(unit: str) -> str:
+    """Code of a currency, of its sign or of the code itself; empty where a unit is none."""
+    return _SIGNS.get(unit, unit if unit in _CODES else "")
+
+
+def plain_head(text: str) -> str:
+    """A head in small letters, without accents and marks, without what stands in brackets and the row's number.
+
+    >>> plain_head("Max. continuous torque [mNm]"), plain_head("3 Trägheitsmoment"), plain_head("No load speed @ 12V")
+    ('max continuous torque', 'tragheitsmoment', 'no load speed')
+    """
+    bare = re.sub(r"[\[(][^\])]*[\])]|\s(@|at|bei)\s.*|^\s*\d{1,2}\s+(?=\D)", "", text.casefold())
+    ascii_only = unicodedata.normalize("NFKD", bare).encode("ascii", "ignore").decode()
+    return (
+        " ".join(re.sub(r"[^a-z0-9]+", " ", ascii_only).split())
+        .replace("maximum ", "max ")
+        .replace("maximale ", "max ")
+    )
+
+
+def decimal_sign(cells: Sequence[str], separator: str) -> str:
+    """The sign before decimals in a table: what no other reading allows decides, then the separator.
+
+    >>> decimal_sign(["24,5", "1.200"], ";"), decimal_sign(["24.5", "1,200"], ";"), decimal_sign(["1,200"], ",")
+    (',', '.', '.')
+    """
+    text = " ; ".join(cells)
+    commas = len(re.findall(r"(?<![\d.,])\d+,(?:\d{1,2}|\d{4,})(?![\d.,])|(?<![\d.,])0,\d+|\d\.\d{3},\d", text))
+    points = len(re.findall(r"(?<![\d.,])\d+\.(?:\d{1,2}|\d{4,})(?![\d.,])|(?<![\d.,])0\.\d+|\d,\d{3}\.\d", text))
+    if commas != points:
+        return "," if commas > points else "."
+    return "," if separator in (";", "\t") and re.search(r"\d,\d", text) else "."
+
+
+_FIGURE = re.compile(
+    r"(?:[<>≤≥≈~=±]|ca\.?|max\.?|min\.?|up to|bis|approx\.?)*\s*([€$£]|US\$)?\s*"
+    r"([+-]?[0-9](?:[0-9.,']|\s(?=[0-9]{3}(?![0-9])))*(?:[eE][+-]?[0-9]+)?)"
+    r"(?:\s*[x×·*]\s*10\^?([+-]?[0-9]+))?\s*(.*)"
+)
+_SMALL = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_SIGNS_OF_PRINT = str.maketrans("−\u00a0\u202f\u2009’", "-   '")
+
+
+def figure(cell: str, decimal: str) -> tuple[str, str]:
+    """The number of a cell, with a decimal point, and what follows it.
+
+    Raises
+    ------
+    InputError
+        When there is none.
+
+    Examples
+    --------
+    >>> figure("1.234,5 min-1", ","), figure("1'200", "."), figure("≤ 0.5°", "."), figure("€ 12,50", ",")
+    (('1234.5', 'min-1'), ('1200', ''), ('0.5', '°'), ('12.50', '€'))
+    """
+    powers = re.sub(r"(?<=10)[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda power: power.group().translate(_SMALL), cell)
+    match = _FIGURE.fullmatch(powers.translate(_SIGNS_OF_PRINT).strip())
+    if match is None:
+        raise InputError(f"{quoted(cell)} does not start with a number")
+    sign, digits, power, rest = match.groups()
+    digits = re.sub(r"[\s']", "", digits).rstrip(".,")
+    other = "." if decimal == "," else ","
+    if other in digits:
+        if not re.fullmatch(rf"[+-]?\d{{1,3}}(?:\{other}\d{{3}})+(?:\{decimal}\d*)?", digits):
+            raise InputError(
+                f"{quoted(cell)}: {quoted(other)} does not part thousands; decimals have {quoted(decimal)} here"
+            )
+        digits = digits.replace(other, "")
+    digits = digits.replace(decimal, ".")
+    number(digits)  # in the range of floats, written in one way
+    return digits + (f"e{power}" if power else ""), (sign or rest).strip()

@@ -79,6 +79,48 @@ def test_columns_in_any_order_and_units_of_the_trade(shaft):
     assert (cycle.torque.prod(axis=1) >= 0.0).all()
 
 
+ROWS = [(0.0, 0.0, 1.25), (0.5, 5.0, 2.5), (1.5, 5.0, -0.75), (2.0, 0.0, 0.0)]
+LOGS = {
+    "german": ("Zeit [s];Drehzahl [rad/s];Drehmoment [Nm]", ";", ","),
+    "names of the file's own order": ("torque [N*m],time [s],speed [rad/s]", ",", "."),
+    "tabs": ("t [s]\tomega [rad/s]\ttau [N*m]", "\t", "."),
+    "semicolons and a row of units": ("time;speed;torque\ns;rad/s;N*m", ";", ","),
+    "milliseconds": ("time [ms];speed [rad/s];torque [mNm]", ";", "."),
+    "lines above": ("Logger 4, channel 1\n\ntime (s),speed (rad/s),torque (N*m)", ",", "."),
+    "names with units": ("time_s,speed_rad/s,torque_nm", ",", "."),
+}
+
+
+@pytest.mark.parametrize("name", LOGS)
+@pytest.mark.parametrize("code", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_a_log_is_read_as_loggers_and_spreadsheets_write_it(tmp_path, shaft, name, code):
+    expected = shaft(SPEED, *zip(*ROWS, strict=True))
+    head, separator, sign = LOGS[name]
+    thousand = 1000.0 if name == "milliseconds" else 1.0
+    lines = [head]
+    for time, speed, torque in ROWS:
+        cells = [time * thousand, speed, torque * thousand]
+        cells = [cells[2], cells[0], cells[1]] if head.startswith("torque") else cells
+        lines.append(separator.join(f"{cell:.6f}".replace(".", sign) for cell in cells))
+    (tmp_path / "run.csv").write_bytes("\n".join(lines).encode(code))
+    found = load_cycle(spec_of(tmp_path))
+    for one in ("duration", "speed", "torque"):
+        np.testing.assert_allclose(getattr(found, one), getattr(expected, one), rtol=1e-12)
+
+
+def test_columns_that_nobody_takes_are_named(tmp_path):
+    rows = "\n".join(f"{t};{w};{m};{20 + t};x" for t, w, m in ROWS)
+    (tmp_path / "run.csv").write_text(f"time [s];speed [rad/s];torque [N*m];temperature [degC];note\n{rows}\n")
+    with pytest.warns(UserWarning, match=r"columns left out: temperature \[degC\], note"):
+        assert load_cycle(spec_of(tmp_path)).total == pytest.approx(2.0)
+
+
+def test_a_head_without_a_unit_is_refused_by_name(tmp_path):
+    (tmp_path / "run.csv").write_text("time [s];speed [rad/s];torque\n0;0;1\n1;1;1\n")
+    with pytest.raises(InputError, match=r"run.csv:1: torque: has no unit; expected e.g. torque \[N\*m\]"):
+        load_cycle(spec_of(tmp_path))
+
+
 @pytest.mark.parametrize("name", ["position", "angle"])
 def test_a_parabola_is_met_exactly(shaft, name):
     time = uneven(2.0, 50)
