@@ -73,7 +73,7 @@ def cycle_of(
     ).split()  # fmt: skip
     if not friction:
         return cycle
-    resisting = friction * radius * np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    resisting = friction * radius * cycle.direction
     return replace(cycle, torque=cycle.torque + resisting).split()
 
 

@@ -126,5 +126,5 @@ def _with_belt(cycle: LoadCycle, belt: BeltStage | None) -> LoadCycle:
     if belt is None or not (np.any(belt.inertia) or np.any(belt.friction_torque)):
         return cycle
     torque = cycle.torque + belt.inertia * cycle.acceleration
-    torque = torque + belt.friction_torque * np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    torque = torque + belt.friction_torque * cycle.direction
     return replace(cycle, torque=torque, inertia=cycle.inertia + belt.inertia).split()

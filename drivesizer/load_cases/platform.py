@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, NamedTuple
@@ -16,7 +15,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.csv_columns import path_from_spec
 from drivesizer.files.text import missing
 from drivesizer.load_cases import cycle_of_course, driven_shaft_cycle, load_cycle
-from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases.profile import located, profile_of
 from drivesizer.load_cases.requirements import requirements
 from drivesizer.loads.course import Course, Profile
 from drivesizer.loads.hoist import Hoist
@@ -151,18 +150,9 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
             where = spec.where(("platform", "limits"))
             raise InputError(f"{where}: expected speed and acceleration to plan the waypoints with, e.g. speed: 1 m/s")
         points = [Waypoint(x=p.x, y=p.y, heading=p.heading, pause=p.pause) for p in motion.waypoints]
-        with _located(spec, "motion", "waypoints"):
+        with located(spec, "motion", "waypoints"):
             return plan(points, limits)
     return None
-
-
-@contextmanager
-def _located(spec: RobotSpec, *path: str | int) -> Iterator[None]:
-    """Say of what is wrong inside where the spec has it."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(f"{spec.where(path)}: {str(error).removeprefix(f'{path[-1]}: ')}") from None
 
 
 def limits_of(spec: RobotSpec) -> Limits | None:
@@ -170,14 +160,14 @@ def limits_of(spec: RobotSpec) -> Limits | None:
     given = spec.platform.limits if spec.platform else None
     if given is None or given.speed is None or given.acceleration is None:
         return None
-    with _located(spec, "platform", "limits"):
+    with located(spec, "platform", "limits"):
         return Limits(**{name: getattr(given, name) for name in type(given).model_fields})
 
 
 def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:
     """Kinematics and dynamics of a spec's platform."""
     assert spec.platform is not None and isinstance(spec.load, WheeledVehicle)
-    with _located(spec, "platform"):
+    with located(spec, "platform"):
         return dynamics(platform_of(spec.platform, spec.load, rotor_inertia))
 
 
@@ -252,7 +242,7 @@ def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[Loa
     assert isinstance(load, WheeledVehicle)
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
-    with _located(case, "motion"):
+    with located(case, "motion"):
         return wheel_cycles(d, trajectory, ground_of(case), friction=friction)
 
 
@@ -442,7 +432,7 @@ def motion_of(spec: RobotSpec) -> Profile:
 def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
     """Torque of a motion beyond inertia and the constants of its direction: rows of rising time and torque."""
     cycle = load_cycle(spec, None if isinstance(spec.load, Recorded) else profile)
-    direction = np.sign(cycle.speed.mean(axis=1, keepdims=True))
+    direction = cycle.direction
     known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)
     known = np.where(direction == 0.0, shaft.rest_torque, known) + shaft.inertia * cycle.acceleration
     largest = float(np.abs(cycle.torque).max() + np.abs(known).max())

@@ -100,12 +100,15 @@ def profile_of(spec: RobotSpec) -> Profile:
 
 
 @contextmanager
-def located(spec: RobotSpec) -> Iterator[None]:
-    """Errors of a field with its file and line, raised within."""
+def located(spec: RobotSpec, *path: str | int) -> Iterator[None]:
+    """Say of what is wrong inside where the spec has it: the field that it names itself, else that of the path."""
     try:
         yield
-    except FieldError as error:
-        raise InputError(f"{spec.where(error.field)}: {error}") from None
+    except InputError as error:
+        field = error.field if isinstance(error, FieldError) else path
+        if not field:
+            raise
+        raise InputError(f"{spec.where(field)}: {str(error).removeprefix(f'{field[-1]}: ')}") from None
 
 
 def profile(spec: RobotSpec, name_or_file: str) -> Profile:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.physics.figures import Alike, Figure
-from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, cut_points, end_times, places
+from drivesizer.physics.load_cycle import Cuts, Ends, LoadCycle, OwnLimit, cut_points, cuts, end_times
 
 _SHORT = 256  # breakpoints of a profile of which the course is kept
 
@@ -77,36 +77,23 @@ class Course:
     def split(self) -> Course:
         """The same course, cut where it turns round: within a segment the direction is one."""
         pieces, shares, speed = cut_points(self.speed, self.speed)
-        cut = replace(self, speed=speed)._in_pieces(pieces, shares)
-        turns = np.flatnonzero(pieces == 2)
-        first, inside = (np.cumsum(pieces) - pieces)[turns], (shares[turns] > 0.0) & (shares[turns] < 1.0)
-        for row, end in ((first, 1), (first + 1, 0)):
-            cut.speed[row, end] = np.where(inside, 0.0, cut.speed[row, end])  # not what rounding makes of it
-        return cut
+        return replace(self, speed=speed)._in_pieces(cuts(pieces, shares), turns=True)
 
     def finer(self, pieces: NDArray[np.int64] | int) -> Course:
         """The same course with each segment in so many equal pieces, for torques that are not linear in it."""
         count = np.broadcast_to(np.asarray(pieces, dtype=np.int64), len(self.duration))
-        return self._in_pieces(count, (1.0 / count).reshape(-1, *[1] * (self.duration.ndim - 1)))
+        return self._in_pieces(cuts(count, (1.0 / count).reshape(-1, *[1] * (self.duration.ndim - 1))))
 
-    def _in_pieces(self, pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Course:
-        """Each segment in pieces that all take the same share of it, but for the last, which takes the rest."""
-        owner, place = places(pieces)
-        number, last = (x.reshape(-1, *[1] * (shares.ndim - 1)) for x in (place, place + 1 == pieces[owner]))
-        start = number * shares[owner]
-        end = np.where(last, 1.0, (number + 1) * shares[owner])
-        share = np.stack([start, end], axis=1)
-        left = {name: getattr(self, name)[owner, :1] for name in ("position", "speed", "acceleration")}
-        rise = {name: getattr(self, name)[owner, 1:] - left[name] for name in ("speed", "acceleration")}
-        duration = self.duration[owner]
-        travel = duration[:, None] * (left["speed"] * share + rise["speed"] * share**2 / 2)
+    def _in_pieces(self, cut: Cuts, *, turns: bool = False) -> Course:
+        duration, left, share = self.duration[cut.owner], self.speed[cut.owner, :1], np.stack(cut[1:], axis=1)
+        travel = duration[:, None] * (left * share + (self.speed[cut.owner, 1:] - left) * share**2 / 2)
         return Course(
             self.name,
-            duration * (end - start),
-            left["position"] + travel,
-            left["speed"] + rise["speed"] * share,
-            left["acceleration"] + rise["acceleration"] * share,
-            self.payload if isinstance(self.payload, float) else self.payload[owner],
+            duration * (cut.end - cut.start),
+            self.position[cut.owner, :1] + travel,
+            cut.line(self.speed, crosses=turns),
+            cut.line(self.acceleration),
+            self.payload if isinstance(self.payload, float) else self.payload[cut.owner],
         )
 
     def cycle(

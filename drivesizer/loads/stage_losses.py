@@ -91,21 +91,14 @@ def through_stage(
         At the shaft of one drive, cut where the direction of power changes.
     """
     ideal = course.cycle(force * radius, radius)
-    direction = _direction(ideal)
-    torque = ideal.torque * _factor(ideal, *efficiency) + turning * ideal.acceleration + drag * direction
+    torque = ideal.torque * _factor(ideal, *efficiency) + turning * ideal.acceleration + drag * ideal.direction
     inertia = turning + (mass + course.heaviest) * radius * radius
     return replace(ideal, torque=torque / motors, inertia=inertia / motors).split()
 
 
-def _direction(cycle: LoadCycle) -> Ends:
-    """Sign of the speed within each segment, 0 at rest: shape (segments, 1, ...)."""
-    direction: Ends = np.sign(cycle.speed.mean(axis=1, keepdims=True))
-    return direction
-
-
 def _factor(cycle: LoadCycle, forward: Figure, backward: Figure) -> Ends:
     """By which a stage changes a torque that drives, is driven, or holds: nothing holds a stage that locks itself."""
-    flow = _direction(cycle) * np.sign(cycle.torque.mean(axis=1, keepdims=True))
+    flow = cycle.direction * np.sign(cycle.torque.mean(axis=1, keepdims=True))
     at_rest = np.where(np.greater(backward, 0.0), 1.0, 0.0)
     return np.where(flow > 0.0, 1.0 / forward, np.where(flow < 0.0, backward, at_rest))
 
@@ -155,11 +148,11 @@ def through_gear(cycle: LoadCycle, gear: FixedGear) -> LoadCycle:
         At its input shaft, cut where the direction of power changes.
     """
     i = gear.ratio
-    torque = cycle.torque + gear.wheel_inertia * cycle.acceleration + gear.wheel_friction * _direction(cycle)
+    torque = cycle.torque + gear.wheel_inertia * cycle.acceleration + gear.wheel_friction * cycle.direction
     at_wheel = replace(cycle, torque=torque).split()
     acceleration = at_wheel.acceleration * i
     torque = at_wheel.torque * _factor(at_wheel, gear.efficiency, gear.back_efficiency) / i
-    torque = torque + gear.pinion_inertia * acceleration + gear.pinion_friction * _direction(at_wheel)
+    torque = torque + gear.pinion_inertia * acceleration + gear.pinion_friction * at_wheel.direction
     return replace(
         at_wheel, speed=at_wheel.speed * i, acceleration=acceleration, torque=torque, radius=cycle.radius / i,
         inertia=gear.pinion_inertia + (cycle.inertia + gear.wheel_inertia) / i**2,

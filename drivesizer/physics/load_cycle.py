@@ -98,6 +98,12 @@ class LoadCycle:
         return end_times(self.duration)
 
     @property
+    def direction(self) -> Ends:
+        """Sign of the speed within each segment, 0 at rest: shape (segments, 1, ...)."""
+        direction: Ends = np.sign(self.speed.mean(axis=1, keepdims=True))
+        return direction
+
+    @property
     def power(self) -> Ends:
         """Mechanical power to the load at both ends of each segment [W]."""
         return self.torque * self.speed
@@ -111,32 +117,13 @@ class LoadCycle:
         """
         cycle = self
         for name in ("speed", "torque"):
-            cycle = cycle._cut(name)
+            ends = getattr(cycle, name)
+            if (ends[:, 0] * ends[:, 1] < 0.0).any():
+                pieces, shares, column = cut_points(ends, cycle.speed)
+                cut, cycle = cuts(pieces, shares), replace(cycle, **{name: column})
+                columns = {n: cut.line(getattr(cycle, n), crosses=n == name) for n in _COLUMNS}
+                cycle = replace(cycle, duration=cycle.duration[cut.owner] * (cut.end - cut.start), **columns)
         return cycle
-
-    def _cut(self, name: str) -> LoadCycle:
-        ends = getattr(self, name)
-        if not (ends[:, 0] * ends[:, 1] < 0.0).any():
-            return self
-        pieces, shares, column = cut_points(ends, self.speed)
-        crosses, inside = pieces == 2, (shares > 0.0) & (shares < 1.0)
-        first = np.cumsum(pieces) - pieces  # place of each segment's first piece
-        second = (first + 1)[crosses]
-
-        def cut(ends: Ends, *, zero: bool = False) -> Ends:
-            ends = np.broadcast_to(ends, (len(pieces), 2, *np.broadcast_shapes(shares.shape[1:], ends.shape[2:])))
-            out = np.repeat(ends, pieces, axis=0)
-            middle = ends[:, 0] + shares * (ends[:, 1] - ends[:, 0])
-            if zero:
-                middle = np.where(inside, 0.0, middle)
-            out[first[crosses], 1] = out[second, 0] = middle[crosses]
-            return out
-
-        duration = np.repeat(self.duration + np.zeros_like(shares), pieces, axis=0)
-        duration[first] *= shares
-        duration[second] *= (1.0 - shares)[crosses]
-        columns = {n: cut(column, zero=True) if n == name else cut(getattr(self, n)) for n in _COLUMNS}
-        return replace(self, duration=duration, **columns)  # type: ignore[arg-type]
 
 
 def _within(column: NDArray[np.float64]) -> bool:
@@ -176,6 +163,30 @@ def cut_points(column: Ends, speed: Ends) -> tuple[NDArray[np.int64], NDArray[np
     cut: NDArray[np.bool_] = np.any(crosses, axis=1)
     at_the_start = cut[:, None] & (np.abs(speed[:, 0]) > np.abs(speed[:, 1]))
     return np.where(cut, 2, 1), np.where(crosses, share, np.where(at_the_start, 0.0, 1.0)), column
+
+
+class Cuts(NamedTuple):
+    """Pieces of segments: the segment of each, and from which share of it to which it goes."""
+
+    owner: NDArray[np.int64]
+    start: NDArray[np.float64]  # shape (pieces,) or (pieces, cycles)
+    end: NDArray[np.float64]
+
+    def line(self, ends: Ends, *, crosses: bool = False) -> Ends:
+        """A straight line over segments at both ends of their pieces; ``crosses``: it is 0 where it is cut."""
+        left, right = ends[self.owner, 0], ends[self.owner, 1]
+        at = [
+            np.where(x <= 0.0, left, np.where(x >= 1.0, right, 0.0 if crosses else left + x * (right - left)))
+            for x in (self.start, self.end)
+        ]
+        return np.stack(at, axis=1)
+
+
+def cuts(pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Cuts:
+    """Each segment in so many pieces that all take the same share of it, but for the last, which takes the rest."""
+    owner, place = places(pieces)
+    number, last = (x.reshape(-1, *[1] * (shares.ndim - 1)) for x in (place, place + 1 == pieces[owner]))
+    return Cuts(owner, number * shares[owner], np.where(last, 1.0, (number + 1) * shares[owner]))
 
 
 def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
