@@ -120,8 +120,8 @@ class LoadCycle:
             ends = getattr(cycle, name)
             if (ends[:, 0] * ends[:, 1] < 0.0).any():
                 pieces, shares, column = cut_points(ends, cycle.speed)
-                cut, cycle = cuts(pieces, shares), replace(cycle, **{name: column})
-                columns = {n: cut.line(getattr(cycle, n), crosses=n == name) for n in _COLUMNS}
+                cut, lines = cuts(pieces, shares), {n: getattr(cycle, n) for n in _COLUMNS} | {name: column}
+                columns: dict[str, Any] = {n: cut.line(line, crosses=n == name) for n, line in lines.items()}
                 cycle = replace(cycle, duration=cycle.duration[cut.owner] * (cut.end - cut.start), **columns)
         return cycle
 

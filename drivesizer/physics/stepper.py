@@ -243,7 +243,7 @@ def rescaled_torque(speed: Figure, voltage: Figure, at_speed: Array, at_torque: 
 DETENT_SHARE = 0.05  # of the holding torque that a rotor's own friction and detent take; NEMA 17 and 23 print 3 to 6 %
 
 
-def torque_at_current(torque: Figure, share: Figure, own: Figure) -> Figure:
+def torque_at_current(torque: Figure, share: Figure, own: Figure) -> Alike:
     r"""Pull-out torque of a printed curve where the driver gives a share of the rated current.
 
     .. math:: T = s (T_1 + T_0) - T_0
