@@ -22,6 +22,7 @@ HERE = Path(__file__).resolve().parent
 DRIVES = {  # name of the figure: heading, and what compares
     "mx": ("MX-64 and MX-106, geared servos", measured_servos.mx),
     "xl330": ("XL330, geared hobby servo", measured_servos.xl330),
+    "sts3215": ("STS3215, geared hobby servo", measured_servos.sts3215),
     "jameco": ("Jameco 12 V, brushed", measured_motors.jameco),
     "ri50": ("RI50, brushless, frameless", measured_ri50.ri50),
     "contest": ("NEO, NEO 550, Falcon 500, brushless", measured_motors.contest),

@@ -96,7 +96,8 @@ def banded(over: Callable[..., Array], *columns: Array) -> list[Band]:
         Values of the points.
     """
     found = (over(*values) for values in zip(*columns, strict=True))
-    return [Band(x[0], *np.quantile(x[1:], (0.05, 0.5, 0.95), method="inverted_cdf")) for x in found]
+    ends = [np.quantile(x[1:], (0.05, 0.5, 0.95), method="inverted_cdf") for x in found]
+    return [Band(p50, p5, p50, p95) for p5, p50, p95 in ends]
 
 
 def against(

@@ -6,6 +6,7 @@ the same, af2260462471ff45ac18af159b1327ea51d8db15: XL330 (``bam/data.bak/raw``,
 GrahamWhyte/Motor-Project, 6f453f32f06559be0c7ed05c4f7815795f5178a6: Jameco motors (short list);
 karthikurs/actuator-dynamometer, 1ab6e56f6f9dbedd90398ccdfc05a4728ed38e03: two RI50 motors shaft to shaft;
 pvandervelde/electrical-motor-data (Apache-2.0), 39f685fa37431265f6d8cd7e12bc520f611e54a7: motors of robot contests;
+kscalelabs/sysid, 6b78737007c8741c6db3e50f8f05f048c16b68d2, no licence stated: Feetech STS3215 12 V;
 Capo01/odrive_based_electric_motor_dynamometer (GPL-3), 6dd779a2e6fa051afdd1029ffeb238182de755a8: ODrive D5065.
 
 Temperatures in the records are degrees Celsius and become kelvin here; everything is SI. The current of a brushless
@@ -26,8 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    "COAST", "CONTEST_MOTORS", "DC", "LIFT", "LIFT_XL330", "LOCKED", "RECORDS", "SPEEDS", "STEPS", "SWING_XL330",
-    "Course", "Held", "Mapped", "course", "duty_curves", "free_speed", "held", "lifted", "mapped", "record", "steps",
+    "COAST", "CONTEST_MOTORS", "DC", "INERTIA_STS3215", "LIFT", "LIFT_XL330", "LOCKED", "RECORDS", "SPEEDS", "STEPS",
+    "SWING_XL330", "Course", "Held", "Mapped", "course", "duty_curves", "free_speed", "held", "lifted",
+    "lifted_sts3215", "lifting_sts3215", "mapped", "record", "steps",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -49,6 +51,7 @@ LOCKED = np.array([
 ])  # fmt: skip
 
 # bam, XL330: duty [1], supply [V], torque at which the arm stops [N*m]; inertia of the free swing at the horn [kg*m^2]
+INERTIA_STS3215 = 0.0278  # kg*m^2 at the horn, as its authors identified it
 LIFT_XL330 = np.array([(0.3436, 7.37, 0.175), (0.51, 7.23, 0.239), (0.79, 7.33, 0.368), (0.98, 7.08, 0.371)])
 SWING_XL330 = 2.3e-3
 
@@ -143,6 +146,29 @@ def lifted() -> tuple[Array, Array, Array]:
     """Voltage [V], current [A] and torque of the arm where it stops [N*m]."""
     voltage, current, angle = LIFT.T
     return voltage, current, WEIGHT * ARM * np.cos(np.radians(angle))
+
+
+def lifted_sts3215(folder: Path) -> tuple[Array, Array, Array]:
+    """The same of an STS3215 of 12 V: medians over the runs with each of eight pendulums."""
+    rows = _table(folder, "sts3215_lift.csv")
+    pendulums = sorted({(row["mass_kg"], row["length_m"]) for row in rows})
+    own = [[row for row in rows if (row["mass_kg"], row["length_m"]) == one] for one in pendulums]
+    names = ("motor_V", "register_current_A", "torque_Nm")
+    voltage, current, torque = (np.array([np.median([row[name] for row in some]) for some in own]) for name in names)
+    return voltage, current, torque
+
+
+def lifting_sts3215(folder: Path) -> tuple[Array, Array, Array]:
+    """The same servo while it lifts: voltage [V], torque [N*m] and speed of the horn [rad/s]."""
+    rows = _table(folder, "sts3215_lifting_speed.csv")
+    voltage, torque, speed = (np.array([row[name] for row in rows]) for name in ("motor_V", "torque_Nm", "speed_rad_s"))
+    return voltage, torque, speed
+
+
+def _table(folder: Path, name: str) -> list[dict[str, float]]:
+    """Rows of numbers by their heads; what is no number is left out."""
+    with _found(folder, name).open(encoding="utf-8", newline="") as file:
+        return [{head: float(x) for head, x in row.items() if head != "file"} for row in csv.DictReader(file)]
 
 
 def record(folder: Path, name: str) -> Record:

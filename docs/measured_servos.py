@@ -6,7 +6,17 @@ from pathlib import Path
 
 import numpy as np
 from measured_compared import Axis, Comparison, against, banded, part, predicted, sampled
-from measured_data import LIFT_XL330, LOCKED, RPM, SWING_XL330, free_speed, lifted
+from measured_data import (
+    INERTIA_STS3215,
+    LIFT_XL330,
+    LOCKED,
+    RPM,
+    SWING_XL330,
+    free_speed,
+    lifted,
+    lifted_sts3215,
+    lifting_sts3215,
+)
 
 _VOLTAGE = Axis("voltage", "V")
 _SPEED = Axis("free speed", "rpm", 1.0 / RPM)
@@ -59,3 +69,24 @@ def xl330(_: Path) -> list[Comparison]:
         against("xl330_torque", V, _VOLTAGE, M, _TORQUE, bands, plain),
         against("xl330_inertia", np.zeros(1), Axis("", ""), np.array([SWING_XL330]), _INERTIA, at_horn, np.nan),
     ]
+
+
+def sts3215(folder: Path) -> list[Comparison]:
+    """STS3215 of 12 V."""
+    motor, (V, I, M) = part("feetech", "ST-3215-C018"), lifted_sts3215(folder)
+    at, share = [{"voltage": u} for u in V], V / motor["nominal_voltage"]
+    one, _parts = sampled(motor, motor["nominal_voltage"])
+    at_horn = banded(lambda _: one.drive.inertia * one.drive.ratio**2, np.zeros(1))
+    large = M > 1.0  # below, the register shows less than a motor without any loss takes
+    no_loss = M[large] / (motor["ratio"] * motor["motor_torque_constant"])
+    by_torque = predicted(motor, "load_current", [{"load": m} for m in M[large]])
+    V_run, M_run, w = lifting_sts3215(folder)
+    running = predicted(motor, "load_speed", [{"voltage": u, "load": m} for u, m in zip(V_run, M_run, strict=True)])
+    line = motor["no_load_speed"] * (V_run / motor["nominal_voltage"] - M_run / motor["stall_torque"])
+    return [
+        against("sts3215_torque", V, _VOLTAGE, M, _TORQUE, predicted(motor, "stall_torque", at),
+                motor["stall_torque"] * share),
+        against("sts3215_current", M[large], _TORQUE, I[large], _CURRENT, by_torque, no_loss),
+        against("sts3215_speed", V_run, _VOLTAGE, w, Axis("speed", "rpm", 1.0 / RPM), running, np.maximum(line, 0.0)),
+        against("sts3215_inertia", np.zeros(1), Axis("", ""), np.array([INERTIA_STS3215]), _INERTIA, at_horn, np.nan),
+    ]  # fmt: skip

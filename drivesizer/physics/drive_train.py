@@ -27,7 +27,8 @@ from drivesizer.physics.figures import Alike, Figure, Figures, once_per_part
 Array = NDArray[np.float64]
 Column = TypeVar("Column")  # of candidates, or one figure
 SLOTLESS = "slotless"  # a winding without iron teeth
-DRY_SHARE = {SLOTLESS: 0.37, "": 0.55}  # of a brushless motor's no-load torque, by its winding; sources: ``friction``
+SERVO = "geared servo"  # brushed, inside an actuator: its friction is that of the gear as well
+DRY_SHARE = {"brushed": 0.65, SERVO: 0.45, "brushless": 0.55, SLOTLESS: 0.37}  # of the no-load torque; see ``friction``
 ELECTRONICS = "integrated electronics"  # the commutation of a motor that has its controller inside
 _SAME = 0.0101  # two figures of three digits each, each off by half of its last one: 0.5 %, and 1 % between them
 _OTHER = 2.0  # times k_t or a part of it: then w_0 and V are not of one winding
@@ -145,10 +146,16 @@ def friction(motor: Figures, dry: Figure = 1.0) -> tuple[Array, Array]:
 
     .. math:: M_c = s\, k_t I_0, \qquad b = (1 - s)\, k_t I_0 / w_0
 
-    s is 1 of a brushed motor, and where :math:`w_0` is unknown. Of a brushless one it is that of bearings and
-    hysteresis, :data:`DRY_SHARE`: 0.37 without slots, the median of 70 Faulhaber motors that print both (5-95 %: 0.14
-    to 0.55); 0.55 otherwise, where cogging and the iron's hysteresis come to it: measured 0.80 (REV NEO), 0.57 to 0.68
-    (NEO 550), 0.75 and more (Falcon 500), 0.5 to 0.7 (ODrive D5065, by the voltage), 0.14 to 0.7 (RI50), 0.13 (U8).
+    s is 1 where :math:`w_0` is unknown, else :data:`DRY_SHARE` by what rubs:
+
+    - brushed, 0.65: brushes and bearings; 0.70 of a Jameco that coasts, 0.48, 0.51, 0.66 and 0.68 of maxon's DCX 16 L,
+      19 S, 16 S and 32 L by the no-load currents of their windings, which turn at 5 800 to 13 200 rpm;
+    - brushed inside an actuator, 0.45, where grease and many wheels come to it: identified of servos 0.14 to 0.20
+      (XL330), 0.24 (STS3215), 0.43 (XL-320), 0.62 to 0.69 (MX-106), 0.96 (MX-64);
+    - brushless without slots, 0.37: the median of 70 Faulhaber motors that print both (5-95 %: 0.14 to 0.55);
+    - brushless otherwise, 0.55, where cogging and the iron's hysteresis come to it: measured 0.80 (REV NEO), 0.57 to
+      0.68 (NEO 550), 0.75 and more (Falcon 500), 0.5 to 0.7 (ODrive D5065, by the voltage), 0.14 to 0.7 (RI50),
+      0.13 (U8).
 
     Parameters
     ----------
@@ -163,13 +170,20 @@ def friction(motor: Figures, dry: Figure = 1.0) -> tuple[Array, Array]:
         The two, of each motor [N*m], [N*m*s/rad].
     """
     loss = motor["torque_constant"] * motor["no_load_current"]
-    share = np.where(motor["winding"] == SLOTLESS, DRY_SHARE[SLOTLESS], DRY_SHARE[""]) * dry
     coulomb, viscous, w_0 = motor["friction_torque"], motor["viscous_friction"], motor["no_load_speed"]
-    share = np.where((motor["kind"] == "brushed") | np.isnan(w_0), 1.0, np.minimum(share, 1.0))
+    share = np.minimum(dry_share(motor) * dry, 1.0)
+    share = np.where(np.isnan(w_0), 1.0, share)
     left = np.where(np.isnan(viscous), share * loss, np.maximum(loss - viscous * w_0, 0.0))
     rest = np.where(share < 1.0, (1.0 - share) * loss / w_0, 0.0)
     rest = np.where(np.isnan(coulomb), rest, np.maximum(loss - coulomb, 0.0) / w_0)
     return np.where(np.isnan(coulomb), left, coulomb), np.where(np.isnan(viscous), rest, viscous)
+
+
+def dry_share(motor: Figures) -> Array:
+    """Share of motors' no-load torque that is dry [1], by what rubs: see ``friction``."""
+    brushed = np.where(np.asarray(motor["inside"]) == "", DRY_SHARE["brushed"], DRY_SHARE[SERVO])
+    brushless = np.where(np.asarray(motor["winding"]) == SLOTLESS, DRY_SHARE[SLOTLESS], DRY_SHARE["brushless"])
+    return np.where(np.asarray(motor["kind"]) == "brushed", brushed, brushless)
 
 
 @once_per_part

@@ -156,6 +156,7 @@ def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
     free, idle = one.running(0.0, ambient)
     stall = one.stall_current(ambient)
     torque = np.maximum(one.drive.k_t * stall - one.coulomb, 0.0) * one.drive.ratio * one.drive.efficiency
+    torque = np.minimum(torque, one.most_torque)
     speed, current = one.running(given.load, ambient)
     power = given.load * speed / one.drive.ratio
     drawn = one.source_power(given.voltage, given.resistance, current)
@@ -245,13 +246,11 @@ def _line(one: SetAtVoltage, stall: Array, given: Conditions) -> tuple[Array, Ba
 
 
 def _band(values: Array) -> Band:
-    """Nominal value and percentiles over the last axis; NaN where one is unknown."""
+    """Percentiles over the last axis, of which the median is the nominal value; NaN where one is unknown."""
     known = ~np.isnan(values).any(axis=-1)
-    found = [
-        values[..., 0],
-        *np.quantile(np.nan_to_num(values[..., 1:], posinf=np.inf), _PER_CENT, axis=-1, method="inverted_cdf"),
-    ]
-    return Band(*(np.where(known, x, np.nan)[()] for x in found))
+    ends = np.quantile(np.nan_to_num(values[..., 1:], posinf=np.inf), _PER_CENT, axis=-1, method="inverted_cdf")
+    p5, p50, p95 = (np.where(known, x, np.nan)[()] for x in ends)
+    return Band(p50, p5, p50, p95)
 
 
 def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) -> Iterable[Predicted]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,16 +12,16 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
-from drivesizer.catalog.estimates.estimate import SAME_FAMILY, estimates, family_limits, law_text
+from drivesizer.catalog.estimates.estimate import SAME_FAMILY, estimates, estimates_by_rule, family_limits, law_text
 from drivesizer.catalog.estimates.laws import Fit
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
-from drivesizer.catalog.tolerances import Class, lognormal
+from drivesizer.catalog.tolerances import Class, lognormal, usual_of_spur_gears
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.kernel.warming import State, after
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, motor_and_gears
+from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, friction, motor_and_gears
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -51,6 +52,7 @@ class SampledParts(NamedTuple):
     gearhead: Figures
     controller: Figures | None
     free: Array  # (samples + 1, 3): three more uniform figures, 0 to 1; the first row 0.5
+    most: tuple[Array, Array]  # A, and N*m at the output, by a printed stall; infinite without one
     estimates: tuple[EstimatedFigure, ...]
     classes: tuple[Class, ...]
 
@@ -60,9 +62,11 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     role = "actuator" if motor.section == "actuators" else "motor"
     sold = {role: motor} | ({"gearhead": gearhead} if gearhead else {})
     estimated = [(role, one) for role, hit in sold.items() for one in estimates_of(hit.table, hit.row)]
+    stalled = estimates_by_rule(motor.catalog, motor.row, "resistance") if role == "actuator" else ()
+    estimated = [(role, one) for one in stalled] + estimated  # before others, which follow from it
     limits = [(role, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
     drawn = [one for one in _classes(motor, gearhead, controller) if one.factor is not None]
-    cube = sobol(len(estimated) + len(drawn) + 5, power, [(_SEED, 0)])
+    cube = sobol(len(estimated) + len(drawn) + 6, power, [(_SEED, 0)])
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
     tables = {role: _repeated(hit, len(cube)) for role, hit in sold.items()}
     laws = {role: {one.fit for other, one in estimated if other == role} for role in sold}
@@ -77,10 +81,12 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         none = {name: np.full(len(cube), getattr(NO_GEARHEAD, name)) for name in columns_of("gearheads")}
         bought, gear = tables["motor"], tables.get("gearhead", none)
     factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead", "controller")}
-    for one, share in zip(drawn, cube.T[len(estimated) :], strict=False):
+    shares = {(one.part, one.figure): share for one, share in zip(drawn, cube.T[len(estimated) :], strict=False)}
+    if ("gearhead", "peak_torque") in shares:  # gears that lose more lift less: one cause, one share
+        shares["gearhead", "peak_torque"] = 1.0 - shares["gearhead", "efficiency"]
+    for one in drawn:
         assert one.factor is not None
-        factors[one.part][one.figure] = one.factor.at(share)
-        factors[one.part][one.figure][0] = 1.0  # of the nominal row
+        factors[one.part][one.figure] = one.factor.at(shares[one.part, one.figure])
     names = {one.figure for _, one in estimated}
     shown = [_shown(role, sold[role].section, one.figure, one[1:4], law_text(one.fit)) for role, one in estimated]
     shown += [
@@ -91,18 +97,24 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     if controller is not None:  # what it does not print of its losses lies between assumed ends
         stage = _repeated(controller, len(cube))
         lacking = [name for name in _STAGE if np.isnan(controller[name])]
-        for name, share in zip(lacking, cube.T[-5:], strict=False):
+        for name, share in zip(lacking, cube.T[-6:], strict=False):
             (low, high), law = _STAGE[name], "assumed: from an ideal power stage to one of 0.9 and 1 V"
             stage[name] = low + (high - low) * share
             middle, wide = (low + high) / 2.0, 0.45 * (high - low)
             shown.append(_shown("controller", "controllers", name, (middle, middle - wide, middle + wide), law))
         if "losses" in factors["controller"]:
             stage |= with_stage_losses(stage, factors["controller"]["losses"])
-    return SampledParts(
-        _varied(bought, motor_times(bought, factors["motor"]), names),
-        _varied(gear, gearhead_times(gear, factors["gearhead"]), names), stage, cube[:, -3:],
-        tuple(shown), tuple(drawn),
-    )  # fmt: skip
+    bought = _varied(bought, motor_times(bought, factors["motor"]), names)
+    most = np.full(len(cube), np.inf), np.full(len(cube), np.inf)
+    if stalled:  # no more than at the printed stall, whose efficiency goes with the rest of the sample
+        current, torque = motor["stall_current"], motor["stall_torque"]
+        most = current * (0.9 + 0.2 * cube[:, -4]), torque * factors["gearhead"].get("peak_torque", 1.0)
+        driving = bought["torque_constant"] * most[0] - friction(bought)[0]
+        if not isnan(motor["efficiency"]):
+            at_stall = np.fmax(torque / (gear["ratio"] * driving), usual_of_spur_gears(gear["ratio"], gear["stages"]))
+            gear = {**gear, "efficiency": np.minimum(at_stall, 1.0)}
+    gear = _varied(gear, gearhead_times(gear, factors["gearhead"]), names)
+    return SampledParts(bought, gear, stage, cube[:, -3:], most, tuple(shown), tuple(drawn))
 
 
 def _varied(bought: Figures, changed: Mapping[str, Any], estimated: set[str]) -> Figures:
@@ -125,9 +137,10 @@ def _within(one: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Ar
 
     value, low, high = (np.full(len(share), x) for x in (one.value, one.low, one.high))
     row = np.full(len(share), hit.row)
-    drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]), laws)[one.figure]
-    for into, found in ((value, drawn.value), (low, drawn.low), (high, drawn.high)):
-        into[drawn.rows] = found
+    drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]), laws)
+    if one.figure in drawn:  # else by a rule, of printed figures alone
+        for into, found in zip((value, low, high), drawn[one.figure][1:4], strict=True):
+            into[drawn[one.figure].rows] = found
     values = lognormal(low, value, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
     values[0] = one.value
     return np.asarray(np.minimum(values, 1.0 if one.figure == "efficiency" else np.inf))
@@ -267,6 +280,7 @@ class SetAtVoltage(NamedTuple):
     leads: Array  # ohm, in series with the winding
     feed: Feed | None  # of the controller; None without one
     most_current: Array  # A, of the controller; infinite without one
+    most_torque: Array  # N*m at the output, by a printed stall; infinite without one
     bodies: TwoBodies
     losses: tuple[Array, Array]  # at the housing, per speed and per square of it
 
@@ -310,6 +324,7 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     """A set at a supply."""
     motor, controller, whole = parts.motor, parts.controller, np.ones(len(parts.motor["part"]))
     duty, voltage, feed = whole, given.voltage * whole, None
+    higher = max(given.voltage / motor["nominal_voltage"][0], 1.0)  # than that of the printed stall
     if controller is not None:
         stage = power_stage(controller, given.voltage)
         duty, feed = controller["max_duty"], Feed(stage, given.voltage, given.resistance, 1)
@@ -317,18 +332,22 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     else:  # of one inside an actuator its stall's current, where the winding would take more
         stall, of_winding = motor["stall_current"][0], motor["nominal_voltage"][0] / motor["resistance"][0]
         limited = motor["commutation"][0] == ELECTRONICS and stall < _LIMITED * of_winding
-        most = np.asarray((stall if limited else np.inf) * whole)
+        most = np.minimum(stall if limited else np.inf, parts.most[0] * higher)
     drive = motor_and_gears(motor, parts.gearhead)._replace(k_e=motor["back_emf_constant"])
     leads, losses = duty**2 * given.resistance, housing_loss(motor, whole)
-    return SetAtVoltage(motor, drive, voltage, duty, leads, feed, most, two_bodies(motor), losses)
+    return SetAtVoltage(
+        motor, drive, voltage, duty, leads, feed, most, parts.most[1] * higher, two_bodies(motor), losses
+    )
 
 
 def hold_current(one: SetAtVoltage, parts: SampledParts, torque_out: float) -> Array:
     r"""Current that holds a torque at rest.
 
     Friction carries any part between :math:`M e / i - M_f` (it helps) and :math:`M / (i e) + M_f` (it has just been
-    overcome): uniform between the two over the samples, M/i in the nominal row.
+    overcome): uniform between the two over the samples, M/i in the first row.
     """
+    if torque_out == 0.0:
+        return np.zeros_like(one.coulomb)
     helped = np.maximum(torque_out * one.drive.efficiency / one.drive.ratio - one.coulomb, 0.0)
     torque = helped + parts.free[:, 0] * (one.motor_torque(torque_out) - helped)
     torque[0] = np.where(np.isnan(torque[0]), np.nan, torque_out / one.drive.ratio[0])

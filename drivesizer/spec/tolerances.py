@@ -266,12 +266,12 @@ def _factor(of: str | None = None) -> Any:
 
 
 class MotorTolerances(fields.Section):
-    """Of a motor's figures, as shares of what is printed: +- 7 %, -10 %..30 %, normal(5 %) or none; else by class."""
+    """Of a motor's figures, as shares of what is printed: +- 7 %, -10 %..30 %, 0.5..1.1 times, none; else by class."""
 
     resistance: Factor | None = _factor()
     torque_constant: Factor | None = _factor()
     friction: Factor | None = _factor("of friction and iron loss")
-    dry_friction: Factor | None = _factor("of the dry share of a brushless motor's no-load torque")
+    dry_friction: Factor | None = _factor("of the dry share of a motor's no-load torque")
     rotor_inertia: Factor | None = _factor()
     thermal_resistance: Factor | None = _factor("of both")
     pull_out: Factor | None = _factor("of a stepper's pull-out torque at any speed")

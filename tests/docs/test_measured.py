@@ -98,7 +98,7 @@ def test_of_one_no_load_current_part_is_dry_and_part_grows_with_the_speed():
     w, I = IDLE.T
     I = data.DC * I
     figures = {"torque_constant": 0.1, "no_load_current": I[-1], "no_load_speed": w[-1], "kind": "brushless",
-               "winding": "", "friction_torque": np.nan, "viscous_friction": np.nan}  # fmt: skip
+               "inside": "", "winding": "", "friction_torque": np.nan, "viscous_friction": np.nan}  # fmt: skip
     coulomb, viscous = friction({name: np.array([value]) for name, value in figures.items()})
     parted, flat, proportional = (coulomb + viscous * w) / 0.1, np.full_like(w, I[-1]), I[-1] * w / w[-1]
     missed = [np.sqrt(np.mean((one / I - 1.0) ** 2)) for one in (parted, flat, proportional)]

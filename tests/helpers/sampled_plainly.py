@@ -36,12 +36,14 @@ def scaled(table: Any, row: int, factors: dict[str, float]) -> Any:
 
 
 def with_shares(motors: Any, row: int, factor: float) -> Any:
-    """A table with the friction of a brushless motor printed in two parts."""
-    share = min((0.37 if motors["winding"][row] == "slotless" else 0.55) * factor, 1.0)
+    """A table with the friction of a motor printed in two parts."""
+    brushed = 0.45 if motors["inside"][row] else 0.65
+    nominal = brushed if motors["kind"][row] == "brushed" else 0.37 if motors["winding"][row] == "slotless" else 0.55
+    share = 1.0 if np.isnan(motors["no_load_speed"][row]) else min(nominal * factor, 1.0)
     lost = motors["torque_constant"][row] * motors["no_load_current"][row]
     columns = {name: motors[name].copy() for name in ("friction_torque", "viscous_friction")}
     columns["friction_torque"][row] = share * lost
-    columns["viscous_friction"][row] = (1.0 - share) * lost / motors["no_load_speed"][row]
+    columns["viscous_friction"][row] = 0.0 if share == 1.0 else (1.0 - share) * lost / motors["no_load_speed"][row]
     return replace(motors, columns=motors.columns | columns)
 
 
@@ -72,7 +74,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
     e = parts.gearheads["efficiency"][one.gearhead]
     told = np.where(np.arange(len(parts.motors)) == one.motor, back_emf_constant(parts.motors.columns), np.nan)
     motors = replace(parts.motors, columns=parts.motors.columns | {"back_emf_constant": told})
-    if motors["kind"][one.motor] != "brushed" and np.isnan(motors["friction_torque"][one.motor]):
+    if np.isnan(motors["friction_torque"][one.motor]):
         motors = with_shares(motors, one.motor, v["motor.dry_friction"])
     catalog = replace(
         parts,

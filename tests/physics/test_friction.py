@@ -21,8 +21,8 @@ from drivesizer.simulate import validate
 from drivesizer.sizing import explain
 
 ONE = {
-    "kind": "brushless", "winding": "", "torque_constant": 0.02, "no_load_current": 1.5, "no_load_speed": 600.0,
-    "friction_torque": nan, "viscous_friction": nan,
+    "kind": "brushless", "inside": "", "winding": "", "torque_constant": 0.02, "no_load_current": 1.5,
+    "no_load_speed": 600.0, "friction_torque": nan, "viscous_friction": nan,
 }  # fmt: skip
 FREE = {  # rpm and A of the winding
     "NEO V1.1": ([1607, 2670, 3739, 4939, 5821], [1.44, 1.64, 1.68, 1.73, 1.70]),
@@ -33,7 +33,13 @@ CLASS = next(one.factor for one in classes() if one.figure == "dry_friction")
 
 
 @pytest.mark.parametrize(
-    ("changed", "share"), [({}, 0.55), ({"winding": "slotless"}, 0.37), ({"kind": "brushed"}, 1.0)]
+    ("changed", "share"),
+    [
+        ({}, 0.55),
+        ({"winding": "slotless"}, 0.37),
+        ({"kind": "brushed"}, 0.65),
+        ({"kind": "brushed", "inside": "a servo"}, 0.45),
+    ],
 )
 def test_at_no_load_it_is_that_of_the_no_load_current(changed, share):
     dry, per_speed = friction(ONE | changed)

@@ -389,7 +389,7 @@ def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it
         found = {c.name: c for c in evaluate(problem(physics, blind), rows).checks}
         for name in ("motor_nominal_current", "controller_peak_current"):
             assert (found[name].demand <= plain[name].demand * (1 + 1e-12)).all()
-            assert (found[name].demand > 0.5 * plain[name].demand).all()
+            assert (found[name].demand > 0.3 * plain[name].demand).all()
         for name in ("motor_nominal_current", "controller_peak_current", "supply_voltage"):  # the last told by bounds
             assert not found[name].passed.any()
             assert (plain[name].failed | ~found[name].failed).all()  # what fails with less fails with all of it

@@ -74,7 +74,7 @@ def at_rest(R_1, R_2, k_t, I_0, torque, _):
     """Torque with half R_th2 by the current that heat permits [mN*m]."""
     motor = {name: np.array([value]) for name, value in {
         "thermal_resistance_winding": R_1, "thermal_resistance_housing": R_2, "nominal_speed": 0.0, "kind": "brushed",
-        "winding": "", "friction_torque": 0.0, "viscous_friction": 0.0, "max_winding_temperature": 398.15,
+        "inside": "", "winding": "", "friction_torque": 0.0, "viscous_friction": 0.0, "max_winding_temperature": 398.15,
         "rated_ambient": 298.15, "data_temperature": 298.15, "resistance": 1.0, "nominal_current": 1.0,
         "torque_constant": k_t, "no_load_current": 0.0, "no_load_speed": 1.0}.items()}  # fmt: skip
     gain = float(rating_gain(motor, np.array([R_2 / 2]))[0])

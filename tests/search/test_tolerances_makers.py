@@ -63,7 +63,8 @@ load: {kind: hoist, mass: 0.3 kg, drum_diameter: 80 mm}
 motion: {speed: 0.5 m/s, acceleration_time: 0.5 s, cruise_time: 1 s, rest_time: 1 s}
 supply: {nominal: 36 V, regeneration: 100 %}
 """
-ALONE = "resistance: none, friction: none, rotor_inertia: none, thermal_resistance: none"  # but for the torque constant
+# but for the torque constant
+ALONE = "resistance: none, friction: none, dry_friction: none, rotor_inertia: none, thermal_resistance: none"
 ACME = "tolerances:\n- {source: sheet, motor: {torque_constant: +- 5 %}}\n"
 BOLT = "tolerances:\n- {source: bench, motor: {torque_constant: normal(3 %)}}\n"
 
@@ -222,7 +223,7 @@ WRONG = [
      "expected resistance, torque_constant"),
     ("no tolerance", "tolerances:\n- {source: sheet, motor: {resistance: 5 %}}\n",
      f"{_LINE + 1}: tolerances[1].motor.resistance",
-     '"5 %" is no tolerance of a catalogue figure; expected +- 7 %, -10 %..30 %, normal(5 %) or none'),
+     '"5 %" is no tolerance of a catalogue figure; expected +- 7 %, -10 %..30 %, 0.5..1.1 times, normal(5 %) or none'),
     ("in ohms", "tolerances:\n- {source: sheet, motor: {resistance: +- 5 ohm}}\n",
      f"{_LINE + 1}: tolerances[1].motor.resistance", '"ohm" is not per cent'),
     ("all of it", "tolerances:\n- {source: sheet, motor: {resistance: +- 100 %}}\n",

@@ -171,19 +171,31 @@ def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
         if wide.any():
             law = np.full(int(wide.sum()), RULE)
             found[name] = Estimates(rows[wide], value[wide], value[wide], high[wide], law)
-    for name, (least, most, best) in _OF_PRINTED_STALL.items():
+    for name, (least, usual, most, best) in _OF_PRINTED_STALL.items():
         rows = catalog.by_rule("actuators", name)
         value, law = table[name][rows], np.full(len(rows), _OF_STALL)
         if len(rows):
             high = np.maximum(value, np.minimum(most * value, best))
-            found[name] = Estimates(rows, value, least * value, high, law)
+            found[name] = Estimates(rows, usual * value, least * value, high, law)
     return found
 
 
-# A servo's printed stall is that of a warm motor or its controller's limit: 2.86 ohm of ST-3215 where 2.0 to 2.4 were
-# identified, 49 % where 62 to 77 % were measured while it lifts. Multiples of the figure out of the printed stall, and
-# the most that it may be.
-_OF_PRINTED_STALL = {"resistance": (0.65, 1.0, inf), "efficiency": (1.0, 1.5, 0.85)}
+def estimates_by_rule(catalog: Catalog, row: int, figure: str) -> list[Estimate]:
+    """A figure of an actuator that is by a rule, where it is one."""
+    found = rule_of_thumb_bands(catalog).get(figure)
+    at = np.flatnonzero(found.rows == row) if found else ()
+    return [
+        Estimate(figure, float(found.value[k]), float(found.low[k]), float(found.high[k]), shipped_laws()[found.fit[k]])
+        for k in at
+        if found
+    ]
+
+
+# A servo's printed stall is that of a warm motor or its controller's limit: of the resistance out of it 0.70 to 0.84
+# were identified (STS3215 12 V), 0.85 to 0.95 (7.4 V), 0.90 to 0.97 (MX-106); 49 % efficiency where 62 to 77 % were
+# measured while it lifts. Least, usual and greatest multiple of the figure out of the printed stall, and the most that
+# it may be.
+_OF_PRINTED_STALL = {"resistance": (0.68, 0.95, 1.0, inf), "efficiency": (1.0, 1.0, 1.5, 0.85)}
 
 
 def _largest_resistance(table: Table[Any], rating: NDArray[np.float64]) -> NDArray[np.float64]:

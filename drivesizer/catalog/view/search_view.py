@@ -16,8 +16,10 @@ from drivesizer.catalog.estimates.estimate import UNRATED, estimates_of_catalog
 from drivesizer.catalog.expressions import code, value
 from drivesizer.catalog.parts import DIRECT, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Table, filled, with_pairs, with_rows
+from drivesizer.catalog.tolerances import usual_of_spur_gears
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.files.yaml_source import LOADER
+from drivesizer.physics.drive_train import DRY_SHARE, SERVO
 
 # -- Tables of parts with estimates where a figure is missing: at their middles, and at both ends of their bands.
 #
@@ -36,9 +38,6 @@ _HARDER_WHEN_LOW = {  # of which kind of parts; "": of all. A brushless motor's 
 }  # fmt: skip
 
 
-_PRINTED = 0.02  # within which printed figures of one part agree
-
-
 def completed(catalog: Catalog, end: End) -> dict[str, Any]:
     """The tables that have estimates, with these where a figure is missing."""
     return {section: _table(catalog.table(section), figures, end) for section, figures in catalog.estimates.items()}
@@ -49,30 +48,7 @@ def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Tab
     for name, found in figures.items():
         columns[name] = columns[name].copy()
         columns[name][found.rows] = found.value if end == MIDDLE else _at_band_end(table, found, name, end)
-    if "no_load_current" in figures and table.section == "actuators":
-        _keep_printed_points(table, columns, figures["no_load_current"].rows)
     return Table(table.section, columns, table.source, table.excluded)
-
-
-def _keep_printed_points(table: Table[Any], columns: dict[str, NDArray[Any]], rows: NDArray[np.int64]) -> None:
-    """Constant and efficiency of actuators that were worked out of no load and stall without the no-load current.
-
-    With an estimated one they are others, so that its loss does not count twice: speed without load and torque at stall
-    stay what is printed.
-    """
-    V, w_0, M_s, I_s, R, i, k_t, e = (
-        table[name][rows]
-        for name in ("nominal_voltage", "no_load_speed", "stall_torque", "stall_current", "resistance", "ratio",
-                     "motor_torque_constant", "efficiency")
-    )  # fmt: skip
-    I_0 = columns["no_load_current"][rows]
-    without = np.isclose(k_t * i * w_0, V, rtol=_PRINTED) & np.isclose(i * e * k_t * I_s, M_s, rtol=_PRINTED)
-    constant = (V - I_0 * R) / (i * w_0)
-    share = M_s / (i * constant * (I_s - I_0))
-    some = without & (constant > 0.0) & (share > 0.0) & (share <= 1.0)
-    for name, figure in (("motor_torque_constant", constant), ("efficiency", share)):
-        columns[name] = columns[name].copy()
-        columns[name][rows[some]] = figure[some]
 
 
 def _at_band_end(table: Table[Any], found: Estimates, name: str, end: End) -> NDArray[np.float64]:
@@ -140,9 +116,9 @@ def split_actuators(catalog: Catalog) -> Catalog:
 
     A catalogue without actuators, or whose actuators are split already, is returned unchanged.
     """
-    actuators = catalog.actuators
-    if not len(actuators) or (catalog.motors["inside"] != "").any():
+    if not len(catalog.actuators) or (catalog.motors["inside"] != "").any():
         return catalog
+    actuators = _on_printed_points(catalog.actuators)
     for section in ("motors", "gearheads", "encoders", "controllers"):
         twice = sorted(set(actuators["part"].tolist()) & set(catalog.table(section)["part"].tolist()))
         if twice:
@@ -164,6 +140,41 @@ def split_actuators(catalog: Catalog) -> Catalog:
             pairs = zip(getattr(catalog, name), added, strict=True)
             made[name] = Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in pairs))
     return replace(catalog, **made)
+
+
+_PRINTED = 0.02  # within which printed figures of one part agree
+
+
+def _on_printed_points(table: Table[Any]) -> Table[Any]:
+    """Actuators whose constant and efficiency were worked out of no load and stall, with friction counted once.
+
+    The catalogue's hold without friction or with all of it dry. With the no-load current as it is known by now, printed
+    or estimated, and its dry share they are others: speed without load and torque at stall stay what is printed. Spur
+    gears of less than the usual efficiency lose no more than that: the printed stall is a limit then.
+    """
+    V, w_0, M_s, I_s, R, I_0, i, k_t, e, coulomb, viscous = (
+        table[name]
+        for name in ("nominal_voltage", "no_load_speed", "stall_torque", "stall_current", "resistance",
+                     "no_load_current", "ratio", "motor_torque_constant", "efficiency", "coulomb_friction",
+                     "viscous_friction")
+    )  # fmt: skip
+    brushed, stalled = table["kind"] == "brushed", I_s - I_0
+    dry = np.where(brushed, DRY_SHARE[SERVO], DRY_SHARE["brushless"])
+    rubs = (coulomb + viscous * w_0) / i  # at the motor
+    with np.errstate(invalid="ignore"):
+        identified = (V + np.sqrt(V**2 - 4.0 * i * w_0 * R * rubs)) / (2.0 * i * w_0)
+    constant = np.where(np.isnan(I_0), identified, (V - I_0 * R) / (i * w_0))
+    share = M_s / (i * constant * (I_s - np.nan_to_num(dry * I_0)))
+    share = np.where(table["gearing"] == "spur", np.fmax(share, usual_of_spur_gears(i, table["stages"])), share)
+    of_speed = np.isclose(k_t * i * w_0, V, rtol=_PRINTED) | np.isclose(k_t * i * w_0, V * stalled / I_s, rtol=_PRINTED)
+    of_stall = np.isclose(i * e * k_t * I_s, M_s, rtol=_PRINTED) | np.isclose(i * e * k_t * stalled, M_s, rtol=_PRINTED)
+    moved = of_speed & (constant > 0.0)
+    of_both = np.isnan(i) & np.isclose(table["torque_constant"] * stalled, M_s, rtol=_PRINTED)  # the ratio is unknown
+    return replace(table, columns=dict(table.columns) | {
+        "motor_torque_constant": np.where(moved, constant, k_t),
+        "torque_constant": np.where(of_both, M_s / (I_s - dry * I_0), table["torque_constant"]),
+        "efficiency": np.where(moved & of_stall & (share > 0.0) & (share <= 1.0), share, e),
+    })  # fmt: skip
 
 
 def _with_parts_inside(

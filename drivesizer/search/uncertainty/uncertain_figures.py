@@ -17,12 +17,12 @@ from drivesizer.catalog.tolerances import (
     Class,
     Distribution,
     MakerTolerance,
-    class_from_stall,
     class_of,
     classes,
     losses_from_stall,
     maker_tolerances_of,
     owner_of,
+    resistance_from_stall,
 )
 from drivesizer.catalog.view.mounted import STEPPER, has_steppers
 from drivesizer.files.fields import OfSolids, moment
@@ -100,7 +100,7 @@ def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
         return bool(table[STEPPER][row] not in catalog.pull_outs.stepper)
     if figure == "dry_friction":
         printed = [table[name][row] for name in ("friction_torque", "viscous_friction")]
-        return bool(table["kind"][row] != "brushed" and all(value != value for value in printed))
+        return all(bool(value != value) for value in printed)
     if figure == "peak_torque":
         one = _sold_as(catalog, part, row)
         return bool(one and one.table["peak_torque"][one.row] == one.table["stall_torque"][one.row])
@@ -123,7 +123,7 @@ def _sold_as(catalog: Catalog, part: str, row: int) -> _Sold | None:
 
 def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | None:
     """The class of a figure that is worked out from no-load and stall figures; None of others."""
-    if figure not in ("resistance", "torque_constant", "efficiency"):
+    if figure not in ("resistance", "efficiency"):
         return None
     sold = _sold_as(catalog, part, row) or _Sold(_SECTIONS[part], catalog.table(_SECTIONS[part]), row)
     if "stall_current" not in sold.table.columns:
@@ -132,14 +132,10 @@ def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | Non
     if not abs(one["resistance"] * one["stall_current"] / one["nominal_voltage"] - 1.0) < _ROUNDED:
         return None
     confidence = catalog.confidence(sold.section, sold.row)
-    k_t = "motor_torque_constant" if sold.section == "actuators" else "torque_constant"
-    column = k_t if figure == "torque_constant" else figure
-    if not {confidence["resistance"], confidence.get(column, "")} <= _WORKED_OUT:
-        return None
-    if figure == "torque_constant" and confidence.get("no_load_current", ESTIMATED) != ESTIMATED:
+    if not {confidence["resistance"], confidence.get(figure, "")} <= _WORKED_OUT:
         return None
     if part == "motor":
-        return class_from_stall(figure)
+        return resistance_from_stall()
     if one["gearing"] != "spur" or not one["efficiency"] < 1.0:
         return None
     return losses_from_stall(str(one["part"]), *(float(one[name]) for name in ("efficiency", "ratio", "stages")))
