@@ -1,12 +1,13 @@
 r"""A DC motor at a constant voltage: operating point, step from rest, coast-down.
 
-.. math:: V = R I + L \dot I + k_e w, \qquad J \dot w = k_t I - M - b w
+.. math:: V = R I + L \dot I + k_e w + X w I, \qquad J \dot w = k_t I - M - b w
 
 All functions are elementwise: floats, or columns that broadcast against one another; NaN unknown.
 Convention: everything at the motor's shaft; M is the torque that does not depend on speed: load, gear and dry friction.
 Not here: heat (the winding has one temperature), and what a supply and a controller take of the voltage.
-Symbols: V voltage [V], R resistance [ohm], L inductance [H], k_t torque constant [N*m/A], k_e back-EMF constant
-[V*s/rad], M torque [N*m], b viscous friction [N*m*s/rad], J inertia [kg*m^2], w speed [rad/s], I current [A].
+Symbols: V voltage [V], R resistance [ohm], X what commutation takes (``drive_train.commutation``) [V*s/(A*rad)],
+L inductance [H], k_t torque constant [N*m/A], k_e back-EMF constant [V*s/rad], M torque [N*m], b viscous friction
+[N*m*s/rad], J inertia [kg*m^2], w speed [rad/s], I current [A].
 """
 
 from __future__ import annotations
@@ -31,17 +32,19 @@ class Winding(NamedTuple):
     L: Alike  # H; NaN: taken as none
     k_t: Alike  # N*m/A
     k_e: Alike  # V*s/rad
+    X: Alike = 0.0  # V*s/(A*rad)
 
 
 def operating_point(winding: Winding, voltage: Figure, torque: Figure, viscous: Figure) -> tuple[Array, Array]:
     r"""Speed and current in the long run under a torque.
 
-    .. math:: w = \frac{V - R M / k_t}{k_e + R b / k_t}, \qquad I = \frac{M + b w}{k_t}
+    .. math:: \frac{X b}{k_t} w^2 + \left(k_e + \frac{R b + X M}{k_t}\right) w = V - \frac{R M}{k_t},
+              \qquad I = \frac{M + b w}{k_t}
 
     Parameters
     ----------
     winding
-        R, k_t and k_e.
+        R, k_t, k_e and X.
     voltage
         At the winding and its leads [V].
     torque
@@ -60,7 +63,10 @@ def operating_point(winding: Winding, voltage: Figure, torque: Figure, viscous: 
     >>> float(speed), float(current)
     (1100.0, 1.0)
     """
-    speed = (voltage - winding.R * torque / winding.k_t) / (winding.k_e + winding.R * viscous / winding.k_t)
+    left = voltage - winding.R * torque / winding.k_t
+    slope = winding.k_e + (winding.R * viscous + winding.X * torque) / winding.k_t
+    square = winding.X * viscous / winding.k_t
+    speed = 2.0 * left / (slope + np.sqrt(slope**2 + 4.0 * square * np.maximum(left, 0.0)))
     return np.asarray(speed), np.asarray((torque + viscous * speed) / winding.k_t)
 
 
@@ -105,7 +111,7 @@ def step_time(
     >>> float(round(step_time(Winding(2.0, 0.0, 0.02, 0.02), 24.0, 0.0, 0.0, 1e-5, 0.95)[()] / tau, 3))
     2.996
     """
-    R, L, k_t, k_e = winding
+    R, L, k_t, k_e, _ = winding
     final, _ = operating_point(winding, voltage, torque, viscous)
     tau = inertia * R / (R * viscous + k_t * k_e)
     limited = np.broadcast_to(limit, np.shape(final)) < voltage / R
@@ -178,7 +184,7 @@ def step_peak_current(
     >>> round(float(step_peak_current(Winding(2.0, 0.0, 0.02, 0.02), 24.0, 0.0, 1e-5)), 3)
     12.0
     """
-    R, L, k_t, k_e = winding
+    R, L, k_t, k_e, _ = winding
     tau = inertia * R / (k_t * k_e)
     L = np.maximum(np.nan_to_num(L), _INSTANT * R * tau)
     zeta = np.asarray(R / 2.0 * np.sqrt(inertia / (L * k_t * k_e)))

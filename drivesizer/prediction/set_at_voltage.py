@@ -21,7 +21,7 @@ from drivesizer.catalog.tolerances import Class, lognormal, usual_of_spur_gears
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.kernel.warming import State, after
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, friction, motor_and_gears
+from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, commutation, friction, motor_and_gears
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -292,7 +292,7 @@ class SetAtVoltage(NamedTuple):
     def winding(self, temperature: Any) -> Winding:
         """Electrical side with the winding at a temperature [K], leads included."""
         R = np.asarray(resistance_at(self.bodies.R_25, temperature) + self.leads)
-        return Winding(R, self.motor["inductance"], self.drive.k_t, self.drive.k_e)
+        return Winding(R, self.motor["inductance"], self.drive.k_t, self.drive.k_e, commutation(self.motor))
 
     def stall_current(self, temperature: Any) -> Array:
         """Current at standstill and full voltage [A]."""

@@ -272,6 +272,7 @@ class MotorTolerances(fields.Section):
     torque_constant: Factor | None = _factor()
     friction: Factor | None = _factor("of friction and iron loss")
     dry_friction: Factor | None = _factor("of the dry share of a motor's no-load torque")
+    commutation: Factor | None = _factor("of the inductive voltage drop of a brushless motor")
     rotor_inertia: Factor | None = _factor()
     thermal_resistance: Factor | None = _factor("of both")
     pull_out: Factor | None = _factor("of a stepper's pull-out torque at any speed")

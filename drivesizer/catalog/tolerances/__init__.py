@@ -161,6 +161,7 @@ CLASSES = {
     ("motor", "torque_constant"): "Motor torque constant",
     ("motor", "friction"): "Motor friction and iron loss",
     ("motor", "dry_friction"): "Dry share of motor friction",
+    ("motor", "commutation"): "Inductive voltage drop",
     ("motor", "rotor_inertia"): "Rotor inertia",
     ("motor", "thermal_resistance"): "Motor thermal resistances",
     ("motor", "pull_out"): "Pull-out torque",
@@ -177,7 +178,10 @@ OF_STEPPERS = {("motor", figure) for figure in ("pull_out", "holding_torque", "i
     ("controller", "phase_current")
 }
 NOT_OF_STEPPERS = {
-    *(("motor", figure) for figure in ("torque_constant", "friction", "dry_friction", "thermal_resistance")),
+    *(
+        ("motor", figure)
+        for figure in ("torque_constant", "friction", "dry_friction", "commutation", "thermal_resistance")
+    ),
     ("controller", "losses"),
 }
 

@@ -26,7 +26,7 @@ from drivesizer.loads.motions import Cam
 from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
-from drivesizer.physics.drive_train import back_emf_constant, friction, gear_loss
+from drivesizer.physics.drive_train import back_emf_constant, commutation, friction, gear_loss
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
@@ -318,7 +318,7 @@ def motor_times(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
     rubs, cooling, k = (factors.get(name, 1.0) for name in ("friction", "thermal_resistance", "torque_constant"))
     times = {
         "resistance": factors.get("resistance", 1.0), "torque_constant": k,
-        "rotor_inertia": factors.get("rotor_inertia", 1.0),
+        "rotor_inertia": factors.get("rotor_inertia", 1.0), "inductance": factors.get("commutation", 1.0),
         "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
         "thermal_resistance_winding": cooling, "thermal_resistance_housing": cooling,
         "winding_time_constant": cooling, "motor_time_constant": cooling,
@@ -589,7 +589,9 @@ def _servo_figures(spec: Any, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     cold = thermal.resistance_at(thermal.resistance_25(motor), spec.environment.ambient)  # winding at the ambient
     cold = cold + (feed.leads if spec.resists else 0.0)
     k_t, (dry, viscous), (efficiency, idle) = motor["torque_constant"], friction(motor), gear_loss(gearhead)
-    speed, _ = operating_point(Winding(cold, np.nan, k_t, motor["back_emf_constant"]), feed.usable, dry + idle, viscous)
+    speed, _ = operating_point(
+        Winding(cold, np.nan, k_t, motor["back_emf_constant"], commutation(motor)), feed.usable, dry + idle, viscous
+    )
     stalled = np.fmin(feed.usable / cold, drive.parts.controller["peak_current"])
     ratio = gearhead["ratio"] * at.belt
     held = np.maximum(k_t * stalled - dry - idle, 0.0) * ratio * efficiency * spec.belt_efficiency

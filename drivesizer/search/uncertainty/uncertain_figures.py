@@ -101,6 +101,8 @@ def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
     if figure == "dry_friction":
         printed = [table[name][row] for name in ("friction_torque", "viscous_friction")]
         return all(bool(value != value) for value in printed)
+    if figure == "commutation":
+        return bool(table["kind"][row] == "brushless" and table["pole_pairs"][row] * table["inductance"][row] > 0.0)
     if figure == "peak_torque":
         one = _sold_as(catalog, part, row)
         return bool(one and one.table["peak_torque"][one.row] == one.table["stall_torque"][one.row])
