@@ -444,9 +444,8 @@ def over_cycle(
             copper += p.t * (d.R + d.R_rise * rises.mean) * square
             v_0 = d.emf * p.w_0 + (d.R + d.R_rise * rises.start) * p.I_0
             v_1 = d.emf * p.w_1 + (d.R + d.R_rise * rises.end) * p.I_1
-            more_0, more_1 = d.leads + d.commutation * abs(p.w_0), d.leads + d.commutation * abs(p.w_1)
-            voltage = larger(voltage, max(abs(v_0), abs(v_0 + more_0 * p.I_0)), time)
-            voltage = larger(voltage, max(abs(v_1), abs(v_1 + more_1 * p.I_1)), time + p.t)
+            voltage = larger(voltage, max(abs(v_0), abs(v_0 + d.leads * p.I_0)), time)
+            voltage = larger(voltage, max(abs(v_1), abs(v_1 + d.leads * p.I_1)), time + p.t)
             current = larger(larger(current, abs(p.I_0), time), abs(p.I_1), time + p.t)
             if level >= POWER:
                 above = time_above(above, d.limit, p.I_0, p.I_1, time, p.t)
@@ -539,7 +538,6 @@ def drive_of(x: Array) -> Drive:
     return Drive(
         x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16],
         x[17], x[18], x[19], x[20], x[21], x[22], x[23], x[24], x[25], x[26], x[27], x[28], x[29], x[30], x[31], x[32],
-        x[33],
     )  # fmt: skip
 
 

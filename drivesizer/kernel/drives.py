@@ -8,7 +8,6 @@ import numpy as np
 
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
-from drivesizer.physics.drive_train import commutation
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import COPPER, resistance_at, two_bodies
@@ -87,7 +86,6 @@ def drives_of(
         held_mean=np.nan,
         finest=12.0 * error * np.asarray(bodies.tau_w if several else cycle.base.quickest),
         leads=leads,
-        commutation=commutation(motor) * demand.total_ratio * belt,
         loss=stage.loss,
         least_loss=stage.least_loss,
         R_stage=stage.resistance,

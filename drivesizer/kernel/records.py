@@ -35,7 +35,6 @@ class Drive(NamedTuple):
     finest: Any  # s: a segment in which anything changes is cut into sqrt(duration / finest) pieces
     # supply
     leads: Any  # ohm, that take of the voltage before the winding
-    commutation: Any  # V*s/(A*rad), that takes of it too
     loss: Any  # V, of the power stage per ampere
     least_loss: Any  # V, of it for what is stored
     R_stage: Any  # ohm

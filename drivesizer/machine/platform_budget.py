@@ -17,7 +17,7 @@ from drivesizer.load_cases.of_machine import requirement_checks
 from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, CycleAtBelt
-from drivesizer.physics.drive_train import commutation, lost_in_gearhead
+from drivesizer.physics.drive_train import lost_in_gearhead
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
@@ -154,8 +154,7 @@ def _checks(spec: RobotSpec, drive: DriveParts, speed: Array, torque: Array) -> 
     winding = np.asarray(steady_winding(motor, ambient, np.abs(current), loss))
     warm = np.where(np.isnan(winding), motor["max_winding_temperature"], np.fmin(winding, 1e4))
     feed = spec.feed_of(drive.controller, drive.brake)
-    more = feed.leads + commutation(motor) * turning * ratio
-    volts = np.max([np.abs(current * (resistance_at(R_25, T) + more) + own.back_emf * f[:, SPEED] * ratio)
+    volts = np.max([np.abs(current * (resistance_at(R_25, T) + feed.leads) + own.back_emf * f[:, SPEED] * ratio)
                     for T in (ambient, warm)], axis=0)  # fmt: skip
     margins = spec.margins
     return [

@@ -204,7 +204,7 @@ def asked(
         bounds = (steady, all_the_time) if math.isnan(winding) else bounds
     at_start = largest([abs(v) for p in pieces for v in volts(p, motor, cold.left)])
     V = [
-        largest([at_start, *(v for p, T in zip(fine, Ts, strict=True) for v in with_commutation(p, motor, T))])
+        largest([at_start, *(abs(v) for p, T in zip(fine, Ts, strict=True) for v in hottest_volts(p, motor, T))])
         for Ts in (both if unknown else both[:1])
     ]
     if unknown and math.isfinite(steady):  # without time constants: as a cycle makes it that is short against them
@@ -288,14 +288,6 @@ def hottest_volts(piece: Piece, motor: Any, T: Warm) -> Pair:
     if piece.current[0] != piece.current[1] or piece.speed[0] != piece.speed[1]:
         return volts(piece, motor, T.left, T.right)
     return volts(piece, motor, T.left, T.top) if T.right >= T.left else volts(piece, motor, T.top, T.right)
-
-
-def with_commutation(piece: Piece, motor: Any, T: Warm) -> list[float]:
-    """The largest of both ends without and with what six-step commutation takes: 3/(2 pi) p L w I."""
-    X = 3 / (2 * math.pi) * motor.pole_pairs * motor.inductance if motor.kind == "brushless" else 0.0
-    X = 0.0 if math.isnan(X) else X
-    drops = [X * abs(w) * amps for w, amps in zip(piece.speed, piece.current, strict=True)]
-    return [max(abs(v), abs(v + d)) for v, d in zip(hottest_volts(piece, motor, T), drops, strict=True)]
 
 
 def hottest(pieces: list[Piece], motor: Any, ambient: float, I_peak: float) -> float:

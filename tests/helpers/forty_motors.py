@@ -15,7 +15,7 @@ motors:
       ambient_max: 100 degC, max_speed: 6000 rpm, nominal_speed: 1500 rpm, nominal_current: 8 A, resistance: 0.35 ohm,
       torque_constant: 98 mN*m/A, rotor_inertia: 900 g*cm^2, winding_time_constant: 25 s,
       thermal_resistance_winding: THERMAL, thermal_resistance_housing: THERMAL, motor_time_constant: 700 s}
-    columns: [part, no_load_current (A), no_load_speed (rpm), mass (g)]
+    columns: [part, no_load_current (A), no_load_speed (rpm), friction_torque (mN*m), mass (g)]
     rows:
 ROWS
 controllers:
@@ -38,7 +38,7 @@ def catalogue(idle_current: Callable[[int], float], thermal: str, more: str = ""
     Parameters
     ----------
     idle_current
-        Of a motor by its number [A]; its no-load speed follows from it, so that torque and speed constant are one.
+        Of a motor by its number [A], dry; its no-load speed follows from it, so that torque and speed constant are one.
     thermal
         Both thermal resistances, with their unit.
     more
@@ -47,6 +47,6 @@ def catalogue(idle_current: Callable[[int], float], thermal: str, more: str = ""
     rows = []
     for n in range(MOTORS):
         rpm = (24 - 0.35 * idle_current(n)) / 0.098 * 30 / math.pi
-        rows.append(f"      - [m{n:02}, {idle_current(n):.2f}, {rpm:.6f}, {300 + n}]")
+        rows.append(f"      - [m{n:02}, {idle_current(n):.2f}, {rpm:.6f}, {98 * idle_current(n):.6f}, {300 + n}]")
     filled = _TEXT.replace("ROWS", "\n".join(rows)).replace("THERMAL", thermal)
     return filled.replace("MORE", f", {more}" if more else "")

@@ -17,7 +17,7 @@ from drivesizer.kernel.records import Drive, Figures
 DRIVE = Drive(
     driving=0.61, braking=0.43, resting=0.52, accelerating=0.013, direction=0.17, turning=0.021, emf=0.83,
     surplus=0.04, R=1.3, R_rise=0.0051, R_th1=2.7, R_th2=6.1, C_w=3.3, C_h=29.0, friction=0.21, iron=0.017,
-    permitted=120.0, course=1.0, held=math.nan, held_mean=math.nan, finest=0.004, leads=0.0, commutation=0.0, loss=0.7,
+    permitted=120.0, course=1.0, held=math.nan, held_mean=math.nan, finest=0.004, leads=0.0, loss=0.7,
     least_loss=0.35, R_stage=0.11, standby=1.7, V_0=24.0, R_source=0.31, drives=2.0, kept=0.6, limit=2.2,
 )  # fmt: skip
 

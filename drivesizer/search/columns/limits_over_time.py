@@ -20,7 +20,6 @@ from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
-from drivesizer.physics.drive_train import commutation
 from drivesizer.physics.figures import Range, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
@@ -169,7 +168,6 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     volts = at_hot
     if spec.resists:
         volts = np.maximum(at_hot, cycle.peak(volts_of(demand, k_t, hot + feed.leads), demand.left_out).value)
-    volts = volts + commutation(motor) * demand.total_ratio * cycle.peak_speed * current
     limit, total = controller_current(parts.controller, ambient), cycle.load_cycle.total
     with np.errstate(divide="ignore", invalid="ignore"):  # what is exceeded so long has that mean square
         longest = total * np.minimum(np.square(demand.rms_current / limit) * (1.0 + _ROUNDING), 1.0)
