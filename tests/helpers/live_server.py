@@ -7,12 +7,32 @@ import re
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-__all__ = ["Reply", "Serving", "serving"]
+__all__ = ["LONG", "Reply", "Serving", "serving", "within"]
+
+
+LONG = """\
+name: long
+supply: {nominal: 24 V, current: 20 A}
+load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152 mm, rolling_resistance: 0.02,
+  inertia: 0.004 kg*m^2}
+motion: {speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 20 s, rest_time: 5 s}
+select: {motor: {family: [RE 25, RE 30]}, gearhead: {family: [GP 26 A, GP 32 C]}}
+tolerances: {confidence: 95 %, samples: 1000000}
+"""  # minutes
+
+
+def within(seconds: float, holds: Callable[[], Any]) -> bool:
+    """Whether something holds, as soon as it does or after some time."""
+    until = time.monotonic() + seconds
+    while not holds() and time.monotonic() < until:
+        time.sleep(0.02)
+    return bool(holds())
 
 
 class Reply(NamedTuple):

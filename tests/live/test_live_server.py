@@ -6,7 +6,7 @@ import re
 import resource
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from live_server import Serving, reply, serving
+from live_server import Serving, reply, serving, within
 
 from drivesizer.live.http import LARGEST
 from drivesizer.live.requests import REQUESTS
@@ -181,16 +181,9 @@ def test_many_at_once_are_answered_or_closed(server: Serving) -> None:
         one.close()
     for _ in range(200):
         server.connect().close()
-    assert _within(20.0, lambda: _descriptors(server) < before + 50)  # its engines may have started since
-    assert _within(20.0, lambda: server.get("/").status == 200)  # those that wait to be accepted come first
+    assert within(20.0, lambda: _descriptors(server) < before + 50)  # its engines may have started since
+    assert within(20.0, lambda: server.get("/").status == 200)  # those that wait to be accepted come first
     assert _memory(server) < 400e6
-
-
-def _within(seconds: float, holds: Callable[[], bool]) -> bool:
-    until = time.monotonic() + seconds
-    while not holds() and time.monotonic() < until:
-        time.sleep(0.02)
-    return time.monotonic() < until
 
 
 def _descriptors(server: Serving) -> int:

@@ -9,13 +9,13 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
+from live_server import LONG, within
 
 from drivesizer.live import worker as module
 from drivesizer.live.worker import Engines
@@ -23,15 +23,6 @@ from drivesizer.live.worker import Engines
 pytestmark = pytest.mark.slow
 
 SMALL = "a: 1\n"  # no spec: said at once
-LONG = """\
-name: long
-supply: {nominal: 24 V, current: 20 A}
-load: {kind: wheeled_vehicle, mass: 45 kg, driven_wheels: 4, wheel_diameter: 152 mm, rolling_resistance: 0.02,
-  inertia: 0.004 kg*m^2}
-motion: {speed: 1.5 m/s, acceleration_time: 2 s, cruise_time: 20 s, rest_time: 5 s}
-select: {motor: {family: [RE 25, RE 30]}, gearhead: {family: [GP 26 A, GP 32 C]}}
-tolerances: {confidence: 95 %, samples: 1000000}
-"""  # minutes
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -60,13 +51,6 @@ def pieces(engines: Engines, text: str, tab: str = "", **more: Any) -> list[dict
 def answered(engines: Engines) -> list[str]:
     """Kinds of the pieces of a small request: it works."""
     return [piece["kind"] for piece in pieces(engines, SMALL)]
-
-
-def within(seconds: float, holds: Callable[[], Any]) -> bool:
-    until = time.monotonic() + seconds
-    while not holds() and time.monotonic() < until:
-        time.sleep(0.01)
-    return bool(holds())
 
 
 def test_many_at_once_have_each_its_own_answer(engines: Engines) -> None:
