@@ -84,12 +84,16 @@ class Engine:
             if not self.process.is_alive():  # it ended while nobody waited for it
                 self.afresh()
             if not self.ready:
-                self.ready = self._next(until, job[0], useful) == b""
+                self.ready = self._next(until, 0, lambda: True) == b""
             if self.has != own:
                 start, self.has = time.monotonic(), dict(own)
                 self.pipe.send((0, OWN, self.has))
                 self._next(start + _READING, 0, lambda: True)
                 until += time.monotonic() - start
+            if not useful():  # any more
+                free = True
+                yield line({"kind": "superseded"})
+                return
             self.pipe.send(job)
             while body := self._next(until, job[0], useful):
                 yield body
