@@ -102,7 +102,8 @@ class Engine:
             free = self._stopped(job[0])
             raise
         except _TooLongError:
-            yield wrong(f"it took longer than {longest:g} s and was stopped")
+            late = wrong(f"it took longer than {longest:g} s and was stopped")
+            yield late if useful() else line({"kind": "superseded"})
         except (OSError, EOFError):
             yield wrong(_STOPPED if self.closed else _AFRESH)
         finally:

@@ -60,9 +60,9 @@ def test_many_at_once_have_each_its_own_answer(engines: Engines) -> None:
         found = list(threads.map(lambda n: pieces(engines, f"a{n}: 1\n", tabs[n]), range(12)))
     for n, one in enumerate(found):
         if tabs[n] and one[-1]["kind"] != "wrong":
-            assert one == [{"kind": "superseded"}] or one[0]["text"] == f"a{n}: 1\n"
+            assert one[-1]["kind"] == "superseded" or one[0]["text"] == f"a{n}: 1\n"
         else:
-            assert one[0]["text"] == f"a{n}: 1\n" and f"a{n}: unknown key" in one[-1]["lines"][0]
+            assert f"a{n}: unknown key" in one[-1]["lines"][0], one
     assert not engines.busy and len(engines.free) <= engines.most
 
 
