@@ -40,7 +40,7 @@ _COLUMNS = {name: column for part in PARTS for name, column in columns_of(part).
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What the user says of a table, by a map and by options.
+    """The words of the user about a table, in a map and in options.
 
     A map is YAML: ``manufacturer``, ``family``, ``source: {name, document, confidence, date, url}``, ``unknown: [n/a]``
     for further cells that mean unknown, ``common: {kind: brushed}``, ``units: {Weight: g}`` where the table has none,
@@ -286,7 +286,7 @@ def _unit_of(layout: Layout, place: int, name: str, known: Mapping[str, Column])
 
 
 def _unfit(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -> str:
-    """Why a head cannot mean a column; empty where it can."""
+    """The reason for which a head cannot mean a column; empty where it can."""
     unit = _unit_of(layout, place, name, known)
     if name in _words()["per_turn"] and name in known and unit in ("deg", "°"):
         return ""
@@ -598,7 +598,7 @@ def _written(
 
 
 def _compatibility(section: str, families: Sequence[str], source: str, partners: Mapping[str, Catalog]) -> str:
-    """What the parts go with: motors drive without a gearhead, and with the parts of catalogues that are named."""
+    """The statement of compatibility: motors drive without a gearhead; parts of catalogues that are named fit."""
     lists: dict[str, list[str]] = {}
     own = f"[{', '.join(families)}]"
     if section == "motors":

@@ -68,7 +68,7 @@ STUDY = ["study", "study.yaml", "-o", "out", "--no-maps"]
          'study.yaml:1: spec: "." cannot be read (is a directory); expected a spec, its path'),
         ({"robot.yaml": RECORDED}, SIZE, 2, 'robot.yaml:2: load.file: "." cannot be read (is a directory); expected'),
         ({"parts.csv": "No,V,\x1b[2J\n,V,\nm1,24,\n", "map.yaml": MAP_OF}, TAKEN, 0,
-         "unknown columns, left out: \\x1b[2J"),
+         "left out: \\x1b[2J"),
     ],
 )  # fmt: skip
 def test_files_that_once_ended_wrongly(files, words, status, said, tmp_path):
