@@ -54,7 +54,7 @@ class Refusal(Exception):  # noqa: N818
 
 
 class Response(NamedTuple):
-    """What is answered: the whole content, or lines as they come."""
+    """An answer: the whole content, or lines as they come."""
 
     content: bytes | Generator[bytes]
     kind: str = "application/json"

@@ -228,7 +228,7 @@ def _interruptions_elsewhere() -> Iterator[None]:
 
 
 def wrong(reason: str) -> bytes:
-    """What is wrong, as a line."""
+    """A fault as a line."""
     return line({"kind": "wrong", "lines": [reason]})
 
 

@@ -514,7 +514,7 @@ def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterato
 def content_of(
     result: SizingResult | MachineSizing, proof: Validation | Mapping[str, Validation] | None = None
 ) -> Content | MachineContent:
-    """What a report shows of a sizing, with the closed loop of each axis by its name; of one axis what is of that."""
+    """Content of a report on a sizing, with the closed loop of each axis by its name; of one axis that of it alone."""
     if isinstance(result, MachineSizing) and not result.alone:
         return MachineContent(result, proof if isinstance(proof, Mapping) else {})
     alone = result.alone or result.axes[0].result if isinstance(result, MachineSizing) else result
