@@ -168,17 +168,6 @@ class JointTorques:
         direction = np.sign(motion.speed.mean(axis=1, keepdims=True))
         return resisting + direction @ (share * [joint.friction for joint in joints]), 0.0
 
-    def loads(self, masses: Mapping[str, float]) -> dict[str, JointLoad]:
-        """Loads of all joints along the trajectory; parameters as of ``load``."""
-        return {joint: self.load(joint, masses) for joint in self.joints}
-
-
-def joint_loads(
-    section: RobotSection, spec_file: str, masses: Mapping[str, float], gravity: float = _GRAVITY
-) -> dict[str, JointLoad]:
-    """Loads of all joints along the trajectory, the drives' masses known."""
-    return joint_torques(section, spec_file, gravity).loads(masses)
-
 
 def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVITY) -> JointTorques:
     """Torques of the joints of a section, over all its load cases."""

@@ -123,12 +123,7 @@ def table_draw(time: Figure, draws: Figure, times: Figure) -> Alike:
     float or array
         Constant current [A] or power [W]; NaN outside the table.
     """
-    x, y = _falling(draws, times)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = np.log(np.asarray(time, float))
-    if not len(x):
-        return np.full_like(at, np.nan)[()]
-    return np.exp(np.interp(at, y[::-1], x[::-1], left=np.nan, right=np.nan))[()]
+    return table_time(time, times, draws)  # a falling line either way
 
 
 def _falling(draws: Figure, times: Figure) -> tuple[Array, Array]:

@@ -48,7 +48,10 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
         first, end = _windows(time, time[some], half)
         many[some], widest = end - first >= 4, max(widest, int((end - first).max()))
     for at in _numbers(many, max(_PART, 4 * widest)):  # so that few samples are looked at twice
-        fit[at], slope[at] = _near_least_squares(time, value, half, at, *_windows(time, time[at], half))
+        first, end = _windows(time, time[at], half)
+        start = int(np.searchsorted(time, time[first[0]] - 7 * half)) if len(time) > _PART else 0  # a bin before it
+        near = slice(start, end[-1])
+        fit[at], slope[at] = _least_squares(time[near], value[near], half, at - start, first - start, end - start)
     return fit, slope
 
 
@@ -67,15 +70,6 @@ def _numbers(chosen: NDArray[np.bool_], count: int) -> Iterator[NDArray[np.int64
 def _windows(time: Column, middle: Column, half: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """First sample of windows, and the one behind their last."""
     return np.searchsorted(time, middle - half, side="left"), np.searchsorted(time, middle + half, side="right")
-
-
-def _near_least_squares(
-    time: Column, value: Column, half: float, at: NDArray[np.int64], first: NDArray[np.int64], end: NDArray[np.int64]
-) -> tuple[Column, Column]:
-    """The same, of a long recording from the samples that count: from the bin on in which the first window begins."""
-    start = int(np.searchsorted(time, time[first[0]] - 7 * half)) if len(time) > _PART else 0
-    near = slice(start, end[-1])
-    return _least_squares(time[near], value[near], half, at - start, first - start, end - start)
 
 
 def _three_points(time: Column, value: Column) -> tuple[Column, Column]:
@@ -122,7 +116,9 @@ def _fitted(
 
     n = (end - first).astype(float)
     mean, level = total(s) / n, total(y) / n
-    m2, m3, m4 = _central(n, mean, *(total(s**k) for k in (2, 3, 4)))
+    s2, s3, s4 = (total(s**k) for k in (2, 3, 4))  # power sums about zero, then about the mean
+    m2, m3 = s2 - n * mean**2, s3 - 3 * mean * s2 + 2 * n * mean**3
+    m4 = s4 - 4 * mean * s3 + 6 * mean**2 * s2 - 3 * n * mean**4
     sy, ssy = total(s * y), total(s * s * y)
     y1 = sy - n * mean * level
     y2 = ssy - 2 * mean * sy + n * mean**2 * level
@@ -132,15 +128,6 @@ def _fitted(
     c2 = np.where(curved, (y2 - skew * y1 - m2 * level) / np.where(curved, bend, 1.0), 0.0)
     u, c1 = here - mean, y1 / m2
     return level + c1 * u + c2 * (u**2 - skew * u - m2 / n), c1 + c2 * (2 * u - skew)
-
-
-def _central(n: Column, mean: Column, s2: Column, s3: Column, s4: Column) -> tuple[Column, Column, Column]:
-    """Second to fourth power sums about the mean, from those about zero."""
-    return (
-        s2 - n * mean**2,
-        s3 - 3 * mean * s2 + 2 * n * mean**3,
-        s4 - 4 * mean * s3 + 6 * mean**2 * s2 - 3 * n * mean**4,
-    )
 
 
 def fastest_ramp(distance: float, speed: float, acceleration: float, jerk: float) -> tuple[float, float, float]:

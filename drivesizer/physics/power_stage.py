@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.figures import Alike, Figure, Figures, Range
-from drivesizer.physics.gear_life import SIX
 
 Array = NDArray[np.float64]
 # V per ampere, of a controller of which nothing is printed: makers print a drop of 0.5 V (Technosoft iPOS) to 1 V
@@ -35,7 +34,6 @@ _LEAST_DUTY = 0.9
 STAGE_FIGURES = ("inside", "max_duty", "voltage_drop", "max_efficiency", "supply_max", "standby_current")
 _FASTEST_CHOPPING = 100e3  # Hz, of controllers for small motors: assumed
 _RIPPLE = 0.1  # of the supply's voltage, at most: assumed
-_NODES, _WEIGHTS = SIX
 
 
 class PowerStage(NamedTuple):
@@ -68,34 +66,14 @@ class Feed(NamedTuple):
         return usable_voltage(self.voltage, self.stage.max_duty, self.stage.drop)
 
     @property
-    def usable_at_most(self) -> Alike:
-        """The same, no less where a figure is unknown: an unprinted drop is the smallest, without a duty all of it."""
-        printed = self.usable
-        if not np.isnan(printed).any():
-            return printed
-        most = self._usable_with(ASSUMED_BAND[0])
-        return np.where(np.isnan(most), self.voltage, most)
-
-    @property
     def usable_range(self) -> Range:
-        """The usable voltage, or its ends where it is not printed [V].
-
-        An unprinted voltage drop is one of ``ASSUMED_BAND``: what is met with the largest is met, and what is not met
-        with the smallest is not. Without a largest duty the supply's voltage is the bound, and ``_LEAST_DUTY`` is
-        reached.
-        """
-        printed = self.usable
-        if not np.isnan(printed).any():
-            return Range(printed, printed)
-        return Range(self._usable_with(ASSUMED_BAND[1], _LEAST_DUTY), self.usable_at_most)
-
-    def _usable_with(self, drop: float, duty: float = np.nan) -> Alike:
-        """The usable voltage with a drop, and a largest duty, where none is printed."""
-        drops, duties = (
-            np.where(np.isnan(printed), other, printed)
-            for printed, other in ((self.stage.drop, drop), (self.stage.max_duty, duty))
-        )
-        return usable_voltage(self.voltage, duties, drops)
+        """Ends of the usable voltage where a figure is not printed [V]: with a drop of the band's, without a duty all."""
+        ends = []
+        for drop, duty in ((ASSUMED_BAND[1], _LEAST_DUTY), (ASSUMED_BAND[0], np.nan)):
+            drops = np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
+            duties = np.where(np.isnan(self.stage.max_duty), duty, self.stage.max_duty)
+            ends.append(usable_voltage(self.voltage, duties, drops))
+        return Range(ends[0], np.where(np.isnan(ends[1]), self.voltage, ends[1])[()])
 
     @property
     def leads(self) -> Alike:

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
 from math import pi
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
+from drivesizer.physics import gear_life
 from drivesizer.physics.figures import Alike, Array, Figure
-from drivesizer.physics.gear_life import FIVE
 
 Fixity = Literal["fixed-fixed", "fixed-supported", "supported-supported", "fixed-free"]
 Design = Literal["beam", "THK", "HIWIN", "Rexroth", "NBS", "Thomson"]
@@ -29,7 +28,6 @@ _ELASTICITY = 2.06e11  # Pa, as THK A-694 has it
 _STRESS = 147e6  # Pa, permissible in the core by THK A-694
 _FLANK = math.radians(15.0)  # of a trapezoidal thread
 _ROLLING = 0.05  # of the preload's torque, by THK A-688
-_NODES, _WEIGHTS = FIVE
 
 
 class Rules(NamedTuple):
@@ -187,19 +185,17 @@ def mean_load(duration: Array, speed: Array, force: Array, preload: Figure = 0.0
         rise = force[:, 1] - force[:, 0]
         kinks = [np.clip(np.nan_to_num((f - force[:, 0]) / rise, posinf=1.0, neginf=0.0), 0.0, 1.0)
                  for f in (-limit, 0.0 * limit, limit)]  # fmt: skip
-    parts = [0.0 * kinks[0], *np.sort(kinks, axis=0), 0.0 * kinks[0] + 1.0]
-    total: Alike = 0.0
-    cubes: list[Any] = [0.0, 0.0]
-    for start, end in pairwise(parts):
-        for node, weight in zip(_NODES, _WEIGHTS, strict=True):
-            share = start + (end - start) * (node + 1.0) / 2.0
-            v, F = (x[:, 0] + (x[:, 1] - x[:, 0]) * share for x in (speed, force))
-            travel = duration * (end - start) * weight / 2.0 * np.abs(v)
-            total = total + travel.sum(axis=0)
-            for flank, sign in enumerate((1.0, -1.0)):
-                cubes[flank] = cubes[flank] + (_on_flank(sign * F, preload) ** 3 * travel).sum(axis=0)
-    moves = np.where(total > 0.0, total, 1.0)
-    return MeanLoad(*((cube / moves) ** (1.0 / 3.0) for cube in cubes))
+    edges = np.stack([0.0 * kinks[0], *np.sort(kinks, axis=0), 0.0 * kinks[0] + 1.0], axis=1)
+    ends = (x[:, :1] + (x[:, 1:] - x[:, :1]) * edges for x in (speed, force))
+    v, F = (np.stack([x[:, :-1], x[:, 1:]], axis=2).reshape(-1, 2, *x.shape[2:]) for x in ends)
+    t = (duration[:, None] * np.diff(edges, axis=1)).reshape(-1, *edges.shape[2:])
+    moved = gear_life.turned_load(t, F, v, 0.0)
+
+    def flank(sign: float) -> Alike:
+        cubes = gear_life.turned_load(t, F, v, 3.0, lambda force: _on_flank(sign * force, preload))
+        return gear_life.mean_load(cubes, moved, 3.0)
+
+    return MeanLoad(flank(1.0), flank(-1.0))
 
 
 def _on_flank(force: Array, preload: Figure) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.joints.mass_columns import joint_loads, joint_torques
+from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.physics.load_cycle import mean_product
 from drivesizer.spec.robot_section import RobotSection
 
@@ -41,10 +41,15 @@ def section(folder: Path, **fields: Any) -> tuple[RobotSection, str]:
     return RobotSection.model_validate({**given, **fields}), str(folder / "machine.yaml")
 
 
+def loads_of(found, masses):
+    """Loads of all joints along the trajectory."""
+    return {joint: found.load(joint, masses) for joint in found.joints}
+
+
 def test_weight_of_links_drives_and_payload_by_hand(tmp_path: Path) -> None:
     made, file = section(tmp_path, payload={"mass": "1.5 kg", "at": ["400 mm", "0 mm", "0 mm"]}, friction="leave")
     found = joint_torques(made, file)
-    loads = found.loads({"shoulder": 5.0, "elbow": 3.0})
+    loads = loads_of(found, {"shoulder": 5.0, "elbow": 3.0})
     shoulder = (2 * 0.3 + 1 * 0.8 + 3.0 * 0.6 + 1.5 * 1.0) * G  # the elbow's drive on the upper arm, at its end
     assert loads["shoulder"].cycle.torque[0] == pytest.approx(shoulder, rel=1e-12)
     assert loads["elbow"].cycle.torque[0] == pytest.approx((1 * 0.2 + 1.5 * 0.4) * G, rel=1e-12)
@@ -59,7 +64,7 @@ def test_masses_that_hold_the_drives_are_not_counted_twice(tmp_path: Path) -> No
     """By hand: the links alone, whatever the drives weigh; without a word on it the note says what is assumed."""
     made, file = section(tmp_path, masses="with_drives", friction="leave")
     found = joint_torques(made, file)
-    loads = found.loads({"shoulder": 5.0, "elbow": 3.0})
+    loads = loads_of(found, {"shoulder": 5.0, "elbow": 3.0})
     assert loads["shoulder"].cycle.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8) * G, rel=1e-12)
     assert found.carried == {"shoulder": (), "elbow": ()} and not found.points
     assert any("hold their drives" in note for note in found.notes)
@@ -72,7 +77,8 @@ def test_masses_that_hold_the_drives_are_not_counted_twice(tmp_path: Path) -> No
 def test_a_drive_elsewhere_on_its_link(tmp_path: Path) -> None:
     near = {"on": "link", "link": "upper", "at": ["100 mm", "0 mm", "0 mm"]}
     made, file = section(tmp_path, drives={"elbow": near}, friction="leave")
-    alone, laden = (joint_loads(made, file, {"elbow": mass})["shoulder"].cycle.torque[0, 0] for mass in (0.0, 4.0))
+    found = joint_torques(made, file)
+    alone, laden = (found.load("shoulder", {"elbow": mass}).cycle.torque[0, 0] for mass in (0.0, 4.0))
     assert laden - alone == pytest.approx(4.0 * 0.1 * G, rel=1e-12)
 
 
@@ -81,14 +87,15 @@ def test_a_drive_on_the_link_that_it_moves_loads_its_own_joint(tmp_path: Path) -
     rides = {"on": "link", "link": "fore", "at": ["150 mm", "0 mm", "0 mm"]}
     made, file = section(tmp_path, drives={"elbow": rides}, friction="leave")
     found = joint_torques(made, file)
-    loads = found.loads({"elbow": 3.0})
+    loads = loads_of(found, {"elbow": 3.0})
     assert loads["elbow"].cycle.torque[0] == pytest.approx((1 * 0.2 + 3.0 * 0.15) * G, rel=1e-12)
     assert loads["shoulder"].cycle.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8 + 3.0 * 0.75) * G, rel=1e-12)
     assert found.carried == {"shoulder": ("elbow",), "elbow": ("elbow",)} and found.order == ("elbow", "shoulder")
 
 
 def test_friction_of_bearings_resists_either_way(tmp_path: Path) -> None:
-    kept, left = (joint_loads(*section(tmp_path, friction=word), {})["shoulder"].cycle for word in ("keep", "leave"))
+    sections = (section(tmp_path, friction=word) for word in ("keep", "leave"))
+    kept, left = (joint_torques(*one).load("shoulder", {}).cycle for one in sections)
     assert {"keep": kept.total, "leave": left.total}["keep"] == pytest.approx(left.total)
     work = [float((c.duration[:, None] * c.power).mean(axis=1).sum()) for c in (kept, left)]
     travel = 2 * np.radians(60)
@@ -135,7 +142,7 @@ def test_a_remotely_driven_link_as_in_a_textbook(opposite: bool, tmp_path: Path)
     first, second = (column.torque[0] for column in [found.cases[0].torques] * 2)
     assert first[:, 0] == pytest.approx(t1, rel=1e-9, abs=1e-9)
     assert second[:, 1] * s == pytest.approx(t2, rel=1e-9, abs=1e-9)
-    loads = found.loads({})
+    loads = loads_of(found, {})
     assert loads["shoulder"].shaft_inertia == pytest.approx(d11) and loads["elbow"].shaft_inertia == pytest.approx(d22)
     assert np.abs(loads["elbow"].cycle.speed).max() == pytest.approx(np.abs(w2).max())
 
@@ -145,7 +152,7 @@ def test_coupled_drives_do_the_work_of_the_joints(tmp_path: Path) -> None:
     drives = {"elbow": {"on": "base", "belt_passes": True}}
     works = []
     for given in (drives, {"elbow": {"on": "base"}}):
-        loads = joint_loads(*section(tmp_path, drives=given), {})
+        loads = loads_of(joint_torques(*section(tmp_path, drives=given)), {})
         works.append(sum(float((c.cycle.duration * c.cycle.power.mean(axis=1)).sum()) for c in loads.values()))
     assert works[0] == pytest.approx(works[1], rel=1e-4)
 
@@ -174,7 +181,7 @@ def test_a_belt_passes_parallel_axes_alone(tmp_path: Path) -> None:
 
 def test_drives_give_back_what_they_take_of_a_closed_path_without_friction(tmp_path: Path) -> None:
     """Kinetic and potential energy are the same at both ends; straight lines between 128 pieces of a move."""
-    loads = joint_loads(*section(tmp_path, friction="leave"), {"elbow": 3.0, "shoulder": 4.0})
+    loads = loads_of(joint_torques(*section(tmp_path, friction="leave")), {"elbow": 3.0, "shoulder": 4.0})
     work = {
         name: load.cycle.duration * mean_product(load.cycle.torque, load.cycle.speed) for name, load in loads.items()
     }

@@ -213,8 +213,8 @@ def controllers(
     if required.voltage is not None:
         feed = spec.feed({name: table[name][order][:, None] for name in STAGE_FIGURES})._replace(voltage=lowest)
         volts = required.voltage * (1.0 + required.speed)
-        lacking[np.minimum(feed.usable_at_most, lowest) < volts] = LOST
         given = feed.usable_range
+        lacking[np.minimum(given.high, lowest) < volts] = LOST
         hanging = (~((volts <= given.low) | (volts > given.high)) & (volts != 0.0)).astype(np.int8)
         if not any("controller_peak_time" in ASSUMABLE[name] for name in spec.select.assume):
             hanging = hanging + (np.isnan(peak_time) & (continuous < required.peak))
