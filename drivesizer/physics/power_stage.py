@@ -67,13 +67,14 @@ class Feed(NamedTuple):
 
     @property
     def usable_range(self) -> Range:
-        """Ends of the usable voltage where a figure is not printed [V]: with a drop of the band's, without a duty all."""
+        """Ends of the usable voltage where a figure is not printed [V]: with a drop of the band, without a duty all."""
         ends = []
         for drop, duty in ((ASSUMED_BAND[1], _LEAST_DUTY), (ASSUMED_BAND[0], np.nan)):
             drops = np.where(np.isnan(self.stage.drop), drop, self.stage.drop)
             duties = np.where(np.isnan(self.stage.max_duty), duty, self.stage.max_duty)
             ends.append(usable_voltage(self.voltage, duties, drops))
-        return Range(ends[0], np.where(np.isnan(ends[1]), self.voltage, ends[1])[()])
+        most: Alike = np.where(np.isnan(ends[1]), self.voltage, ends[1])
+        return Range(ends[0], most[()])
 
     @property
     def leads(self) -> Alike:
