@@ -182,8 +182,8 @@ def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
     if phase_current is not None:
         less = np.minimum(phase_current / steppers["phase_current"], 1.0)
         detent, most = steppers["detent_torque"], np.fmax(steppers["holding_torque"], 0.0)
-        own = np.where(np.isnan(detent), DETENT_SHARE * most, detent)[curves.stepper]
-        curves = curves._replace(torque=torque_at_current(curves.torque, less[curves.stepper], own))
+        rotor = np.where(np.isnan(detent), DETENT_SHARE * most, detent)[curves.stepper]
+        curves = curves._replace(torque=np.asarray(torque_at_current(curves.torque, less[curves.stepper], rotor)))
     figures: dict[str, Any] = {name: steppers[name] for name in _ALIKE}
     figures |= {
         "kind": STEPPER, "commutation": steppers["wiring"], "phases": 2.0,
