@@ -125,7 +125,7 @@ def _part_row(line: PartLine, axes: str) -> doc.Row:
         "quantity": doc.Quantity(line.quantity, own=f"{line.quantity} ×"), "role": line.role, "named": named,
         "axes": axes,
         "maker": line.maker, "family": line.family, "part": line.part, "order_number": line.order_number,
-        "is": line.said if line.part else "", "said": line.said, "mass": mass,
+        "is": line.said if line.part and not line.said.endswith(OWN_SUPPLY) else "", "said": line.said, "mass": mass,
         "mass_low": low if guessed else "", "mass_high": high if guessed else "",
         "masses": masses, "currency": line.currency, "price": price, "prices": prices,
         "price_from_pieces": "" if line.pieces is None else doc.Quantity(line.pieces), "price_date": line.price_date,

@@ -238,9 +238,9 @@ def _lines(found: OperatingField, unit: str, reach: float, *, plain: bool) -> li
     allowed = np.fmin(np.nan_to_num(found.continuous), hot)
     if not np.isnan(found.continuous).any():
         region("continuous" if found.thermal else "continuous, nominal torque", np.zeros_like(hot), allowed, "blue",
-               0.15)  # fmt: skip
+               0.2)  # fmt: skip
     if not np.isnan(for_a_while := np.fmin(found.intermittent, hot)).any():
-        region("intermittent", allowed, np.maximum(allowed, for_a_while), "vermillion", 0.08)
+        region("intermittent", allowed, np.maximum(allowed, for_a_while), "vermillion", 0.11)
     ambient = show(found.ambient, "degC", "temperature", 3)
     for values, word, winding, dashes in ((found.voltage_hot, "hot", hot_winding(found), "solid"),
                                           (found.voltage_cold, "cold", ambient, picture.DASHED)):  # fmt: skip

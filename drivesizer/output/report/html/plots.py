@@ -126,7 +126,7 @@ def _hover(plot: Plot, one: Diagram, curve: Curve) -> str:
 def _layout(plot: Plot) -> Data:
     """Diagrams below one another, each with its name above it."""
     alone = len(plot.diagrams) == 1 and not plot.over_time
-    heights = [_ALONE if alone else round(_PER_INCH * one.height) for one in plot.diagrams]
+    heights = [max(_ALONE if alone else 0, round(_PER_INCH * one.height)) for one in plot.diagrams]
     total = sum(heights) + _ABOVE * len(heights)
     hover = {"hoversubplots": "axis", "hovermode": "x unified"} if plot.over_time else {"hovermode": "closest"}
     layout: Data = {"height": total + _BELOW, "annotations": [], "shapes": [], **hover}
