@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.axes import MachineContent, wide_of
 from drivesizer.output.document.candidates import drives_in_rows, every_list
 from drivesizer.output.document.content import Content
-from drivesizer.output.document.records import WIDE, Printed, Quantity, Row, Series, Status, Table, flat, text_of
 from drivesizer.output.words import csv_cell
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import SizingResult
@@ -32,93 +32,81 @@ COLUMNS = (
 
 def files_csv(content: Content | MachineContent, path: Path) -> dict[Path, bytes]:
     """The files of a CSV report: the tidy table, a file of each table and series that has one."""
-    sections = list(wide_of(content, WIDE))
+    sections = list(wide_of(content, doc.WIDE))
     axes = list(dict.fromkeys(one.axis for one in sections if one.axis))
     files = {path: _tidy(sections)}
     for section in sections:
-        for block in flat(section.blocks):
+        for block in doc.flat(section.blocks):
             key = f"axis{1 + axes.index(section.axis)}-" if section.axis else ""
             name = path.with_name(f"{path.stem}-{key}{getattr(block, 'file', '')}{path.suffix}")
-            if isinstance(block, Series):
+            if isinstance(block, doc.Series):
                 files[name] = columns_csv(block.columns)
-            elif isinstance(block, Table) and block.file and not section.axis:
+            elif isinstance(block, doc.Table) and block.file and not section.axis:
                 files[name] = table_csv(block)
     return files
 
 
 def report_csv(content: Content | MachineContent) -> bytes:
     """The tidy table of everything that was found: one figure in a row."""
-    return _tidy(list(wide_of(content, WIDE)))
+    return _tidy(list(wide_of(content, doc.WIDE)))
 
 
-def _tidy(sections: Sequence[Printed]) -> bytes:
+def _tidy(sections: Sequence[doc.Printed]) -> bytes:
     columns = ("axis", *COLUMNS) if any(one.axis for one in sections) else COLUMNS
     return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(sections)))
 
 
-def _rows(sections: Iterable[Printed]) -> Iterator[dict[str, Any]]:
+def _rows(sections: Iterable[doc.Printed]) -> Iterator[dict[str, Any]]:
     """One figure in a row: a table with a column ``value`` has a line for each of its rows, another for each number."""
     for section in sections:
         rank = "" if isnan(section.rank) else int(section.rank)
-        for table in flat(section.blocks):
-            if not isinstance(table, Table) or table.media not in WIDE:
-                continue
-            record = table.record or section.section.name
-            lines = _lines(table) if any(c.key == "value" for c in table.columns) else _matrix(table)
-            for line in lines:
-                yield {"axis": section.axis, "section": record, "set_rank": line.pop("rank", rank), **line}
+        for table in doc.flat(section.blocks):
+            if isinstance(table, doc.Table) and table.media in doc.WIDE:
+                known = {"axis": section.axis, "section": table.record or section.section.name, "set_rank": rank}
+                valued = any(column.key == "value" for column in table.columns)
+                for row in table.rows:
+                    own = (
+                        {"set_rank": int(cell.value)} if isinstance(cell := row.cells.get("rank"), doc.Quantity) else {}
+                    )
+                    for line in _lines(table, row) if valued else _figures_of(table, row):
+                        yield known | own | line
 
 
-def _lines(table: Table) -> Iterator[dict[str, Any]]:
-    for row in table.rows:
-        cells = row.cells
-        line: dict[str, Any] = {"name": row.name, "title": _plain(row.cells.get("title", row.cells.get("role", "")))}
-        line |= {key: _plain(cells[key]) for key in ("symbol", "method", "case", "note") if key in cells}
-        line |= _number(cells.get("value", ""), "value") | _number(cells.get("limit", ""), "limit")
-        line |= {key: cell.value for key, cell in (("margin", cells.get("margin")),
-                                                   ("needed_margin", cells.get("needed")),
-                                                  ("at_time_s", cells.get("at")), ("equation", cells.get("equation")))
-                 if isinstance(cell, Quantity)}  # fmt: skip
-        status = _plain(cells.get("status", ""))
-        unknown = (
-            isinstance(cells.get("value"), Quantity)
-            and line.get("value") != line.get("value")
-            and "status" not in cells
-        )
-        if isinstance(rank := cells.get("rank"), Quantity):
-            line["rank"] = int(rank.value)
-        yield line | {"status": "unknown" if unknown else status}
-        known = {"value", "limit", "margin", "needed", "at", "equation"}
-        for column in table.columns:  # further numbers of the row: lines of their own
-            cell = cells.get(column.key)
-            if isinstance(cell, Quantity) and column.key not in known and column.key not in ("rank", "number"):
-                of = {key: line[key] for key in ("rank",) if key in line}
-                title = f"{line['title']}, {column.head}"
-                yield {**of, "name": f"{row.name}_{column.key}", "title": title, **_number(cell, "value")}
+_LINE = {"margin": "margin", "needed": "needed_margin", "at": "at_time_s", "equation": "equation"}  # keys, SI
 
 
-def _matrix(table: Table) -> Iterator[dict[str, Any]]:
-    for row in table.rows:
-        title = _plain(row.cells.get("title", row.cells.get("role", row.name)))
-        rank = {"rank": int(cell.value)} if isinstance(cell := row.cells.get("rank"), Quantity) else {}
-        for column in table.columns:
-            cell = row.cells.get(column.key)
-            if isinstance(cell, Quantity) and column.key != "rank":
-                more = {key: _plain(row.cells[key]) for key in ("symbol", "equation", "case") if key in row.cells}
-                named = f"{title}, {column.head or column.key}".removeprefix(", ")
-                status = row.status or ("unknown" if isnan(cell.value) else "")
-                yield {
-                    **rank,
-                    **more,
-                    "name": f"{row.name}_{column.key}".strip("_"),
-                    "title": named,
-                    **_number(cell, "value"),
-                    "status": status,
-                }
+def _lines(table: doc.Table, row: doc.Row) -> Iterator[dict[str, Any]]:
+    """A row with its value and limit; further numbers as lines of their own."""
+    cells = row.cells
+    line: dict[str, Any] = {"name": row.name, "title": _plain(cells.get("title", cells.get("role", "")))}
+    line |= {key: _plain(cells[key]) for key in ("symbol", "method", "case", "note") if key in cells}
+    line |= _number(cells.get("value", ""), "value") | _number(cells.get("limit", ""), "limit")
+    line |= {name: cell.value for key, name in _LINE.items() if isinstance(cell := cells.get(key), doc.Quantity)}
+    value = cells.get("value")
+    unknown = isinstance(value, doc.Quantity) and isnan(value.value) and "status" not in cells
+    yield line | {"status": "unknown" if unknown else _plain(cells.get("status", ""))}
+    for column in table.columns:
+        cell = cells.get(column.key)
+        if isinstance(cell, doc.Quantity) and column.key not in {"value", "limit", "rank", "number", *_LINE}:
+            yield {"name": f"{row.name}_{column.key}", "title": f"{line['title']}, {column.head}",
+                   **_number(cell, "value")}  # fmt: skip
+
+
+def _figures_of(table: doc.Table, row: doc.Row) -> Iterator[dict[str, Any]]:
+    """Every number of a row as a line."""
+    title = _plain(row.cells.get("title", row.cells.get("role", row.name)))
+    more = {key: _plain(row.cells[key]) for key in ("symbol", "equation", "case") if key in row.cells}
+    for column in table.columns:
+        cell = row.cells.get(column.key)
+        if isinstance(cell, doc.Quantity) and column.key != "rank":
+            named = f"{title}, {column.head or column.key}".removeprefix(", ")
+            status = row.status or ("unknown" if isnan(cell.value) else "")
+            yield {**more, "name": f"{row.name}_{column.key}".strip("_"), "title": named, **_number(cell, "value"),
+                   "status": status}  # fmt: skip
 
 
 def _number(cell: Any, key: str) -> dict[str, Any]:
-    if not isinstance(cell, Quantity):
+    if not isinstance(cell, doc.Quantity):
         return {key: _plain(cell)}
     if cell.kind == "count" and not isnan(cell.value):
         return {key: int(cell.value)}
@@ -128,32 +116,24 @@ def _number(cell: Any, key: str) -> dict[str, Any]:
 
 def _plain(cell: Any) -> str:
     """A text; of a status its word, of mathematics the line of text."""
-    if isinstance(cell, tuple) and cell and isinstance(cell[0], Status):
-        return cell[0].text
-    return text_of(cell)
+    status = isinstance(cell, tuple) and cell and isinstance(cell[0], doc.Status)
+    return cell[0].text if status else doc.text_of(cell)
 
 
-def table_csv(table: Table) -> bytes:
+def table_csv(table: doc.Table) -> bytes:
     """A table by itself: a column for each key of wide media, numbers in SI or in their currency; sums at its end."""
-    columns = [column for column in table.columns if column.media in WIDE]
-    return encoded(
-        (_head(c.key, table.rows) for c in columns),
-        ([_value(row.cells.get(c.key, "")) for c in columns] for row in table.rows),
-    )
-
-
-def _head(key: str, rows: Sequence[Row]) -> str:
-    units = {
-        cell.si_unit
-        for row in rows
-        if isinstance(cell := row.cells.get(key), Quantity) and cell.si_unit not in ("", "1")
-    }
-    money = any(isinstance(cell := row.cells.get(key), Quantity) and cell.kind == "money" for row in rows)
-    return f"{key}_{units.pop()}" if len(units) == 1 and not money else key
+    keys = [column.key for column in table.columns if column.media in doc.WIDE]
+    heads = []
+    for key in keys:
+        figures = [cell for row in table.rows if isinstance(cell := row.cells.get(key), doc.Quantity)]
+        units = {figure.si_unit for figure in figures} - {"", "1"}
+        money = any(figure.kind == "money" for figure in figures)
+        heads.append(f"{key}_{min(units)}" if len(units) == 1 and not money else key)
+    return encoded(heads, ([_value(row.cells.get(key, "")) for key in keys] for row in table.rows))
 
 
 def _value(cell: Any) -> Any:
-    if not isinstance(cell, Quantity):
+    if not isinstance(cell, doc.Quantity):
         return _plain(cell)
     return int(cell.value) if cell.kind == "count" else cell.value
 
@@ -161,7 +141,7 @@ def _value(cell: Any) -> Any:
 def sets_csv(result: SizingResult | MachineSizing) -> bytes:
     """One row per drive, of each axis where there are several: the best, the closest rejected, those of the front."""
     axes = [(one.name, one.result) for one in result.axes] if isinstance(result, MachineSizing) else [("", result)]
-    heads, rows = list[str](), list[tuple[str, Row]]()
+    heads, rows = list[str](), list[tuple[str, doc.Row]]()
     for axis, of in axes:
         columns, found = drives_in_rows(every_list(of), of.objective)
         heads += [column.key for column in columns if column.key not in heads]

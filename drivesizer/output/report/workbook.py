@@ -11,31 +11,13 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cache
 from math import isclose, isfinite, isinf, isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.axes import MachineContent, wide_of
 from drivesizer.output.document.content import Content
-from drivesizer.output.document.records import (
-    BOOK,
-    Bar,
-    Bullets,
-    Cell,
-    Code,
-    Column,
-    Mark,
-    Printed,
-    Quantity,
-    Row,
-    Series,
-    Status,
-    Table,
-    Verdict,
-    Words,
-    flat,
-    text_of,
-)  # fmt: skip
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.thinning import curve_points
 from drivesizer.output.words import likely, visible
@@ -51,13 +33,8 @@ _Pen = Callable[..., Any]  # look, and how a number is shown: a format of the wo
 _ACCENT, _ALARM, _SOFT = "#0B5B8C", "#C04A00", "#6E6E6E"
 _MIDDLE: dict[str, Any] = {"align": "center", "valign": "top"}
 _LEFT: dict[str, Any] = {"align": "left", "valign": "top", "indent": 1}  # clear of the number to the left
-_HEAD: dict[str, Any] = {
-    "bold": True,
-    "font_color": "white",
-    "bg_color": _ACCENT,
-    "text_wrap": True,
-    "valign": "vcenter",
-}
+_HEAD: dict[str, Any] = {"bold": True, "font_color": "white", "bg_color": _ACCENT, "text_wrap": True,
+                         "valign": "vcenter"}  # fmt: skip
 _LOOKS: dict[str, dict[str, Any]] = {
     "head": {**_HEAD, "align": "left", "indent": 1},
     "right head": {**_HEAD, "align": "right"},
@@ -74,17 +51,9 @@ _LOOKS: dict[str, dict[str, Any]] = {
     "open": {"bg_color": "#FDF0D0", "font_color": "#6B4A00", "italic": True, **_MIDDLE},
     "unknown": {"bg_color": "#EBEBEB", "font_color": "#404040", "italic": True, **_MIDDLE},
 }
-_FORMS = {
-    "margin": "[>=0.0995]+0 %;[Red][<0]-0.0 %;+0.0 %",
-    "count": "#,##0",
-    "money": "0.00",
-}  # by kind; [Red] is a colour
-_LINE, _NARROW, _MOST_LINES, _WIDEST = (
-    15,
-    1.15,
-    25,
-    60,
-)  # points of a line; letters for each digit of width; lines; letters
+_FORMS = {"margin": "[>=0.0995]+0 %;[Red][<0]-0.0 %;+0.0 %", "count": "#,##0", "money": "0.00"}  # [Red] is a colour
+_LINE, _MOST_LINES = 15, 25  # points of a line; lines of a row
+_NARROW, _WIDEST = 1.15, 60  # letters for each digit of width; letters of a column
 
 
 def shown(value: float, digits: int = 4) -> str:
@@ -111,13 +80,34 @@ class _Page:
 
     def write(self, place: int, text: str, look: str) -> None:
         """A text; no cell without one."""
-        if text:
-            self.page.write_string(self.row, place, visible(text), self.pen(look))
-            if look != "part":
-                longest = (
-                    max(map(len, text.splitlines() or [""])) if "head" not in look else max(map(len, text.split(" ")))
-                )
-                self.widths[place] = min(max(self.widths.get(place, 8), longest), 110 if look == "code" else _WIDEST)
+        if not text:
+            return
+        self.page.write_string(self.row, place, visible(text), self.pen(look))
+        if look != "part":
+            pieces = text.split(" ") if "head" in look else text.splitlines() or [""]
+            most = 110 if look == "code" else _WIDEST
+            self.widths[place] = min(max(self.widths.get(place, 8), *map(len, pieces)), most)
+
+    def number(self, place: int, number: float, form: str, look: str, formula: str = "") -> None:
+        """A number, or a formula that gives it; what is unknown is left empty."""
+        if isinf(number):
+            self.write(place, "unbounded" if number > 0.0 else "unbounded below", "text")
+        elif formula:
+            self.page.write_formula(self.row, place, formula, self.pen(look, form), number)
+        elif not isnan(number):
+            self.page.write_number(self.row, place, number, self.pen(look, form))
+
+    def high(self, row: int, lines: float) -> None:
+        """Room for a row: not all spreadsheets make it for what wraps."""
+        self.page.set_row(row, _LINE * min(lines, _MOST_LINES))
+
+
+class _Line(NamedTuple):
+    """A row of a table, of a drive and of an axis."""
+
+    axis: str
+    rank: float
+    row: doc.Row
 
 
 @dataclass
@@ -125,16 +115,30 @@ class _Stack:
     """Tables of equal columns as one: of several drives and axes, which then are columns of it."""
 
     caption: str
-    columns: Sequence[Column]
-    rows: list[tuple[str, float, Row]] = field(default_factory=list)  # axis, rank of the drive, row
+    columns: Sequence[doc.Column]
+    lines: list[_Line] = field(default_factory=list)
+
+    def numbers(self, key: str) -> list[doc.Quantity]:
+        """The figures of a column without its sum."""
+        cells = (line.row.cells.get(key) for line in self.lines if not line.row.total)
+        return [cell for cell in cells if isinstance(cell, doc.Quantity)]
+
+
+class _Place(NamedTuple):
+    """A column of a sheet: what it shows of the cells of a table's column."""
+
+    head: str
+    key: str
+    part: str  # axis, rank, value, unit, SI value or SI unit
+    form: str = ""
 
 
 def report_xlsx(content: Content | MachineContent) -> bytes:
     """The report as an XLSX file; the same input gives the same bytes."""
-    return written(wide_of(content, BOOK))
+    return written(wide_of(content, doc.BOOK))
 
 
-def written(sections: Iterable[Printed]) -> bytes:
+def written(sections: Iterable[doc.Printed]) -> bytes:
     """Sections as an XLSX file."""
     from xlsxwriter import Workbook
 
@@ -143,7 +147,7 @@ def written(sections: Iterable[Printed]) -> bytes:
     book.set_properties({"title": "Drive sizing", "created": _UNDATED})
     pen = cache(lambda look, number="": book.add_format(_LOOKS[look] | ({"num_format": number} if number else {})))
     names, records = list[str](), dict[int, Any]()
-    sheets: dict[str, list[Printed]] = {}
+    sheets: dict[str, list[doc.Printed]] = {}
     title = ""
     for one in sections:
         title = one.title or title
@@ -153,7 +157,7 @@ def written(sections: Iterable[Printed]) -> bytes:
         if any(isinstance(item, _Stack) for item in items):
             _fill(_Page(book.add_worksheet(_name(title, names)), pen), items)
         for one in found:
-            for series in (block for block in flat(one.blocks) if isinstance(block, Series)):
+            for series in (block for block in doc.flat(one.blocks) if isinstance(block, doc.Series)):
                 page = book.add_worksheet(_name(f"{one.axis} over time" if one.axis else series.title, names))
                 records[len(book.worksheets())] = _series(book, page, series, pen)
     book.close()
@@ -172,46 +176,45 @@ def _name(title: str, taken: list[str]) -> str:
     return name
 
 
-def _items(found: Sequence[Printed]) -> Iterable[_Stack | Verdict | Words | Bullets]:
+def _items(found: Sequence[doc.Printed]) -> Iterable[Any]:
     """Tables and texts of a sheet in their order; those of drives and axes by their columns."""
     stacks: dict[tuple[str, ...], _Stack] = {}
     items: list[Any] = []
     for one in found:
         shared = bool(one.axis) or not isnan(one.rank)
-        for block in flat(one.blocks):
-            if isinstance(block, Verdict | Words | Bullets) and not shared:
+        for block in doc.flat(one.blocks):
+            if isinstance(block, doc.Verdict | doc.Words | doc.Bullets) and not shared:
                 items.append(block)
-            elif isinstance(block, Table) and block.media in BOOK and block.rows:
-                columns = [column for column in block.columns if column.media in BOOK]
+            elif isinstance(block, doc.Table) and block.media in doc.BOOK and block.rows:
+                columns = [column for column in block.columns if column.media in doc.BOOK]
                 key = (*(column.key for column in columns), *([] if shared else [str(len(items))]))
                 if key not in stacks:
-                    stacks[key] = _Stack(text_of(block.caption) if not shared else "", columns)
+                    stacks[key] = _Stack("" if shared else doc.text_of(block.caption), columns)
                     items.append(stacks[key])
-                stacks[key].rows += [(one.axis, one.rank, row) for row in block.rows]
+                stacks[key].lines += [_Line(one.axis, one.rank, row) for row in block.rows]
     return items
 
 
 def _fill(sheet: _Page, items: Sequence[Any]) -> None:
     """Write the tables and texts of a sheet, the first table at its top; and set up how it is seen and printed."""
     tables = [item for item in items if isinstance(item, _Stack)]
-    across, still = max(2, *(len(stack.columns) for stack in tables)), 1
+    across, still = max(2, *(len(stack.columns) for stack in tables)), 0
     for item in items if len(tables) > 1 else sorted(items, key=lambda item: not isinstance(item, _Stack)):
-        if sheet.row:
-            sheet.row += 1
+        sheet.row += bool(sheet.row)
         if not isinstance(item, _Stack):
             _write_texts(sheet, item, across)
             continue
         if len(tables) > 1 and item.caption:
             sheet.write(0, item.caption, "part")
             sheet.row += 1
-        columns, first = _write_table(sheet, item)
+        first, columns = sheet.row, _write_table(sheet, item)
         across = max(across, columns)
         if len(tables) == 1:
             sheet.page.autofilter(first, 0, sheet.row - 1, columns - 1)
             still = 1 + next((n for n, column in enumerate(item.columns) if column.key == "title"), 0)
     for place in range(across):
         sheet.page.set_column(place, place, sheet.widths.get(place, 8) + 2.5)
-    sheet.page.freeze_panes(1, still if len(tables) == 1 else 0)
+    sheet.page.freeze_panes(1, still)
     sheet.page.set_landscape()
     sheet.page.set_paper(9)  # A4
     sheet.page.fit_to_pages(1 if across <= 16 else 2, 0)
@@ -219,152 +222,127 @@ def _fill(sheet: _Page, items: Sequence[Any]) -> None:
     sheet.page.set_footer("&L&A&Rpage &P of &N")
 
 
-def _write_texts(sheet: _Page, block: Verdict | Words | Bullets, across: int) -> None:
+def _write_texts(sheet: _Page, block: doc.Verdict | doc.Words | doc.Bullets, across: int) -> None:
     """Texts over all columns, a row each."""
-    heads = [block.intro] if isinstance(block, Bullets) else []
-    texts = (
-        block.paragraphs if isinstance(block, Verdict) else block.items if isinstance(block, Bullets) else [block.text]
-    )
-    for look, text in [*(("part", text) for text in heads), *(("text", text) for text in texts)]:
-        shown_text = visible(text_of(text))
+    match block:
+        case doc.Verdict():
+            texts = [("text", text) for text in block.paragraphs]
+        case doc.Bullets():
+            texts = [("part", block.intro), *(("text", text) for text in block.items)]
+        case _:
+            texts = [("text", block.text)]
+    for look, text in texts:
+        said = visible(doc.text_of(text))
         sheet.page.merge_range(sheet.row, 0, sheet.row, across - 1, "", sheet.pen(look))
-        sheet.page.write_string(sheet.row, 0, shown_text, sheet.pen(look))
-        lines = _lines(shown_text, sum(sheet.widths.get(place, 12) for place in range(across)))
-        sheet.page.set_row(sheet.row, _LINE * min(max(lines, 1), _MOST_LINES))
+        sheet.page.write_string(sheet.row, 0, said, sheet.pen(look))
+        sheet.high(sheet.row, max(1, _lines(said, sum(sheet.widths.get(place, 12) for place in range(across)))))
         sheet.row += 1
 
 
-def _write_table(sheet: _Page, stack: _Stack) -> tuple[int, int]:
-    """A table with its head; how many columns it has, and the row of its head."""
-    rows, head = stack.rows, sheet.row
-    places: dict[str, int] = {}  # of each column by its key
-    layout: list[
-        tuple[str, str, Column | None, str]
-    ] = []  # key, head, column, what of a cell: value, unit, si or si unit
-    if any(axis for axis, _, _ in rows):
-        layout.append(("axis", "axis", None, "axis"))
-    if any(not isnan(rank) for _, rank, _ in rows):
-        layout.append(("drive", "drive", None, "rank"))
-    units_before: list[str] = []
+def _places(stack: _Stack) -> list[_Place]:
+    """The columns of a sheet: units beside figures of several units, and the SI beside a value."""
+    found = [_Place("axis", "", "axis")] if any(line.axis for line in stack.lines) else []
+    found += [_Place("drive", "", "rank")] if any(not isnan(line.rank) for line in stack.lines) else []
+    before: list[str] = []
     for column in stack.columns:
-        cells = [row.cells.get(column.key, "") for _, _, row in rows if not row.total]
-        units = [cell.unit if isinstance(cell, Quantity) and cell.unit not in ("1", "%") else "" for cell in cells]
-        found = {unit for unit in units if unit}
+        cells = (line.row.cells.get(column.key, "") for line in stack.lines if not line.row.total)
+        units = [c.unit if isinstance(c, doc.Quantity) and c.unit not in ("1", "%") else "" for c in cells]
+        kinds = {unit for unit in units if unit}
         named = column.head or ("status" if column.form == "status" else column.key)
-        named += f" ({label(found.copy().pop())})" if len(found) == 1 else ""
-        places[column.key] = len(layout)
-        layout.append((column.key, named, column, "value"))
-        if len(found) > 1 and units != units_before:
-            layout.append((column.key, "unit", column, "unit"))
-        units_before = units if len(found) > 1 else units_before
-        if len(found) > 1 and column.key == "value":
-            layout += [(column.key, "SI value", column, "si"), (column.key, "SI unit", column, "si unit")]
-    for place, (_, named, wanted, part) in enumerate(layout):
-        right = part in ("si", "rank") or (part == "value" and wanted is not None and wanted.form == "number")
-        sheet.write(place, named, "right head" if right else "head")
-    sheet.page.set_row(
-        head,
-        _LINE * 1.5 * max(1, *(_lines(named, sheet.widths.get(n, 8)) for n, (_, named, _, _) in enumerate(layout))),
-    )
+        named += f" ({label(min(kinds))})" if len(kinds) == 1 else ""
+        found.append(_Place(named, column.key, "value", column.form))
+        if len(kinds) > 1:
+            found += [_Place("unit", column.key, "unit")] if units != before else []
+            found += [_Place(f"SI {of}", column.key, f"SI {of}") for of in ("value", "unit") if column.key == "value"]
+            before = units
+    return found
+
+
+def _write_table(sheet: _Page, stack: _Stack) -> int:
+    """A table with its head; how many columns of the sheet it has."""
+    places, first = _places(stack), sheet.row + 1
+    for n, place in enumerate(places):
+        right = place.part in ("SI value", "rank") or (place.part == "value" and place.form == "number")
+        sheet.write(n, place.head, "right head" if right else "head")
+    sheet.high(sheet.row, 1.5 * max(1, *(_lines(place.head, sheet.widths.get(n, 8)) for n, place in enumerate(places))))
     sheet.row += 1
-    for axis, rank, row in rows[: MOST_ROWS - sheet.row]:
+    letters = {place.key: _letters(n) for n, place in enumerate(places) if place.part == "value"}
+    columns = {column.key: column for column in stack.columns}
+    units = {key: next((cell.unit for cell in stack.numbers(key)), "") for key in columns}
+    for line in stack.lines[: MOST_ROWS - sheet.row]:
         lines = 1
-        for place, (key, _, wanted, part) in enumerate(layout):
-            cell = row.cells.get(key, "")
-            if part == "axis":
-                sheet.write(place, axis, "text")
-            elif part == "rank":
-                if not isnan(rank):
-                    sheet.page.write_number(sheet.row, place, rank, sheet.pen("number", "0"))
-            elif part == "value" and wanted is not None:
-                unit = next(
-                    (c.unit for _, _, r in rows if isinstance(c := r.cells.get(key), Quantity) and not r.total), ""
-                )
-                _write_cell(sheet, place, cell, wanted, row, places, head + 1, rows, unit)
-                if not isinstance(cell, Quantity | Bar) and wanted.form != "code":
-                    lines = max(lines, _lines(text_of(cell), _WIDEST))
-            elif isinstance(cell, Quantity) and part == "si":
-                _write_number(sheet, place, cell.value, shown(cell.value) if isfinite(cell.value) else "", "number")
-            elif isinstance(cell, Quantity):
-                sheet.write(place, label(cell.unit if part == "unit" else cell.si_unit), "unit")
+        for n, place in enumerate(places):
+            cell = line.row.cells.get(place.key, "")
+            if place.part == "axis":
+                sheet.write(n, line.axis, "text")
+            elif place.part == "rank":
+                sheet.number(n, line.rank, "0", "number")
+            elif isinstance(cell, doc.Quantity):
+                _write_figure(sheet, n, place, cell, line.row, units[place.key],
+                              _formula(sheet, stack, columns[place.key], line.row, letters, first))  # fmt: skip
+            elif place.part == "value" and not isinstance(cell, doc.Bar):
+                _write_text(sheet, n, cell, place.form, total=line.row.total)
+                lines = max(lines, _lines(doc.text_of(cell), _WIDEST) if place.form != "code" else 1)
         if lines > 1:
-            sheet.page.set_row(
-                sheet.row, _LINE * min(lines, _MOST_LINES)
-            )  # not all spreadsheets make room for what wraps
+            sheet.high(sheet.row, lines)
         sheet.row += 1
-    return len(layout), head
+    return len(places)
 
 
-def _write_cell(sheet: _Page, place: int, cell: Cell, column: Column, row: Row, places: Mapping[str, int], first: int,
-                rows: Sequence[tuple[str, float, Row]], unit: str) -> None:  # fmt: skip
-    """One cell; what is unknown is left empty, sums and what a column's formula gives are formulas."""
-    if isinstance(cell, Bar):
+def _write_text(sheet: _Page, n: int, cell: doc.Cell, form: str, *, total: bool) -> None:
+    mark, text = cell[0] if isinstance(cell, tuple) and cell else "", doc.text_of(cell)
+    look = "total text" if total else "text"
+    if isinstance(mark, doc.Status) and text in GRAVEST:
+        look = text
+    elif isinstance(mark, doc.Code) or form == "code":
+        look = "code"
+    elif isinstance(mark, doc.Mark) and text not in ("quoted", "computed", ""):
+        look = "unquoted"
+    sheet.write(n, text, look)
+
+
+def _write_figure(
+    sheet: _Page, n: int, place: _Place, cell: doc.Quantity, row: doc.Row, unit: str, formula: str
+) -> None:  # fmt: skip
+    """A figure in its unit, its unit, or the same in SI; what is unknown is left empty."""
+    if place.part in ("unit", "SI unit"):
+        sheet.write(n, label(cell.unit if place.part == "unit" else cell.si_unit), "unit")
         return
-    if not isinstance(cell, Quantity):
-        mark = cell[0] if isinstance(cell, tuple) and cell else ""
-        text = text_of(cell)
-        look: str = (
-            text
-            if isinstance(mark, Status) and text in GRAVEST
-            else "code"
-            if isinstance(mark, Code) or column.form == "code"
-            else "text"
-        )
-        look = "unquoted" if isinstance(mark, Mark) and text not in ("quoted", "computed", "") else look
-        sheet.write(place, text, "total text" if row.total and look == "text" else look)
+    if place.part == "SI value":
+        sheet.number(n, cell.value, shown(cell.value) if isfinite(cell.value) else "", "number")
         return
     if row.total and unit and cell.unit != unit and cell.kind not in ("money", "count"):
-        cell = Quantity(cell.value, unit, cell.kind, cell.digits)
+        cell = doc.Quantity(cell.value, unit, cell.kind, cell.digits)
     number = cell.number
-    form = _FORMS.get(cell.kind) or (
-        f"0.{'0' * _decimals(number)} %" if cell.kind == "probability" and isfinite(number) else ""
-    )
-    form = form or (shown(number, cell.digits) if isfinite(number) else "")
-    formula = _formula(sheet, cell, column, row, places, first, rows)
-    _write_number(sheet, place, number, form, "total" if row.total else "number", formula)
+    form = _FORMS.get(cell.kind, "")
+    if not form and isfinite(number):
+        decimals = len(likely(number).removesuffix(" %").partition(".")[2]) if cell.kind == "probability" else 0
+        form = f"0.{'0' * decimals} %" if cell.kind == "probability" else shown(number, cell.digits)
+    sheet.number(n, number, form, "total" if row.total else "number", formula)
 
 
-def _decimals(share: float) -> int:
-    return len(likely(share).removesuffix(" %").partition(".")[2])
-
-
-def _write_number(sheet: _Page, place: int, number: float, form: str, look: str, formula: str = "") -> None:
-    if isinf(number):
-        sheet.write(place, "unbounded" if number > 0.0 else "unbounded below", "text")
-    elif formula:
-        sheet.page.write_formula(sheet.row, place, formula, sheet.pen(look, form), number)
-    elif not isnan(number):
-        sheet.page.write_number(sheet.row, place, number, sheet.pen(look, form))
-
-
-def _formula(sheet: _Page, cell: Quantity, column: Column, row: Row, places: Mapping[str, int], first: int,
-             rows: Sequence[tuple[str, float, Row]]) -> str:  # fmt: skip
-    """The formula of a cell where it gives the cell's own number; nothing else."""
-
-    def numbers(key: str) -> list[float]:
-        return [
-            c.number
-            for _, _, r in rows
-            if not r.total and isinstance(c := r.cells.get(key), Quantity) and isfinite(c.number)
-        ]
-
+def _formula(
+    sheet: _Page, stack: _Stack, column: doc.Column, row: doc.Row, letters: Mapping[str, str], first: int
+) -> str:  # fmt: skip
+    """The formula of a cell, of a sum or of its column, where it gives the cell's own number; else nothing."""
+    cell = row.cells[column.key]
+    assert isinstance(cell, doc.Quantity)
     if row.total:
-        here = _letters(places[column.key])
-        last = next(n for n, (_, _, r) in enumerate(rows) if r.total)
-        same = isclose(math.fsum(numbers(column.key)), cell.number, rel_tol=1e-9)
+        here, last = letters[column.key], next(n for n, line in enumerate(stack.lines) if line.row.total)
+        known = [one.number for one in stack.numbers(column.key) if isfinite(one.number)]
+        unit = next((one.unit for one in stack.numbers(column.key)), cell.unit)
+        summed = cell if cell.kind in ("money", "count") else doc.Quantity(cell.value, unit, cell.kind)
+        same = isclose(math.fsum(known), summed.number, rel_tol=1e-9)
         return f"=SUM({here}{first + 1}:{here}{first + last})" if same and last else ""
-    if not column.formula:
-        return ""
-    kind, *keys = column.formula
-    given = [row.cells.get(key) for key in keys]
-    values = [c.number for c in given if isinstance(c, Quantity)]
+    kind, *keys = column.formula or ("",)
+    values = [c.number for key in keys if isinstance(c := row.cells.get(key), doc.Quantity)]
     if len(values) < 2 or not all(map(isfinite, values)) or not values[0]:
         return ""
-    refs = [f"{_letters(places[key])}{sheet.row + 1}" for key in keys]
-    found, formula = (
-        (values[0] * values[1], "={}*{}") if kind == "product" else (values[1] / values[0] - 1.0, "={1}/{0}-1")
-    )
-    return formula.format(*refs) if isclose(found, cell.number, rel_tol=1e-9, abs_tol=1e-12) else ""
+    refs = [f"{letters[key]}{sheet.row + 1}" for key in keys]
+    product = kind == "product"
+    found = values[0] * values[1] if product else values[1] / values[0] - 1.0
+    formula = ("={}*{}" if product else "={1}/{0}-1").format(*refs)
+    return formula if isclose(found, cell.number, rel_tol=1e-9, abs_tol=1e-12) else ""
 
 
 def _lines(text: str, width: float) -> int:
@@ -390,7 +368,7 @@ def _letters(place: int) -> str:
 _INKS = (COLOURS["grey"], COLOURS["blue"], COLOURS["vermillion"], COLOURS["green"])
 
 
-def _series(book: Any, page: Any, series: Series, pen: _Pen) -> Any:
+def _series(book: Any, page: Any, series: doc.Series, pen: _Pen) -> Any:
     """Write the head and the first row; all rows, of a longer record some evenly and with the peaks of every column."""
     names, units = list(series.columns), [unit for _, _, unit in series.columns.values()]
     columns = [from_si(values, unit, kind) for values, kind, unit in series.columns.values()]
@@ -402,11 +380,8 @@ def _series(book: Any, page: Any, series: Series, pen: _Pen) -> Any:
         page.set_column(place, place, max(12, len(head) + 1))
         if len(rows) and isfinite(rows[0, place]):
             page.write_number(1, place, rows[0, place], pen("number", "General"))
-    left = (
-        f"{len(kept)} of {len(columns[0])} samples, evenly and with the peaks of every column"
-        if len(kept) < len(columns[0])
-        else ""
-    )
+    some = len(kept) < len(columns[0])
+    left = f"{len(kept)} of {len(columns[0])} samples, evenly and with the peaks of every column" if some else ""
     note = "; ".join(filter(None, (series.note, left)))
     if note:
         page.write_string(0, len(names), note, pen("text"))
