@@ -112,7 +112,8 @@ def printed_failure(declared: Equation) -> str | None:
 
     if not declared.printed:
         return None
-    unit = {term.name: term.unit for term in _known_terms()}
+    every = [*EQUATIONS.values(), *COMPANIONS.values()]
+    unit = {term.name: term.unit for one in every for term in (*one.terms, one.result)}
     unit |= {term.name: term.unit for term in (*declared.terms, declared.result)} | declared.printed_units
     ureg = registry()
 
@@ -132,11 +133,6 @@ def printed_failure(declared: Equation) -> str | None:
         excess, si = (value / wanted).to_base_units().units, label(declared.result.unit)
         return f"its unit is {si} times {label(f'{excess:~C}')}, not {si}"
     return None
-
-
-def _known_terms() -> list[Any]:
-    every = [*EQUATIONS.values(), *COMPANIONS.values()]
-    return [term for e in every for term in (*e.terms, e.result)]
 
 
 # -- Requirements as mathematics: printed form, computed form, with numbers, result.
@@ -170,7 +166,7 @@ def step(r: Requirement) -> dict[str, Any]:
     printed, used = _forms(r.declared, expression)
     made["printed"] = f"{left} = {printed}" if printed else ""
     made["used"] = f"{left} = {used}" if used.replace("^(2)", "^2") not in ("", left) else ""
-    made["numbers"] = f"{left} = {_put_in(r, expression)}"
+    made["numbers"] = f"{left} = {typst(expression, values=_values(r, expression, _with_unit))}"
     made["result"] = _result(r)
     made["failure"] = _failures().get(r.declared.name, "")
     return made
@@ -275,10 +271,6 @@ def _forms(declared: Equation, expression: str) -> tuple[str, str]:
     printed = typst(declared.printed, paper=True) if declared.printed else ""
     same = declared.printed and typst(declared.printed) == typst(expression)
     return printed, "" if same else typst(expression)
-
-
-def _put_in(r: Requirement, expression: str) -> str:
-    return typst(expression, values=_values(r, expression, _with_unit))
 
 
 def numbers_in(r: Requirement) -> str:

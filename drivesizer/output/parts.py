@@ -13,10 +13,9 @@ from drivesizer.catalog.query import Hit, origins
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.words import LESS, confidences, not_quoted
 from drivesizer.results import ratings
-from drivesizer.results.drive_set import DriveSet, MassRow, section_of
+from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import GearStage
-from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
@@ -226,7 +225,10 @@ OWN_SUPPLY = "of its own supply"  # behind the voltage of a brake that is not th
 
 def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | None = None) -> list[PartLine]:
     """The parts list of a machine: a line for each part of a drive."""
-    masses = {row.name: _massed(row) for row in drive_rows(found, drives, catalog, belt)}
+    masses: dict[str, dict[str, Any]] = {}
+    for row in drive_rows(found, drives, catalog, belt):  # with a band where it is estimated
+        low, high = row.band or (nan, nan)
+        masses[row.name] = {"mass": row.each, "mass_low": low, "mass_high": high}
     lines = [line_of(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
     lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
     if found.without_controller:
@@ -235,9 +237,10 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
         lines = [replace(x, said=f"{found.motor.controller} inside") if x.role == "motor" else x for x in lines]
     if found.chosen_screw:
         lines = [replace(x, said=found.chosen_screw.running) if x.role == "screw" else x for x in lines]
-    if _bare_belt(found):
-        mass = masses.get("belt and pulleys", {})
-        lines.insert(_behind_gearhead(found), PartLine(role="belt", said=_ratio(found), quantity=drives, **mass))
+    if not found.belt_drive and (found.belt_ratio != 1.0 or found.belt_efficiency != 1.0):  # a belt of no known parts
+        place = 1 + next((n for n, role in enumerate(found.parts) if role == "gearhead"), 0)
+        said = f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
+        lines.insert(place, PartLine(role="belt", said=said, quantity=drives, **masses.get("belt and pulleys", {})))
     if wanted := _wanted_brake(found):
         place = next((n for n, line in enumerate(lines) if line.role in ("encoder", "controller")), len(lines))
         lines.insert(place, PartLine(role="brake", said=wanted, quantity=drives))
@@ -248,18 +251,15 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
     """The parts list of the machine of a sizing."""
     spec = problem.machine
     lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
-    if found.brake and not isnan(found.brake.supply) and _has_own_supply(found, spec):
+    apart = any(check.note == ratings.OWN_SUPPLY for check in found.every_check)
+    own = apart if spec.supply.brakes is None else spec.supply.brakes != spec.supply.nominal
+    if found.brake and not isnan(found.brake.supply) and own:
         lines = [replace(x, said=f"{x.said} {OWN_SUPPLY}") if x.role == "brake" else x for x in lines]
     if spec.gear is not None:
-        lines.insert(_behind_belt(spec, lines), _gear_line(spec.gear, spec.load.motors))
+        behind = ["gearhead"] if spec.gear_before_belt else ["gearhead", "belt", "driven pulley"]
+        place = 1 + max((n for n, line in enumerate(lines) if line.role in behind), default=0)
+        lines.insert(place, _gear_line(spec.gear, spec.load.motors))
     return [*lines, *_supply_lines(found, problem)]
-
-
-def _has_own_supply(found: DriveSet, spec: RobotSpec) -> bool:
-    """Whether the brake of a drive is not on the machine's supply."""
-    given = spec.supply.brakes
-    apart = any(check.note == ratings.OWN_SUPPLY for check in found.every_check)
-    return apart if given is None else given != spec.supply.nominal
 
 
 def _supply_lines(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
@@ -281,18 +281,6 @@ def _gear_line(gear: GearStage, drives: int) -> PartLine:
     return PartLine(role=gear.kind, said=said, quantity=drives, mass=nan if gear.mass is None else gear.mass)
 
 
-def _behind_belt(spec: RobotSpec, lines: Sequence[PartLine]) -> int:
-    """The place of a gear in a parts list: behind gearhead and belt, or before the belt."""
-    roles = ["gearhead"] if spec.gear_before_belt else ["gearhead", "belt", "driven pulley"]
-    return 1 + max((n for n, line in enumerate(lines) if line.role in roles), default=0)
-
-
-def _massed(row: MassRow) -> dict[str, Any]:
-    """The mass of one part, with its band where it is estimated."""
-    low, high = row.band or (nan, nan)
-    return {"mass": row.each, "mass_low": low, "mass_high": high}
-
-
 def _wanted_brake(found: DriveSet) -> str:
     """The brake that a drive must have to hold its load and that no catalogue lists, in words; else nothing."""
     checks = {check.name: check for check in found.own_checks}
@@ -302,19 +290,6 @@ def _wanted_brake(found: DriveSet) -> str:
     torque = holding.demand * (1.0 + holding.needed)
     least = "" if isnan(torque) else f"; to hold {show(torque, 'mN*m', 'torque')} at the motor"
     return f"none is listed{least}"
-
-
-def _bare_belt(found: DriveSet) -> bool:
-    """Whether there is a belt of which no parts are known."""
-    return not found.belt_drive and (found.belt_ratio != 1.0 or found.belt_efficiency != 1.0)
-
-
-def _behind_gearhead(found: DriveSet) -> int:
-    return 1 + next((n for n, role in enumerate(found.parts) if role == "gearhead"), 0)
-
-
-def _ratio(found: DriveSet) -> str:
-    return f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
 
 
 # -- The parts list of a machine of several axes: equal parts of several axes are one line, at their common price.

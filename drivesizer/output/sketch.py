@@ -145,12 +145,6 @@ class Pen:
         self.force((x - 2, y - 6), (x - 26, y - 6), "μ, F_f", *friction, off=(-36.0, 4.0))
 
 
-def _slide_above(p: Pen, radius: float) -> None:
-    p.line((60, 150), (440, 150), ink=_SOFT)
-    p.guided(210, 150 - radius)
-    p.inclined(374, 186, "β", "incline")
-
-
 def _screw(p: Pen) -> None:
     p.motor(14, 128)
     p.line((64, 128), (84, 128), wide=2.5)

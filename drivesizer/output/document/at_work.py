@@ -62,20 +62,20 @@ def derivation(content: Content) -> Iterator[doc.Block]:
             _OF_WHEELS.format(wheel=content.wheel) if content.wheel else _OF_CYCLE.format(shaft=content.shaft)
         )
         yield table
-    cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
-    inertia, many = "The load's own inertia is in the torque.", len(content.cases)
-    further = " Load cases beyond the fourth are shown when they are selected above." if many > 4 else ""
+    many = len(content.cases)
     if content.wheel:
-        first = ", of the first eight" if many > 8 else ""
-        caption = (
-            f"Torque and speed of each driven wheel on the path{{}}; those of equal demand are shown as one. {inertia}"
-        )
+        first = ", of the first eight; the page has the others too" if many > 8 else ""
+        said = f"Torque and speed of each driven wheel on the path{first}; those of equal demand are shown as one."
     else:
-        first = ", in the first four load cases" if many > 4 else ""
-        caption = f"Torque and speed of the {content.shaft} over the cycle, of one drive{{}}. {inertia}"
-    yield doc.Picture("cycle", caption.format(first) + cut, "torque and speed of the driven shaft over time",
-                  about=_ABOUT_CYCLE[content.result.method], on_page=caption.format("") + further,
-                  floats=True)  # fmt: skip
+        first = ", in the first four load cases; the page has the others too" if many > 4 else ""
+        said = f"Torque and speed of the {content.shaft} over the cycle, of one drive{first}."
+    yield doc.Picture("cycle", f"{said} The load's own inertia is in the torque.{_cut(len(stretches(content.cycles)))}",
+                      "torque and speed of the driven shaft over time", about=_ABOUT_CYCLE[content.result.method],
+                      floats=True)  # fmt: skip
+
+
+def _cut(stretches: int) -> str:
+    return " On paper stretches without change are left out." if stretches > 1 else ""
 
 
 def _equations(content: Content) -> Iterator[doc.Block]:
@@ -246,7 +246,7 @@ def cycle_pictures(content: Content) -> Iterator[doc.Block]:
                       about="shows the share of the power that arrives.", floats=True)  # fmt: skip
     cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
     of = "" if content.wheel else " those of the case as specified,"
-    cut = " The longest stretch without change is left out." if len(stretches(content.cycles)) > 1 else ""
+    cut = _cut(len(stretches(content.cycles)))
     yield doc.Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the "
                   f"winding over the cycle{cases}. Limits are{of} without the margins that the spec requires.{cut}",
                   "current and voltage over the cycle with their limits",
@@ -364,9 +364,8 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
                       "block diagram of the closed loop", about="is its block diagram.")  # fmt: skip
     *first, last = [title for _, title in closed_loop_rows(v)]
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
-    cut = " Stretches in which the reference does not change are left out." if len(windows(v.series)) > 1 else ""
-    yield doc.Picture("loop", shown + cut, f"{v.loop} over time", about="shows it over time.",
-                      on_page=f"{shown} All diagrams share the axis of time.", floats=True)  # fmt: skip
+    yield doc.Picture("loop", shown + _cut(len(windows(v.series))), f"{v.loop} over time", about="shows it over time.",
+                      floats=True)  # fmt: skip
     columns = (
         doc.name("title", "gain", width=1.0),
         doc.number("value", "value"),

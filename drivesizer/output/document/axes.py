@@ -204,7 +204,8 @@ def _summary(content: MachineContent) -> Iterator[doc.Block]:
     if content.bought:
         axes = [one.name for one in content.axes if one.sizing.best]
         whole = f"{content.drives_words} of {f'{len(axes)} axes' if len(axes) > 1 else axes[0]}"
-        yield summary.shared_parts_table(content.bought, content.totals, whole)
+        lines = [(one.line, ", ".join(one.axes)) for one in content.bought]
+        yield summary.parts_table(f"Parts of {whole}", lines, content.totals)
         yield from summary.lacking_words(content.totals)
     power = sizing.power
     notes = [*(supply_texts(power) if power else ()), *sizing.notes, choice_text(sizing)]
@@ -270,12 +271,10 @@ def _power(content: MachineContent) -> Iterator[doc.Block]:
         yield doc.Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
     together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
     case = f" Load case {power.case}." if power.case else ""
-    stacked = "Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns."
-    moved_ = "Pointed at, an axis has what it draws less what it returns."
-    yield doc.Picture("power", f"{stacked} The black line is what the source gives.{case}{together}",
-                  "power of every axis over time", about="shows the power over the machine's cycle.",
-                  on_page=f"{stacked} The line is what the source gives. {moved_}{case}{together}",
-                  floats=True)  # fmt: skip
+    stacked = ("Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns. The line "
+               "is what the source gives.")  # fmt: skip
+    yield doc.Picture("power", f"{stacked}{case}{together}", "power of every axis over time",
+                      about="shows the power over the machine's cycle.", floats=True)  # fmt: skip
     yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
     if power.exceeded:
         titles = {check.name: check.title for check in power.checks}

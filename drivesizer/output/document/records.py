@@ -261,7 +261,6 @@ class Picture:
     caption: Text
     alt: str
     about: str = ""  # a sentence that points at it, without its subject, where figures float
-    on_page: Text = ""  # the caption of a figure that can be moved and zoomed, where it differs
     floats: bool = False  # on paper: to the top or the bottom of a page, so that the text goes on beside it
     small: bool = False  # narrower than the text
 

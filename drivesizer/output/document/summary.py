@@ -20,7 +20,7 @@ from drivesizer.output.document.rows import (
     tight_of,
     tightest_table,
 )  # fmt: skip
-from drivesizer.output.parts import OWN_SUPPLY, PartLine, SharedLine, Total, part_figures, totals
+from drivesizer.output.parts import OWN_SUPPLY, PartLine, Total, part_figures, totals
 from drivesizer.output.tables import most_fail_on, not_enough
 from drivesizer.output.words import about, confidence, likely, meeting, not_quoted, number_of, reported
 from drivesizer.results.check import GRAVEST, Check, verdict, worst
@@ -54,17 +54,8 @@ _PARTS = (
 )  # fmt: skip
 
 
-def parts_table(lines: Sequence[PartLine], drives: str, outcome: str) -> doc.Table:
-    """Parts to order for the whole machine, with the totals of mass and price."""
-    return _parts(f"Parts of {drives}: {outcome}", [(line, "") for line in lines], totals(lines))
-
-
-def shared_parts_table(lines: Sequence[SharedLine], every: Sequence[Total], whole: str) -> doc.Table:
-    """Parts to order for a machine of several axes, each with the axes that need it."""
-    return _parts(f"Parts of {whole}", [(one.line, ", ".join(one.axes)) for one in lines], every)
-
-
-def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> doc.Table:
+def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> doc.Table:
+    """Parts to order with the axes that need them, and the totals of mass and price."""
     dates = ", ".join(dict.fromkeys(line.price_date for line, _ in lines if line.price_date))
     remarks = [f"prices of {dates}"] if dates else []
     remarks += ["without cables, connectors and couplings"]
@@ -76,23 +67,12 @@ def _parts(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[
     ]
     mass, prices = (next((t for t in every if t.name == "mass"), None), [t for t in every if t.name == "price"])
     sums: dict[str, doc.Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
-    sums["price" if single else "prices"] = _sum_of(prices) if prices else "unknown"
-    rows = [_part_row(line, axes) for line, axes in lines]
-    return doc.Table(
-        (caption, doc.Note("; ".join(remarks))),
-        columns,
-        [*rows, doc.Row(sums, name="total", total=True)],
-        "parts",
-        "part",
-        "parts",
-        file="parts",
-    )
-
-
-def _sum_of(prices: Sequence[Total]) -> doc.Cell:
+    sums["price" if single else "prices"] = " + ".join(total_of(one).text for one in prices) or "unknown"
     if len(prices) == 1:
-        return total_of(prices[0])
-    return " + ".join(total_of(one).text for one in prices)
+        sums["price" if single else "prices"] = total_of(prices[0])
+    rows = [_part_row(line, axes) for line, axes in lines]
+    rows.append(doc.Row(sums, name="total", total=True))
+    return doc.Table((caption, doc.Note("; ".join(remarks))), columns, rows, "parts", "part", "parts", file="parts")
 
 
 def total_of(total: Total) -> doc.Quantity:
@@ -169,7 +149,8 @@ def summary(content: Content) -> Iterator[doc.Block]:
     yield _title_table(content)
     if best is None:
         return
-    parts = parts_table(content.bought, content.drives, OUTCOMES[content.outcome])
+    said = f"Parts of {content.drives}: {OUTCOMES[content.outcome]}"
+    parts = parts_table(said, [(line, "") for line in content.bought], totals(content.bought))
     yield replace(parts, media="print", file="") if content.outcome == "missed" else parts  # it is not bought
     yield from lacking_words(totals(content.bought))
     if content.outcome == "missed":

@@ -54,7 +54,9 @@ def blocks(console: Console, found: Iterable[Block]) -> None:
             if not _beside(console, [*flat([block])]):
                 blocks(console, flat([block]))
         elif isinstance(block, Table) and block.media in TERMINAL and block.rows:
-            if not (block.halves and _beside(console, _halves(block))):
+            half = -(-len(block.rows) // 2)
+            halves = [replace(block, caption="", rows=rows) for rows in (block.rows[:half], block.rows[half:])]
+            if not (block.halves and _beside(console, halves, text_of(block.caption))):
                 _table(console, block)
         elif isinstance(block, Words) and block.media in TERMINAL:
             console.print(rich_text(block.text, {"note": "dim", "alarm": "bold red"}.get(block.look, "")))
@@ -69,22 +71,21 @@ def blocks(console: Console, found: Iterable[Block]) -> None:
             console.print(RichText(f"\n{block.title}", style="bold"))
 
 
-def _halves(block: Table) -> list[Table]:
-    half = -(-len(block.rows) // 2)
-    return [replace(block, rows=block.rows[:half]), replace(block, caption="", rows=block.rows[half:])]
-
-
-def _beside(console: Console, found: Sequence[Block]) -> bool:
+def _beside(console: Console, found: Sequence[Block], caption: str = "") -> bool:
     """Print tables beside each other; False, without printing, where they do not fit, or are none."""
     tables = [block for block in found if isinstance(block, Table) and block.media in TERMINAL and block.rows]
     if len(tables) < 2 or len(tables) < len(found):
         return False
-    sides = [_with_caption(_made(block, _columns(block)), block) for block in tables]
+    sides = [_made(block, _columns(block)) for block in tables]
+    for side, block in zip(sides, tables, strict=True):
+        side.title, side.title_justify, side.title_style = _sentence(text_of(block.caption)) or None, "left", "bold"
     if sum(width_of(side) for side in sides) + _APART > console.width:
         return False
     grid = RichTable.grid(padding=(0, _APART, 0, 0))
     grid.add_row(*sides)
     console.print()
+    if caption:
+        console.print(RichText(_sentence(caption), style="bold"))
     console.print(grid)
     return True
 
@@ -94,11 +95,8 @@ def _columns(block: Table) -> list[Column]:
     return [c for c in columns if any(row.cells.get(c.key, "") != "" for row in block.rows)]
 
 
-def _with_caption(made: RichTable, block: Table) -> RichTable:
-    caption = text_of(block.caption)
-    if caption:
-        made.title, made.title_justify, made.title_style = f"{caption[0].upper()}{caption[1:]}", "left", "bold"
-    return made
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 def rich_text(text: Cell, style: str = "") -> RichText:
@@ -154,7 +152,7 @@ def _table(console: Console, block: Table) -> None:
     console.print()
     caption = text_of(block.caption)
     if caption:
-        console.print(RichText(f"{caption[0].upper()}{caption[1:]}", style="bold"))
+        console.print(RichText(_sentence(caption), style="bold"))
     console.print(made)
 
 
