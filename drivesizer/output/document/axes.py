@@ -271,9 +271,9 @@ def _power(content: MachineContent) -> Iterator[doc.Block]:
         yield doc.Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
     together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
     case = f" Load case {power.case}." if power.case else ""
-    stacked = ("Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns. The line "
-               "is what the source gives.")  # fmt: skip
-    yield doc.Picture("power", f"{stacked}{case}{together}", "power of every axis over time",
+    stacked = "Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns."
+    source = "The line is what the source gives."
+    yield doc.Picture("power", f"{stacked} {source}{case}{together}", "power of every axis over time",
                       about="shows the power over the machine's cycle.", floats=True)  # fmt: skip
     yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
     if power.exceeded:
