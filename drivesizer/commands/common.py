@@ -145,7 +145,7 @@ class NothingFitsError(DrivesizerError):
 
 
 def fields_and_drives(words: list[str] | None) -> tuple[list[str], list[str]]:
-    """What ``--set`` says of fields of the spec, and of drives, which may be of an axis.
+    """Values of ``--set`` for fields of the spec, and those for drives, which may be of an axis.
 
     Parameters
     ----------

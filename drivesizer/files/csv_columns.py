@@ -85,7 +85,7 @@ class Sheet:
             at = end
 
     def fault(self, line: int, what: str, said: str) -> InputError:
-        """What is wrong in a line."""
+        """Fault of a line, as a user reads it."""
         return InputError(f"{self.path}:{line}: {what}: {said}")
 
     def factors(self, names: Sequence[str], form: Form) -> list[float]:

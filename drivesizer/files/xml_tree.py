@@ -43,7 +43,7 @@ class Node:
         return next(self.all(tag), None)
 
     def fault(self, said: str, of: str | None = None) -> InputError:
-        """What is wrong with the element, or with what it is ``of``: a link, a joint, nothing."""
+        """Fault of the element, or of what it is ``of``: a link, a joint, nothing."""
         subject = f"<{self.tag[:40]}> " if of is None else f"{of}: " if of else ""
         return InputError(f"{self.path}:{self.line}: {subject}{said}")
 

@@ -74,7 +74,7 @@ class YamlSource:
 
 
 class OfFile:
-    """What was read of a file, its ``source``, or of a dict, which has no name."""
+    """Something that was read of a file, its ``source``, or of a dict, which has no name."""
 
     if TYPE_CHECKING:
 
