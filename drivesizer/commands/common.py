@@ -394,24 +394,27 @@ def print_notes(messages: tuple[str, ...]) -> None:
 
 
 @contextmanager
-def progress() -> Iterator[Callable[[int, int], None]]:
-    """Progress bar on stderr for a search of more than a second."""
+def progress(of: str = "drives examined", after: float = _PATIENCE) -> Iterator[Callable[[int, int], None]]:
+    """Progress bar on stderr with the remaining time, after some time [s]; earlier runs do not count for the speed."""
     bar: Any = None
     started, looked = time.monotonic(), False
 
     def advance(done: int, total: int) -> None:
         nonlocal bar, looked
-        if not looked and time.monotonic() - started > _PATIENCE:
+        if not looked and time.monotonic() - started >= after:
+            from rich import progress as rich
             from rich.console import Console
-            from rich.progress import Progress
 
             looked, console = True, Console(stderr=True)
             if console.is_terminal and not console.is_dumb_terminal:
-                bar = Progress(console=console, transient=True)
-                bar.add_task("drives examined", total=total)
+                bar = rich.Progress(
+                    rich.TextColumn(of), rich.BarColumn(), rich.MofNCompleteColumn(), rich.TimeRemainingColumn(),
+                    console=console, transient=True, speed_estimate_period=600.0,
+                )  # fmt: skip
+                bar.add_task(of, total=total, completed=done)
                 bar.start()
         if bar is not None:
-            bar.update(bar.task_ids[0], completed=done)
+            bar.update(bar.task_ids[0], total=total, completed=done)
 
     try:
         yield advance

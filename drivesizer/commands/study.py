@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from drivesizer.commands.common import file_argument, file_option, print_notes, whole_option
+from drivesizer.commands.common import file_argument, file_option, print_notes, progress, whole_option
 from drivesizer.commands.ends import STOPPED
 from drivesizer.output.words import number_of
 
@@ -46,7 +43,7 @@ def study(
 
         plan = read_study(path)
         try:
-            with _bar() as advance:
+            with progress("variants", 0.0) as advance:
                 found = carry_out(
                     plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
                     progress=advance,
@@ -62,31 +59,3 @@ def study(
         typer.echo(written)
     print_notes(tuple(found.notes))
     raise typer.Exit(0 if any(found.variants[name] for name in ("pass", "open", "unknown")) else 1)
-
-
-@contextmanager
-def _bar() -> Iterator[Callable[[int, int], None] | None]:
-    """Progress bar on stderr with the remaining time; None where stderr is no terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    bar = Progress(
-        TextColumn("variants"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(elapsed_when_finished=True),
-        console=Console(stderr=True), transient=True, speed_estimate_period=600.0,
-    )  # fmt: skip
-    task: Any = bar.add_task("variants", total=None)
-    first: list[int] = []
-
-    def advance(done: int, total: int) -> None:
-        if not first:  # an earlier run does not count for the speed of this one
-            first.append(done)
-            bar.start()
-        bar.update(task, total=total, completed=done)
-
-    try:
-        yield advance
-    finally:
-        bar.stop()
