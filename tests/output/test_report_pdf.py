@@ -118,7 +118,7 @@ def test_sixty_candidates_run_over_pages_with_their_head_repeated(tmp_path, cata
 def test_a_set_of_unknown_figures_and_a_file_whose_name_is_no_text(result):
     """The rest is drawn; letters of the name are spelled out with backslashes, which the typesetter once refused."""
     best = result.sets[0]
-    bare = replace(best, gearhead=replace(best.gearhead, inertia=nan, price=nan), encoder=None)
+    bare = replace(best, gearhead=replace(best.gearhead, inertia=nan, price=nan))
     named = replace(result, sets=(bare,), problem=replace(result.problem, machine=result.spec.model_copy()))
     named.spec._source = YamlSource(result.spec.text, "folder/a\udcff\x01.yaml")
     made = printed(named, None)

@@ -293,7 +293,7 @@ def spots(
     ``room`` is what the axes take [pt], with their ends as far beyond the points as ``AROUND`` says.
 
     >>> spots([(207.0, 2.1), (207.0, 0.9), (192.7, -29.0)], [["1"], ["2"], ["3"]], (300.0, 200.0), 6.5)
-    [('1', 'right'), ('2', 'right'), ('3', 'right')]
+    [('1', 'right'), ('2', 'left'), ('3', 'right')]
     """
     at = np.array(points, float).reshape(-1, 2)
     low, spread = at.min(axis=0), np.where(np.ptp(at, axis=0) == 0.0, 1.0, np.ptp(at, axis=0))

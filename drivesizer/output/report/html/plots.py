@@ -112,7 +112,7 @@ def _trace(plot: Plot, one: Diagram, curve: Curve, number: int) -> Data:
 
 
 def _hover(plot: Plot, one: Diagram, curve: Curve) -> str:
-    """What is shown at a point: its figure, of all curves at a time, or with the place and what else it is."""
+    """Words at a point: its figure, of all curves at a time, or with the place and what else it is."""
     up, across = label(one.unit), label(plot.unit)
     said = "%{customdata[1]}" if curve.stack and curve.texts else f"%{{y:.4~r}} {up}"
     if plot.over_time:
