@@ -250,15 +250,14 @@ def over_ends(
     passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
     # at an end a winding may run away; without a limit at an end an unknown demand decides nothing
     decided = np.logical_or.reduce([(c.passed | c.failed) & ~(np.isnan(c.demand) & (c.limit == np.inf)) for c in every])
-    demands = np.array([c.demand for c in every])
-    sampled = replace(
-        every[0], passed=passed, failed=failed, opened=decided & ~passed & ~failed, low=demands.min(axis=0),
-        high=demands.max(axis=0), least=np.fmin.reduce([c.margin for c in every]),
-    )  # fmt: skip
+    demands, least = np.array([c.demand for c in every]), np.fmin.reduce([c.margin for c in every])
+    low, high = demands.min(axis=0), demands.max(axis=0)
+    opened = decided & ~passed & ~failed
+    sampled = replace(every[0], passed=passed, failed=failed, opened=opened, low=low, high=high)
     # an open check is shown by the low end of its limit, a failed one by the high end: the least margin is by the low
     by_high_end = False if every[-1].on_basis is None else every[-1].on_basis & every[-1].failed
-    shown = replace(sampled, demand=np.where(by_high_end, sampled.high, every[0].demand)).margin
-    sampled = replace(sampled, least=np.fmin(sampled.least, shown))
+    shown = replace(sampled, demand=np.where(by_high_end, high, every[0].demand)).margin
+    sampled = replace(sampled, least=np.fmin(least, shown))
     nothing = np.zeros(middle.passed.shape, bool)
     whole = replace(middle, opened=nothing, low=middle.demand, high=middle.demand, least=middle.margin)
     return whole.with_rows(rows, sampled)

@@ -11,7 +11,7 @@ from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view.search_view import printed_field
 from drivesizer.files.text import listed
 from drivesizer.results.check import Check, Confidence, Origin, sentence_case
-from drivesizer.results.drive_set import DriveParts, DriveSet
+from drivesizer.results.drive_set import DriveParts, DriveSet, EstimatedFigure
 from drivesizer.units import show
 
 
@@ -177,10 +177,11 @@ _LOSSES = {"controller.voltage_drop", "controller.max_efficiency"}
 
 
 def with_origins(
-    checks: Sequence[Check], drive: DriveParts, catalog: Catalog, *, losses_assumed: bool
+    checks: Sequence[Check], drive: DriveParts, catalog: Catalog, estimated: Sequence[EstimatedFigure]
 ) -> tuple[Check, ...]:
     """Checks of a drive, each with whence the figures are that it rests on, as far as they are not printed."""
     marks: dict[str, dict[str, str]] = {}
+    assumed = {one.figure for one in estimated if one.confidence == "assumed by class"}
     for role in ("motor", "gearhead", "brake", "encoder", "controller"):
         part, table = getattr(drive, role), catalog.table(f"{role}s")
         if part is not None and part.part in table.rows:
@@ -191,7 +192,7 @@ def with_origins(
         for name in rests_on(check, drive):
             role, _, field = name.partition(".")
             mark = _OF_MARK.get(marks.get(role, {}).get(field, ""))
-            if mark is None and losses_assumed and name in _LOSSES:
+            if mark is None and "loss_voltage" in assumed and name in _LOSSES:
                 mark = "assumed by class"
             elif mark is None and check.status == "unknown" and _is_unknown(drive, role, field):
                 mark = "unbounded"

@@ -16,7 +16,7 @@ from drivesizer.physics.braking import released_power
 from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_and_gears
 from drivesizer.physics.equation import Equation
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
-from drivesizer.results.check import Check, Figure, Reliability, Status
+from drivesizer.results.check import Check, Confidence, Figure, Reliability, Status
 from drivesizer.results.problem import ChosenScrew
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, show, show_band
@@ -35,6 +35,7 @@ class EstimatedFigure(NamedTuple):
     kind: str
     unit: str  # of the trade
     law: str  # terms and peers, in words
+    confidence: Confidence = "estimated from peers"  # or assumed by class
 
     @property
     def title(self) -> str:

@@ -284,7 +284,9 @@ def _stage_loss(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ..
         return ()
     low, high = (ASSUMED_LOSS * share for share in ASSUMED_BAND)
     law = "assumed: of drops and efficiencies that makers print, and one measured bridge"
-    return (EstimatedFigure("controller", "loss_voltage", ASSUMED_LOSS, low, high, "voltage", "V", law),)
+    return (
+        EstimatedFigure("controller", "loss_voltage", ASSUMED_LOSS, low, high, "voltage", "V", law, "assumed by class"),
+    )
 
 
 def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:

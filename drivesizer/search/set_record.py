@@ -129,9 +129,9 @@ def drive_set(
     """One row of an evaluation as a record, with what else is known of the drive."""
     parts = drive_parts(evaluation, index)
     checks, probability = resolved_checks(evaluation, index)
-    assumed = evaluation.spec.feed_of(parts.controller).stage.assumed and not parts.steps
+    guessed = estimated(evaluation, index)
     checks, beside = (
-        with_origins(some, parts, evaluation.catalog, losses_assumed=assumed)
+        with_origins(some, parts, evaluation.catalog, guessed)
         for some in (tuple(_why_none(evaluation, index, checks)), beside)
     )
     return DriveSet(
@@ -150,7 +150,7 @@ def drive_set(
         comparison=compared((*checks, *beside)),
         changes=changes,
         reliability=reliability,
-        estimated=estimated(evaluation, index),
+        estimated=guessed,
         pieces=_pieces(evaluation, parts),
         probability=probability,
     )

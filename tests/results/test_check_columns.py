@@ -1,15 +1,17 @@
 """Columns of checks: what one candidate has of them, and some candidates."""
 
 from dataclasses import replace
+from itertools import permutations
 from math import nan
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer.physics.figures import Range
 from drivesizer.results.check import worst_of_cases
-from drivesizer.results.check_columns import at_least, at_most, worst_case
+from drivesizer.results.check_columns import at_least, at_most, fits, worst_case
 
 
 def test_where_nobody_prints_the_limit_the_load_case_that_demands_most_counts():
@@ -30,6 +32,34 @@ def test_of_unknown_checks_the_smallest_actual_figure_counts():
     }
     (found,) = worst_of_cases([(name, [replace(one, status="unknown", margin=nan)]) for name, one in known.items()])
     assert (found.case, found.limit) == ("b", 46.1)
+
+
+def test_a_condition_that_fails_is_worse_than_one_that_is_unknown_and_that_worse_than_one_that_passes():
+    """The gravest of the load cases counts, in whatever order they are; a case alone keeps its number."""
+    met, open_, not_met = (
+        fits("compatibility", good, known) for good, known in ((True, True), (True, False), (False, True))
+    )
+    for order in permutations([(0, met), (1, open_), (2, not_met)]):
+        assert worst_case(order).case.item() == 2
+    assert worst_case([(0, met), (1, open_)]).case.item() == 1
+    assert worst_case([(1, met)]).case.item() == 1
+
+
+def test_a_margin_counts_from_where_nothing_is_demanded():
+    """75 K of a winding that may have 100 K above the ambient leave a third; with 25 % needed 80 K are the most."""
+    found = at_most("winding_temperature", 298.15 + np.array([75.0, 79.0, 81.0]), 398.15, zero=298.15, needed=0.25)
+    assert found.margin == pytest.approx([1.0 / 3.0, 100.0 / 79.0 - 1.0, 100.0 / 81.0 - 1.0])
+    assert found.passed.tolist() == [True, True, False] and found.failed.tolist() == [False, False, True]
+
+
+def test_what_would_decide_is_said_of_an_unknown_check_alone_and_a_moment_where_there_is_one():
+    volts = at_most("bus_voltage", Range(np.array([30.0, 55.0, 70.0, 30.0]), np.array([31.0, 65.0, 80.0, nan])),
+                    np.array([60.0, 60.0, 60.0, nan]), undecided="where it goes",
+                    time=Range(np.array([0.5, nan, nan, nan]), np.array([0.5, nan, nan, nan])))  # fmt: skip
+    found = [volts.at(row, "physics") for row in range(4)]
+    assert [one.status for one in found] == ["pass", "unknown", "fail", "unknown"]
+    assert [one.note for one in found] == ["", "where it goes", "", ""]
+    assert [one.at_time for one in found] == [0.5, None, None, None]
 
 
 ENDS = st.tuples(*[st.floats(-1e3, 1e3)] * 2).map(sorted)
