@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import permutations
-from math import nan
+from math import inf, isnan, nan
 
 import numpy as np
 import pytest
@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer.physics.figures import Range
-from drivesizer.results.check import worst_of_cases
-from drivesizer.results.check_columns import at_least, at_most, fits, worst_case
+from drivesizer.results.check import tightest, verdict, worst, worst_of_cases
+from drivesizer.results.check_columns import at_least, at_most, fits, over_ends, worst_case
 
 
 def test_where_nobody_prints_the_limit_the_load_case_that_demands_most_counts():
@@ -45,11 +45,47 @@ def test_a_condition_that_fails_is_worse_than_one_that_is_unknown_and_that_worse
     assert worst_case([(1, met)]).case.item() == 1
 
 
+def test_the_tightest_are_conditions_that_fail_and_then_the_smallest_margins():
+    """Not what was selected to be small and passes, nor advice, nor what is unknown."""
+    made = {
+        "condition": fits("compatibility", False, True), "met": fits("compatibility", True, True),
+        "fails": at_most("motor_power", 30.0, 24.0), "passes": at_most("motor_power", 20.0, 24.0),
+        "chosen": at_most("motor_power", 23.0, 24.0, by_choice=True), "unknown": at_most("motor_power", 9.0, nan),
+        "chosen, fails": at_most("motor_power", 32.0, 24.0, by_choice=True),
+        "advice": at_most("motor_power", 40.0, 24.0, advice=True),
+    }  # fmt: skip
+    checks = {name: replace(column.at((), "paper"), name=name) for name, column in made.items()}
+    found = [one.name for one in tightest(tuple(checks.values()), 9)]
+    assert found == ["condition", "chosen, fails", "fails", "passes"]
+    assert worst(tuple(checks.values())).name == "chosen, fails"
+    assert verdict(tuple(checks.values())) == "fail" and verdict((checks["met"], checks["unknown"])) == "unknown"
+    assert verdict((checks["passes"], checks["advice"])) == "pass"
+
+
 def test_a_margin_counts_from_where_nothing_is_demanded():
     """75 K of a winding that may have 100 K above the ambient leave a third; with 25 % needed 80 K are the most."""
     found = at_most("winding_temperature", 298.15 + np.array([75.0, 79.0, 81.0]), 398.15, zero=298.15, needed=0.25)
     assert found.margin == pytest.approx([1.0 / 3.0, 100.0 / 79.0 - 1.0, 100.0 / 81.0 - 1.0])
     assert found.passed.tolist() == [True, True, False] and found.failed.tolist() == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("samples", "status"),
+    [
+        ([(20.0, 24.0), (18.0, 24.0), (23.0, 24.0)], "pass"),
+        ([(26.0, 24.0), (25.0, 24.0), (30.0, 24.0)], "fail"),
+        ([(20.0, 24.0), (18.0, 24.0), (25.0, 24.0)], "open"),
+        ([(20.0, 24.0), (18.0, 24.0), (nan, 24.0)], "open"),  # such as of a winding that runs away
+        ([(nan, 24.0), (nan, 24.0), (nan, 24.0)], "unknown"),
+        ([(nan, 24.0), (nan, inf), (nan, inf)], "unknown"),  # no limit at an end decides nothing of an unknown demand
+    ],
+)
+def test_a_check_at_estimated_figures_is_what_all_its_samples_are(samples, status):
+    middle, *ends = (at_most("supply_voltage", demand, limit) for demand, limit in samples)
+    found = over_ends(middle, ends).at((), "physics")
+    assert found.status == status
+    if status == "open" and not isnan(samples[2][0]):
+        assert found.band == (18.0, 25.0, pytest.approx(24.0 / 25.0 - 1.0))
 
 
 def test_what_would_decide_is_said_of_an_unknown_check_alone_and_a_moment_where_there_is_one():
