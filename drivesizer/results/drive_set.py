@@ -35,7 +35,7 @@ class EstimatedFigure(NamedTuple):
     kind: str
     unit: str  # of the trade
     law: str  # terms and peers, in words
-    confidence: Confidence = "estimated from peers"  # or assumed by class
+    confidence: Confidence = "estimated from peers"  # assumed by class where no peers give it
 
     @property
     def title(self) -> str:

@@ -32,6 +32,9 @@ def test_of_unknown_checks_the_smallest_actual_figure_counts():
     }
     (found,) = worst_of_cases([(name, [replace(one, status="unknown", margin=nan)]) for name, one in known.items()])
     assert (found.case, found.limit) == ("b", 46.1)
+    door = replace(known["a"], case="door of a section")  # a passage is a case of its own
+    assert [one.case for one in worst_of_cases([("a", [door, known["a"]]), ("b", [known["b"]])])] == [door.case, "b"]
+    assert worst_of_cases([("", [known["a"]])]) == (known["a"],)
 
 
 def test_a_condition_that_fails_is_worse_than_one_that_is_unknown_and_that_worse_than_one_that_passes():

@@ -20,7 +20,7 @@ from drivesizer.control.validation import LinearRun, Loop, Validation
 from drivesizer.output.loop_table import settled
 from drivesizer.output.parts import SharedLine, machine_parts_of_axes
 from drivesizer.output.thinning import curve_points
-from drivesizer.results.check import Check, LoopShare, Reliability
+from drivesizer.results.check import LoopShare, Reliability
 from drivesizer.results.check_kinds import missing_figures
 from drivesizer.results.drive_set import DriveParts, DriveSet, EnergyBudget, MassRow, Requirement
 from drivesizer.results.machine import AxisSizing, Course, MachinePower, MachineSizing
@@ -156,7 +156,6 @@ def _properties(record: type, *names: str) -> dict[str, Callable[[Any], Any]]:
 
 
 _LEFT_OUT: dict[type, set[str]] = {
-    Check: {"origins", "turns_on"},
     SizingResult: {"problem", "choices"},
     DriveParts: {"quickest", "pull_outs"},
     DriveSet: {"comparison"},
