@@ -74,15 +74,18 @@ def explained(spec: RobotSpec, drive: DriveSet, parts: Any) -> DriveSet:
 def case_of(number: int, folder: Path, *, whole: bool = False, alone: bool = True) -> Case | None:
     """The machine of a number, with all catalogues or its own; None where no drive is to be looked at.
 
-    ``alone``: explain its first drives too.
+    ``alone``: explain its first drives too. Without that a machine with all catalogues costs a second: its objective is
+    mass but for each fifth, for energy needs the waveform of each drive.
     """
     data = machine(number, folder)
     if whole:
         data["select"]["catalogs"] = WHOLE
+        if not alone and number % 5:
+            data["select"]["objective"] = "mass"
     try:
         spec = spec_of(data, folder)
         parts = catalogue(*spec.select.catalogs)
-        found = sizing.size(spec, catalog=parts, top=DRIVES)
+        found = sizing.size(spec, catalog=parts, top=DRIVES, brief=not alone)
     except InputError:
         return None
     some = (*found.sets, *found.misses)[:DRIVES]
