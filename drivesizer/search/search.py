@@ -192,12 +192,15 @@ def _by_physics(
     in_full = InFull(problem, joined([kept.sets, rejected]))
 
     def closest(number: int) -> Rows:
-        """The rejected in order of their smallest margin, then of the number of failed checks."""
+        """The rejected in order of the margin by which they fail, as shown, then of the number of failed checks."""
         if not number or not len(failing):
             return failing[:0]
         found, none = in_full.at(failing), np.zeros(len(failing))
-        fails = np.sum([check.failed for check in found.checks if not check.advice], axis=0)
-        before = [ranking.rounded(-smallest_margin(found.checks)), fails]
+        checks = [check for check in found.checks if not check.advice]
+        short = [np.where(check.failed, np.nan_to_num(check.margin, nan=-1.0), 0.0) for check in checks]
+        fails = np.sum([check.failed for check in checks], axis=0)
+        least = np.where(fails > 0, np.minimum.reduce(short), -np.inf)  # what is undecided in full stands last
+        before = [ranking.rounded(-least), fails]
         return failing[ranking.order(catalog, found.candidates, none, none.astype(np.int64), before=before)][:number]
 
     if len(order):
