@@ -192,12 +192,12 @@ def _by_physics(
     in_full = InFull(problem, joined([kept.sets, rejected]))
 
     def closest(number: int) -> Rows:
-        """The rejected in order of the margin by which they fail, as shown, then of the number of failed checks."""
+        """The rejected by the share that they have of what is required, then by the number of failed checks."""
         if not number or not len(failing):
             return failing[:0]
         found, none = in_full.at(failing), np.zeros(len(failing))
         checks = [check for check in found.checks if not check.advice]
-        short = [np.where(check.failed, np.nan_to_num(check.margin, nan=-1.0), 0.0) for check in checks]
+        short = [np.where(c.failed, (1.0 + np.nan_to_num(c.margin, nan=-1.0)) / (1.0 + c.needed), 1.0) for c in checks]
         fails = np.sum([check.failed for check in checks], axis=0)
         least = np.where(fails > 0, np.minimum.reduce(short), -np.inf)  # what is undecided in full stands last
         before = [ranking.rounded(-least), fails]
