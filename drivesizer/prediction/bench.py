@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from math import isnan, nan
@@ -105,7 +106,17 @@ def _read(name: str, text: str | None) -> float:
     return value
 
 
+_BARE = {  # what is no part number: pattern, what it is, and how it becomes a part
+    "gearhead": (r"\d+(\.\d+)?(\s*:\s*1)?", "a ratio", "columns: [part, ratio], e.g. rows: [[G9, 9]] below gearheads"),
+    "motor or actuator": (r"\d+(\.\d+)?\s*(kv|rpm/v)", "a speed constant",
+      "columns: [part, speed_constant (rpm/V), resistance (ohm)], e.g. rows: [[M270, 270, 0.06]] below motors"),
+}  # fmt: skip
+
+
 def _part(shelf: Mapping[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
+    pattern, kind, row = _BARE.get(what, ("", "", ""))
+    if pattern and re.fullmatch(pattern, part.strip().lower()):
+        raise InputError(f"{quoted(part)} is {kind} and no part: give it in a catalogue file of your own, {row}")
     hits = find(shelf, part)
     found = next((hit for hit in hits if hit.section in sections), None)
     if found is None:

@@ -28,13 +28,15 @@ from drivesizer.prediction.set_at_voltage import (
     time_to_limit,
 )
 from drivesizer.results.check_kinds import figure_words
-from drivesizer.results.prediction import Band, Conditions, Predicted, Prediction, WarmingCourse
+from drivesizer.results.prediction import HOTTEST, Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 
 Array = NDArray[np.float64]
 _POWER = 9  # of two: samples
 _MOMENTS = 121  # over the duration
 _POINTS = 41  # of the line of speed over torque
+_STAGE_AT_WORST = 0.9, 1.0  # duty, and voltage drop [V], of controllers that print neither
+_DECIDES = 0.25  # share of a figure from which on it is said that it decides
 _PER_CENT = (0.05, 0.5, 0.95)
 
 
@@ -223,10 +225,10 @@ def _thermal(
         columns |= {f"{name}_time_{at}": time_to_limit(heating, start, limit) for at, start in starts.items()}
     if name == "stall":
         return columns, []
-    columns[f"{name}_winding_settled"] = in_the_long_run(heating)[0]
+    columns[f"{name}_winding_settled"] = np.minimum(in_the_long_run(heating)[0], HOTTEST)
     times, courses = np.linspace(0.0, given.duration, _MOMENTS), []
     for at, start in starts.items():
-        winding, housing = over_time(heating, start, times)
+        winding, housing = (np.minimum(T, HOTTEST) for T in over_time(heating, start, times))
         ends = {f"{name}_winding_{at}": winding[-1], f"{name}_housing_{at}": housing[-1]}
         columns |= ends
         if at == "cold":
@@ -255,7 +257,7 @@ def _band(values: Array) -> Band:
 
 def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) -> Iterable[Predicted]:
     """Predicted figures in the order of their declaration."""
-    group, unknown = "", np.full(2, np.nan)
+    group, unknown, limit = "", np.full(2, np.nan), parts.motor["max_winding_temperature"]
     for line in _FIGURES.strip().splitlines():
         cells = [cell.strip() for cell in line.split("|")]
         if len(cells) == 1:
@@ -265,8 +267,10 @@ def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) 
         values = columns.get(name, unknown)
         band = Band(*(float(x) for x in _band(values)))
         never = float(np.isinf(values[1:]).mean()) if not isnan(band.nominal) else nan
+        above = values[1:] > limit[1:] if "winding" in name else np.full(1, nan)
+        over = nan if isnan(band.nominal) or np.isnan(limit).any() else float(above.mean())
         lacking = () if not isnan(band.nominal) else tuple(dict.fromkeys(_missing(needs, parts, given)))
-        yield Predicted(name, group, title, kind, unit, band, never, lacking)
+        yield Predicted(name, group, title, kind, unit, band, never, over, lacking)
 
 
 def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str]:
@@ -289,15 +293,21 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
             yield _CONDITIONS[need][1]
 
 
+def _share_of_idle(one: SetAtVoltage) -> float:
+    """Share of a gearhead's friction in all of the free running set, in the first row."""
+    free = one.running(0.0, 298.15)[0]
+    return float(one.drive.idle[0] / (one.coulomb + one.drive.viscous * free)[0])
+
+
 def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:
     """Assumptions, as sentences."""
     yield "the winding is at ambient temperature in all but the temperatures and the times to its limit"
-    if (
-        parts.gearhead["ratio"][0] != 1.0
-        and np.isnan(parts.gearhead["no_load_torque"][0])
-        and not parts.motor["inside"][0]
-    ):
-        yield "the gearhead's own friction without load is not printed and left out: free running takes more current"
+    if parts.gearhead["ratio"][0] != 1.0 and not parts.motor["inside"][0]:
+        if np.isnan(parts.gearhead["no_load_torque"][0]):
+            yield "friction of the gearhead without load is unknown and left out: free running takes more current"
+        elif _share_of_idle(one) > _DECIDES:
+            yield ("friction of the gearhead without load, which is not printed, decides how it runs freely: "
+                   f"{_share_of_idle(one):.0%} of all friction there").replace("%", " %")  # fmt: skip
     if one.motor["kind"][0] == "brushless":
         yield ("at standstill the hottest phase has 1.5 to 2 times the mean loss, by the rotor's angle, and its "
                "neighbours lead away any part of what is above it")  # fmt: skip
@@ -307,7 +317,9 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         if np.isnan(parts.controller["standby_current"][0]):
             yield "standby power of the controller not counted: it is not printed"
     if parts.controller is None and not np.isfinite(one.most_current[0]):
-        yield "without a controller the winding is connected to the supply: nothing limits the current"
+        left = _STAGE_AT_WORST[0] * max(1.0 - _STAGE_AT_WORST[1] / given.voltage, 0.0)
+        yield ("without a controller the winding is connected to the supply: nothing limits the current; one that is "
+               f"named takes up to {1.0 - left:.0%} of the voltage".replace("%", " %"))  # fmt: skip
     elif parts.controller is None:
         yield "the controller inside limits the current to the printed stall current"
 

@@ -13,6 +13,9 @@ from drivesizer.results.drive_set import EstimatedFigure
 Array = NDArray[np.float64]
 
 
+HOTTEST = 573.15  # K: enamel of class 240 has charred, so that a temperature above says no more than this
+
+
 class Conditions(NamedTuple):
     """Conditions at the bench; SI, torques and inertia at the output."""
 
@@ -27,7 +30,7 @@ class Conditions(NamedTuple):
 
 
 class Band(NamedTuple):
-    """A figure with all others as printed or at the middle of their bands, and percentiles over the samples.
+    """Percentiles of a figure over the samples; its nominal value is their median.
 
     Figures [SI], or arrays over an axis; infinite: not within any time; NaN: unknown.
     """
@@ -48,6 +51,7 @@ class Predicted(NamedTuple):
     unit: str  # of the trade
     band: Band  # SI
     never: float  # share of the samples in which it is not reached; NaN unknown
+    over: float  # of a temperature of the winding: share of the samples in which it is above its limit; NaN unknown
     missing: tuple[str, ...]  # figures that no data sheet gives, where it is unknown
 
 

@@ -8,7 +8,7 @@ from math import isinf, isnan
 
 from drivesizer.output.document import records as doc
 from drivesizer.output.words import likely
-from drivesizer.results.prediction import Predicted, Prediction
+from drivesizer.results.prediction import HOTTEST, Predicted, Prediction
 from drivesizer.units import show
 
 _DIGITS = 3
@@ -21,8 +21,9 @@ _TITLES = {
     "hold": "Holding {hold} at rest for {duration}",
     "work": "Running against {load} for {duration}",
 }
-_COLUMNS = (doc.name("title", width=1.0), doc.number("value", "nominal"), doc.number("p5", "5 %"),
-            doc.number("p50", "50 %"), doc.number("p95", "95 %"))  # fmt: skip
+_COLUMNS = (
+    doc.name("title", width=1.0), doc.number("value", "nominal"), doc.number("p5", "5 %"), doc.number("p95", "95 %")
+)  # fmt: skip
 
 
 def prediction_blocks(found: Prediction) -> Iterator[doc.Block]:
@@ -56,10 +57,13 @@ def prediction_blocks(found: Prediction) -> Iterator[doc.Block]:
 def _row(one: Predicted) -> doc.Row:
     """A figure with its band; what is unknown has none."""
     never = f"; never {likely(one.never)}" if 0.0 < one.never < 1.0 else ""
-    keys = ("value",) if isnan(one.band.nominal) else ("value", "p5", "p50", "p95")
-    cells: dict[str, doc.Cell] = {"title": one.title + never}
-    for key, x in zip(keys, one.band, strict=False):
-        cells[key] = _time(x) if one.kind == "time" else doc.Quantity(x, one.unit, one.kind, _DIGITS)
+    over = f"; over its limit with {likely(one.over)}" if one.over > 0.0 else ""
+    cells: dict[str, doc.Cell] = {"title": one.title + never + over}
+    ends = {} if isnan(one.band.nominal) else {"p5": one.band.p5, "p95": one.band.p95}
+    for key, x in {"value": one.band.nominal, **ends}.items():
+        beyond = f"over {show(HOTTEST, 'degC', 'temperature', _DIGITS)}" if one.unit == "degC" and x >= HOTTEST else ""
+        quantity = doc.Quantity(x, one.unit, one.kind, _DIGITS, own=beyond)
+        cells[key] = _time(x) if one.kind == "time" else quantity
     return doc.Row(cells, name=one.name)
 
 
