@@ -16,7 +16,7 @@ import measured_ri50
 import measured_servos
 from measured_compared import Comparison
 from measured_figures import drawing
-from measured_tables import GOAL, LARGE, abouts, coverage, drive_table, misses, quantities, share
+from measured_tables import GOAL, LARGE, abouts, by_quantity, coverage, drive_table, misses, quantities, share
 
 HERE = Path(__file__).resolve().parent
 DRIVES = {  # name of the figure: heading, and what compares
@@ -43,7 +43,7 @@ def page(found: dict[str, list[Comparison]]) -> tuple[str, dict[str, bytes]]:
         "quantities": half, "good": str(sum(good)), "of": str(len(good)), "misses": misses(every, texts),
         "share": share(inside, points), "goal": f"{100 * GOAL:.0f} %",
         "small_share": share(sum(int(one.inside.sum()) for one in small), sum(len(one.y) for one in small)),
-    } | {f"table_{name}": drive_table(some, texts) for name, some in found.items()}  # fmt: skip
+    } | by_quantity(every) | {f"table_{name}": drive_table(some, texts) for name, some in found.items()}  # fmt: skip
     figures = {f"measured-{name}": drawing(some, [texts[one.key].name for one in some]) for name, some in found.items()}
     return text.format(**values) + "\n", figures
 

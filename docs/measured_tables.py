@@ -8,10 +8,22 @@ from typing import NamedTuple
 import numpy as np
 from measured_compared import Array, Comparison
 
-__all__ = ["GOAL", "LARGE", "About", "abouts", "coverage", "drive_table", "misses", "quantities", "share"]
+__all__ = [
+    "GOAL",
+    "LARGE",
+    "About",
+    "abouts",
+    "by_quantity",
+    "coverage",
+    "drive_table",
+    "misses",
+    "quantities",
+    "share",
+]
 
 GOAL = 0.85  # of points inside
 LARGE = 90  # points, from which on a quantity is a large set
+_ROUNDED = 0.005  # of an error as it is printed
 _HALF = 0.5  # of the plain model's error
 _DRIVE = ("quantity", "points", "inside", "error", "plain", "band", "computed by", "the plain model")
 _QUANTITY = ("quantity", "error", "plain", "measurement", "at most half of plain, or within the measurement")
@@ -87,6 +99,19 @@ def coverage(drives: Mapping[str, Sequence[Comparison]], texts: Mapping[str, Abo
 def _coverage_row(name: str, found: Sequence[Comparison]) -> tuple[str, ...]:
     points, inside = sum(len(one.y) for one in found), sum(int(one.inside.sum()) for one in found)
     return name, str(points), str(inside), share(inside, points)
+
+
+def by_quantity(comparisons: Sequence[Comparison]) -> dict[str, str]:
+    """Counted by quantity, not by point: how many are mostly inside, how wide, and how near the nominal value is."""
+    good = sum(bool(one.inside.mean() >= GOAL) for one in comparisons)
+    known = [(_size(one.errors(one.nominal)), _size(one.errors(one.plain))) for one in comparisons]
+    known = [(error, plain) for error, plain in known if not np.isnan(plain)]
+    return {
+        "mostly": str(good), "every": str(len(comparisons)), "mostly_share": share(good, len(comparisons)),
+        "width": _percent(float(np.median([one.width for one in comparisons])), ""), "known": str(len(known)),
+        "nearer": str(sum(error <= plain + _ROUNDED for error, plain in known)),
+        "half": str(sum(error <= _HALF * plain for error, plain in known)),
+    }  # fmt: skip
 
 
 def quantities(comparisons: Sequence[Comparison], texts: Mapping[str, About]) -> tuple[str, list[bool]]:
