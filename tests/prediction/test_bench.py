@@ -95,13 +95,16 @@ def test_gearhead_and_mounted_inertia():
     motor, gearhead = hit(DCX), hit("GPX22HPKLSL44D0CPLW", "gearheads")
     bare, found = of(motor), of(motor, gearhead, inertia=3e-4)
     i, e = gearhead["ratio"], gearhead["efficiency"]
-    assert nominal(found, "free_speed") == pytest.approx(nominal(bare, "free_speed") / i, rel=0.01)
+    assert 0.9 * nominal(bare, "free_speed") < nominal(found, "free_speed") * i < nominal(bare, "free_speed")  # it rubs
     assert nominal(found, "stall_torque") == pytest.approx(nominal(bare, "stall_torque") * i * e, rel=0.06)
     J = motor["rotor_inertia"] + gearhead["inertia"]
     loss = motor["torque_constant"] * motor["no_load_current"]
     J, w_0 = J + 3e-4 * e / i**2, nominal(bare, "free_speed")
     viscous = 0.35 * loss / w_0
-    assert nominal(found, "coast_time") == pytest.approx(J / viscous * np.log1p(0.35 / 0.65), rel=0.1)
+    assert nominal(found, "coast_time") < J / viscous * np.log1p(0.35 / 0.65)
+    idle = next(one for one in found.estimates if one.figure == "no_load_torque")
+    usual = 0.02 * gearhead["stages"] * gearhead["continuous_torque"] / i
+    assert (idle.low, idle.value, idle.high) == pytest.approx((usual / 3, usual, usual * 3), rel=0.1)
 
 
 def test_a_held_torque_of_nothing_takes_no_current_at_the_least(brushed):
