@@ -40,7 +40,7 @@ _QUARTER = 64  # pieces of a quarter of a harmonic period: the speed is off by 7
 Leg = tuple[str | tuple[str | int, ...], Any, Any]
 
 
-def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
+def _straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
     """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
     paths, durations, speeds = (list(column) for column in zip(*legs, strict=True))
     both = columns_of([*durations, *speeds])
@@ -64,7 +64,7 @@ def straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Pr
     return Profile(name, *(tuple(c.tolist()) if c.ndim == 1 else tuple(c) for c in (time, speed)))
 
 
-def checked(profile: Profile, field: str) -> Profile:
+def _checked(profile: Profile, field: str) -> Profile:
     """The profile, when its numbers can be computed with."""
     time, speed = columns_of(profile.time), columns_of(profile.speed)
     sloped = columns_of([*(profile.acceleration or ()), *itertools.chain.from_iterable(profile.ends or ())])
@@ -146,7 +146,7 @@ def trapezoid(motion: Trapezoid) -> Profile:
     if motion.distance is not None:
         names = ("acceleration", "distance", "acceleration")
     legs = (*zip(names, (up, cruise, down), (top, top, 0.0), strict=True), ("rest_time", motion.rest_time, 0.0))
-    return straight("trapezoid", legs, motion.there_and_back)
+    return _straight("trapezoid", legs, motion.there_and_back)
 
 
 class Triangle(_Repeated):
@@ -165,7 +165,7 @@ def triangle(motion: Triangle) -> Profile:
     """
     top, half = 2 * motion.distance / motion.time, motion.time / 2
     legs = (("time", half, top), ("time", half, 0.0), ("rest_time", motion.rest_time, 0.0))
-    return straight("triangle", legs, motion.there_and_back)
+    return _straight("triangle", legs, motion.there_and_back)
 
 
 class Segment(fields.Section):
@@ -203,7 +203,7 @@ def segments(motion: Segments) -> Profile:
     for number, segment in enumerate(motion.segments):
         speed = segment.to if segment.to is not None else legs[-1][2] if legs else 0.0
         legs.append((("segments", number, "time"), segment.time, speed))
-    return straight("segments", legs)
+    return _straight("segments", legs)
 
 
 # -- Ramps with rounded ends.
@@ -231,7 +231,7 @@ def _curve(rising: _Ramp, cruise: float, down: _Ramp, motion: SCurve | Trapezoid
         points.append((end, 0.0, 0.0))
     if motion.there_and_back:
         points += [(points[-1][0] + t, -v, -a) for t, v, a in points[1:]]
-    return checked(Profile("s-curve", *zip(*points, strict=True)), field)
+    return _checked(Profile("s-curve", *zip(*points, strict=True)), field)
 
 
 def _ramp(speed: float, jerk_time: float, hold: float) -> _Ramp:
@@ -303,7 +303,7 @@ def harmonic(motion: Harmonic) -> Profile:
     time = tuple(motion.period * k / (4 * n) for k in range(4 * n + 1))
     speed = tuple(motion.amplitude * omega * sine[k % (4 * n)] for k in range(4 * n + 1))
     slope = tuple(motion.amplitude * omega * omega * sine[(k + n) % (4 * n)] for k in range(4 * n + 1))
-    return checked(Profile("harmonic", time, speed, slope), "period")
+    return _checked(Profile("harmonic", time, speed, slope), "period")
 
 
 # -- Laws of motion from rest to rest over a distance in a time, as transfer functions of unit stroke and unit time.
@@ -422,7 +422,7 @@ def move(motion: Move) -> Profile:
         level = np.where(cruise > _STILL * span, cruise, 0.0)  # of ramps that fill the time, not what rounding leaves
         top = stroke / (span - (up + down) / 2)
         legs = (("time", up, top), ("time", level, top), ("time", down, 0.0), ("rest_time", motion.rest_time, 0.0))
-        return straight("move", legs, motion.there_and_back)
+        return _straight("move", legs, motion.there_and_back)
     law = LAWS[motion.law]
     shares = sorted({k / _STROKE for k in range(_STROKE + 1)} | set(law.peaks))
     points = [(x * span, *law.at(x)) for x in shares]
@@ -436,7 +436,7 @@ def move(motion: Move) -> Profile:
         time += [time[-1] + t for t in time[1:]]
         speed += [-v for v in speed[1:]]
         ends += [(-a, -b) for a, b in ends]
-    return checked(Profile("move", tuple(time), tuple(speed), ends=tuple(ends)), "time")
+    return _checked(Profile("move", tuple(time), tuple(speed), ends=tuple(ends)), "time")
 
 
 class Cam(fields.Section):
@@ -451,7 +451,22 @@ class Cam(fields.Section):
 
 
 def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
-    """Speed of a cam table: the slope of a local parabola through its positions, times the speed of the master."""
+    """Speed of a cam table: the slope of a local parabola through its positions, times the speed of the master.
+
+    Parameters
+    ----------
+    path
+        The table: angle and position.
+    motion
+        Speed of the master, and smoothing.
+    kind
+        Of the position: ``length``, or ``angle`` of a load that turns.
+
+    Returns
+    -------
+    Profile
+        Speed of the load over one run of the table.
+    """
     found = columns(Path(path), {"angle": "angle", "position": kind})
     time, position = (found["angle"] - found["angle"][0]) / motion.master_speed, found["position"]
     if len(time) < 4:
@@ -464,7 +479,7 @@ def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
     around = [np.append(c[:-1] - c[-1] + c[0], np.append(c, c[1:] + c[-1] - c[0])) for c in (time, position)]
     slope = local_parabola(around[0], around[1], motion.smoothing)[1][len(time) - 1 : 2 * len(time) - 1]
     speed = np.where(np.abs(slope) <= _STILL * np.abs(slope).max(), 0.0, slope)
-    return checked(Profile(str(path), tuple(time.tolist()), tuple(speed.tolist())), "master_speed")
+    return _checked(Profile(str(path), tuple(time.tolist()), tuple(speed.tolist())), "master_speed")
 
 
 class Hold(fields.Section):
@@ -484,7 +499,20 @@ class Csv(fields.Section):
 
 
 def from_csv(path: str | Path, kind: str = "speed") -> Profile:
-    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`."""
+    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`.
+
+    Parameters
+    ----------
+    path
+        The file.
+    kind
+        Of the speed: ``speed``, or ``rotary_speed`` of a load that turns.
+
+    Returns
+    -------
+    Profile
+        As it was recorded.
+    """
     found = columns(Path(path), {"time": "time", "speed": kind})
     return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))
 
@@ -523,7 +551,7 @@ MADE: dict[str, Callable[[Any], Profile]] = {
     "move": move,
     "s_curve": s_curve,
     "harmonic": harmonic,
-    "hold": lambda motion: straight("hold", [("time", motion.time, 0.0)]),
+    "hold": lambda motion: _straight("hold", [("time", motion.time, 0.0)]),
     "segments": segments,
 }
 
@@ -534,7 +562,20 @@ def over_time(motion: Any) -> Profile:
 
 
 def carrying(made: Profile, motion: Any) -> Profile:
-    """The profile with the payload of each of its pieces, where the motion has one."""
+    """The profile with the payload of each of its pieces, where the motion has one.
+
+    Parameters
+    ----------
+    made
+        The motion's profile.
+    motion
+        The motion, that may have a payload.
+
+    Returns
+    -------
+    Profile
+        The profile, with a payload on each of its pieces.
+    """
     if not getattr(motion, "carries", False):
         return made
     if isinstance(motion, Segments):

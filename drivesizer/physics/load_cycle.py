@@ -183,7 +183,20 @@ class Cuts(NamedTuple):
 
 
 def cuts(pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Cuts:
-    """Each segment in so many pieces that all take the same share of it, but for the last, which takes the rest."""
+    """Each segment in so many pieces that all take the same share of it, but for the last, which takes the rest.
+
+    Parameters
+    ----------
+    pieces
+        Of each segment, 1 or more.
+    shares
+        Of each segment that one piece takes [1], shape (segments,) or (segments, cycles).
+
+    Returns
+    -------
+    Cuts
+        All pieces in their order.
+    """
     owner, place = places(pieces)
     number, last = (x.reshape(-1, *[1] * (shares.ndim - 1)) for x in (place, place + 1 == pieces[owner]))
     return Cuts(owner, number * shares[owner], np.where(last, 1.0, (number + 1) * shares[owner]))
