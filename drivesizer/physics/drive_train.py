@@ -180,7 +180,18 @@ def friction(motor: Figures, dry: Figure = 1.0) -> tuple[Array, Array]:
 
 
 def dry_share(motor: Figures) -> Array:
-    """Share of motors' no-load torque that is dry [1], by what rubs: see ``friction``."""
+    """Share of motors' no-load torque that is dry, by what rubs: see ``friction``.
+
+    Parameters
+    ----------
+    motor
+        Figures of motors by field name: columns.
+
+    Returns
+    -------
+    array
+        [1].
+    """
     brushed = np.where(np.asarray(motor["inside"]) == "", DRY_SHARE["brushed"], DRY_SHARE[SERVO])
     brushless = np.where(np.asarray(motor["winding"]) == SLOTLESS, DRY_SHARE[SLOTLESS], DRY_SHARE["brushless"])
     return np.where(np.asarray(motor["kind"]) == "brushed", brushed, brushless)
@@ -252,6 +263,11 @@ def commutation(motor: Figures) -> Array:
     ----------
     motor
         Figures of motors by field name: columns.
+
+    Returns
+    -------
+    array
+        [V*s/(A*rad)].
 
     References
     ----------
