@@ -22,8 +22,9 @@ from drivesizer.control import remedies
 from drivesizer.control.closed_loop.checks import checks, columns, figures
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
+from drivesizer.control.devices import controller_gains
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
-from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation, controller_gains
+from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
@@ -149,7 +150,7 @@ def validate(
     own: tuple[ControllerGain, ...] = ()
     lacking: list[str] = []
     if controller is not None and isinstance(case.controller, Cascade):
-        own, lacking = controller_gains(case.controller, controller.family)
+        own, lacking = controller_gains(case.controller, case.train, controller.family)
     return Validation(
         spec=spec,
         drive_set=drive_set,

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import nan
 from typing import NamedTuple
 
@@ -111,43 +110,8 @@ class ControllerGain:
 
     place: str  # index and subindex of the object
     name: str
-    value: int
+    value: float  # a whole number where the controller takes no other
     unit: str
-
-
-_Row = tuple[str, str, str, float, Callable[[Cascade], float]]
-
-_EPOS4: tuple[_Row, ...] = (  # object, name, unit, that unit per SI unit, gain in SI
-    ("0x30A0:01", "current controller P gain", "µV/A", 1e6, lambda c: c.current_kp),
-    ("0x30A0:02", "current controller I gain", "µV/(A·ms)", 1e3, lambda c: c.current_ki),
-    ("0x30A2:01", "velocity controller P gain", "µA·s/rad", 1e6, lambda c: c.velocity_kp),
-    ("0x30A2:02", "velocity controller I gain", "µA/rad", 1e6, lambda c: c.velocity_ki),
-    ("0x30A2:03", "velocity controller FF velocity gain", "µA·s/rad", 1e6, lambda c: c.feedforward_velocity),
-    ("0x30A2:04", "velocity controller FF acceleration gain", "µA·s²/rad", 1e6, lambda c: c.feedforward_acceleration),
-)
-# The EPOS4's position controller is a PID whose output is the current. Where the velocity loop gets the path's velocity
-# beside kv e, with e the position error, i = kp (kv e + e') + ki ∫(kv e + e') dt is that PID.
-_EPOS4_POSITION: tuple[_Row, ...] = (
-    ("0x30A1:01", "position controller P gain", "µA/rad", 1e6, lambda c: c.velocity_kp * c.position_kp + c.velocity_ki),
-    ("0x30A1:02", "position controller I gain", "µA/(rad·s)", 1e6, lambda c: c.velocity_ki * c.position_kp),
-    ("0x30A1:03", "position controller D gain", "µA·s/rad", 1e6, lambda c: c.velocity_kp),
-    ("0x30A1:04", "position controller FF velocity gain", "µA·s/rad", 1e6, lambda c: c.feedforward_velocity),
-    ("0x30A1:05", "position controller FF acceleration gain", "µA·s²/rad", 1e6, lambda c: c.feedforward_acceleration),
-)
-_EPOS4_LACKS = ("velocity_kd", "feedforward_friction")
-
-
-def controller_gains(cascade: Cascade, controller: str) -> tuple[tuple[ControllerGain, ...], list[str]]:
-    """The gains in the units of a controller, and those that it cannot take."""
-    if not controller.upper().startswith("EPOS4"):
-        return (), []
-    rows = _EPOS4 + (_EPOS4_POSITION if cascade.position_kp else ())
-    found = tuple(
-        ControllerGain(place=place, name=name, value=round(gain(cascade) * per_si), unit=unit)
-        for place, name, unit, per_si, gain in rows
-    )
-    lacking = [f.name for f in fields(cascade) if f.name in _EPOS4_LACKS and getattr(cascade, f.name)]
-    return found, [f"the EPOS4 has no place for {name.replace('_', ' ')}" for name in lacking]
 
 
 # -- Records of the linear analysis of a closed loop; NaN where a figure does not exist.

@@ -1,0 +1,76 @@
+"""The file that a controller takes: its parameters in its own form, with what they stand for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
+
+import yaml
+
+from drivesizer.control.devices import Device, Written
+from drivesizer.errors import InputError, quoted
+
+SUFFIXES = {"json": ".json", "assignments": ".txt", "xml": ".xml", "yaml": ".yaml", "dcf": ".dcf", "sheet": ".txt"}
+
+
+def accept(device: Device, path: Path) -> None:
+    """Refuse a name that the controller's tool does not open."""
+    suffix = SUFFIXES[device.words["form"]]
+    if path.suffix.lower() != suffix:
+        raise InputError(
+            f"--output: {quoted(path)} is no name for {device.title}; expected a file that ends in {suffix}"
+        )
+
+
+def files(device: Device, rows: Sequence[Written], remarks: Sequence[str], path: Path) -> dict[Path, bytes]:
+    """The controller's file; where its form takes no remarks these are a text beside it."""
+    form = device.words["form"]
+    if form == "json":
+        text = json.dumps(_tree(rows), indent=2) + "\n"
+        return {
+            path: text.encode(),
+            path.with_suffix(".read_back.txt"): "".join(f"{one}\n" for one in remarks).encode(),
+        }
+    if form == "xml":
+        root = Element(device.words["root"])
+        root.append(Comment("\n" + "\n".join(remarks).replace("--", "- -") + "\n"))
+        for row in rows:
+            SubElement(root, row.parameter.name).text = row.text
+        indent(root)
+        return {path: tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"}
+    body = {"yaml": _yaml, "dcf": _dcf}.get(form, _lines)(device, rows)
+    return {path: ("".join(f"# {one}".rstrip() + "\n" for one in remarks) + "\n" + body).encode()}
+
+
+def _tree(rows: Sequence[Written]) -> dict[str, Any]:
+    """Parameters by the parts of their dotted names."""
+    found: dict[str, Any] = {}
+    for row in rows:
+        *parents, last = row.parameter.name.split(".")
+        inner = found
+        for parent in parents:
+            inner = inner.setdefault(parent, {})
+        inner[last] = int(row.value) if row.parameter.rounding == "whole" else float(row.text)
+    return found
+
+
+def _yaml(device: Device, rows: Sequence[Written]) -> str:
+    return yaml.safe_dump(_tree(rows), sort_keys=False)
+
+
+def _lines(device: Device, rows: Sequence[Written]) -> str:
+    line, after = device.words["line"] or "{name} = {value}", device.words["after"]
+    body = "".join(line.format(name=row.parameter.name, value=row.text) + "\n" for row in rows)
+    return body + (f"{after}\n" if after else "")
+
+
+def _dcf(device: Device, rows: Sequence[Written]) -> str:
+    """Sections of a device configuration file, ``[30A0sub1]``."""
+    body = ""
+    for row in rows:
+        index, _, sub = row.parameter.name.removeprefix("0x").partition(":")
+        body += f"[{index}sub{int(sub, 16):X}]\nParameterName={row.parameter.meaning}\nParameterValue={row.text}\n\n"
+    return body
