@@ -52,15 +52,16 @@ def commission(
         device_file.accept(one, output)
     if controller:
         current, velocity, position = one.rates
-        rates = {"current_loop": current, "speed_loop": velocity, "position_loop": position}
-        found = replace(found, controller=replace(controller, **rates))
+        at_rates = replace(controller, current_loop=current, speed_loop=velocity, position_loop=position)
+        found = replace(found, controller=at_rates)
     with common.simulating("simulating the loop"):
         proof = validate(own.model_copy(update={"control": devices.loops_of(one, own.control)}), found)
         rows, left_out = devices.written(one, devices.figures(proof, one))
         recalled = [row for row in rows if row.parameter.confidence == "recalled" and not unconfirmed]
         rows = [row for row in rows if row not in recalled]
-        left_out += [f"{row.parameter.name}: known from memory alone, {row.text} {row.parameter.unit} (--unconfirmed)".
-                     replace(" (", " (").replace("  ", " ") for row in recalled]  # fmt: skip
+        if recalled:
+            names = (f"{row.parameter.name} = {row.text} {row.parameter.unit}".strip() for row in recalled)
+            left_out.append(f"{', '.join(names)}: known from memory alone (--unconfirmed)")
         again = validate(own.model_copy(update={"control": devices.as_written(one, rows, proof)}), found)
     remarks = _remarks(one, rows, left_out, proof, again)
     if output:
@@ -86,7 +87,7 @@ def _loops(proof: Validation, again: Validation) -> list[str]:
     """The loops as they are written: verdict over the motion, phase margins and what rounding took of them."""
     lines = [f"with these gains: {again.status} over {again.over}" + (f" ({again.failed})" if again.failed else "")]
     for exact, written in zip(proof.loops, again.loops, strict=True):
-        lost = degrees(exact.phase_margin - written.phase_margin)
+        lost = max(0.0, degrees(exact.phase_margin - written.phase_margin))
         lines.append(f"{written.name} loop: phase margin {degrees(written.phase_margin):.1f}°, {lost:.2f}° lost by "
                      f"rounding; bandwidth {written.bandwidth:.3g} Hz")  # fmt: skip
     return lines

@@ -94,10 +94,11 @@ def devices() -> dict[str, Device]:
         rows = (line.split("|") for line in entry["parameters"].strip().splitlines())
         parameters = tuple(Parameter(*(cell.strip() for cell in cells)) for cells in rows)
         words = {name: str(entry.get(name, default)) for name, default in _FIELDS.items()}
-        phase, rates = entry["amperes"] == "phase", tuple(float(rate) for rate in entry["rates"])
+        phase, (current, velocity, position) = entry["amperes"] == "phase", map(float, entry["rates"])
+        rates = (current, velocity, position)
         found[entry["name"]] = Device(
             entry["name"], entry["title"], entry["structure"], phase, rates, parameters, words
-        )  # type: ignore[arg-type]
+        )
     return found
 
 
@@ -138,7 +139,7 @@ def device_of(name: str | None, controller: str) -> Device:
 
 
 def loops_of(device: Device, own: Control) -> Control:
-    """The loops of a controller as the section ``control``: those that the spec asks for, in its structure."""
+    """The loops of a controller as the section ``control``: those that the spec requires, in its structure."""
     if device.structure == "voltage":
         given = own if own.structure == "voltage_pid" else Control()
         return given.model_copy(update={"rate": device.rates[1]})
@@ -203,15 +204,17 @@ def figures(proof: Validation, device: Device) -> dict[str, float]:
 
 def written(device: Device, values: dict[str, float]) -> tuple[list[Written], list[str]]:
     """Every parameter with its value as it is written; and those that are not written, with the reason."""
-    found, left_out = [], []
+    found, reasons = [], dict[str, list[str]]()
     for parameter in device.parameters:
         if parameter.carries in _OF_POSITION and device.structure != "pid" and not values["K_pos"]:
-            left_out.append(f"{parameter.name}: no position loop; control: {{position: {{}}}} in the spec adds it")
+            reasons.setdefault("no position loop; control: {position: {}} in the spec adds it", []).append(
+                parameter.name
+            )
             continue
         names = _names(parameter.expression) & values.keys()
         unknown = [_UNKNOWN.get(name, name) for name in sorted(names) if math.isnan(values[name])]
         if unknown:
-            left_out.append(f"{parameter.name}: unknown {', '.join(unknown)}")
+            reasons.setdefault(f"unknown {', '.join(unknown)}", []).append(parameter.name)
             continue
         exact = float(eval(parameter.expression, {"__builtins__": {}},  # noqa: S307  of this table
                            {**values, "pi": math.pi, "sqrt": math.sqrt}))  # fmt: skip
@@ -223,12 +226,14 @@ def written(device: Device, values: dict[str, float]) -> tuple[list[Written], li
         else:
             value = round(exact, int(parameter.rounding.split()[0]))
         if not math.isfinite(value):
-            left_out.append(f"{parameter.name}: the loop has no such part")
+            reasons.setdefault("the loop has no such part", []).append(parameter.name)
         elif value == 0.0 and exact != 0.0:
-            left_out.append(f"{parameter.name}: {exact:.3g} {parameter.unit} is less than the controller can express")
+            reasons.setdefault(f"{exact:.3g} {parameter.unit} is less than the controller can express", []).append(
+                parameter.name
+            )
         else:
             found.append(Written(parameter, exact, value))
-    return found, left_out
+    return found, [f"{', '.join(names)}: {reason}" for reason, names in reasons.items()]
 
 
 def controller_gains(

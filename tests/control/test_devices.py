@@ -91,7 +91,7 @@ def test_the_printed_example_of_a_vesc():
 def test_what_is_unknown_or_too_small_is_left_out_by_name():
     figures = gain_figures(CASCADE, TRAIN, phase=True) | OTHERS | {"p": math.nan, "A_i": 1e-9}
     rows, left_out = written(devices()["vesc"], figures)
-    assert "foc_motor_flux_linkage: unknown pole pairs" in left_out
+    assert any("foc_motor_flux_linkage" in one and one.endswith(": unknown pole pairs") for one in left_out)
     assert not any(math.isnan(row.value) for row in rows)
     assert device_of(None, "EPOS4 Compact 50/5 541718").name == "epos4"
     with pytest.raises(InputError, match='--device: "odriv" is not known; the nearest is odrive'):
