@@ -213,7 +213,7 @@ def _closest_of_both(problem: Problem, some: Crossed, one: Examined) -> Rows:
 
 
 def _uncertain(problem: Problem, sets: Candidates) -> Mask:
-    """Which candidates have an estimated figure."""
+    """Mask of the candidates that have an estimated figure."""
     found = np.zeros(len(sets.motor), bool)
     found[estimated(problem, sets)] = True
     return found
