@@ -263,7 +263,7 @@ def test_the_ranking(name, objective, worked, catalog, monkeypatch):
     """The whole order of the same sets, as the search gives it."""
     spec, sets, mine = worked(name, objective)
     one_each = sets.on(np.flatnonzero(sets.belt == spec.belt_ratios[0]))
-    monkeypatch.setattr("drivesizer.search.ranking.pairs", lambda *_, **__: one_each)
+    monkeypatch.setattr("drivesizer.search.passing.pairs", lambda *_, **__: one_each)
     found = search(problem(spec, catalog), top=10**6, misses=0)
     expected = ranked(spec, sets, mine, objective, controlling=controlling(spec, catalog, sets))
     assert found.counts.considered == len(mine)
