@@ -6,8 +6,8 @@ one may be unknown (NaN); a limit of which nothing is known at all is NaN. Given
 - *fail*: the low end of the demand is over the high end of the limit;
 - *pass*: the high end of the demand is within the low end of the limit. Where nothing is demanded it passes, unless
   even that is over the limit; without a limit, which is infinite, whatever is demanded;
-- *open*: estimated figures decide. Samples of them, the middle and both ends of their bands, do not agree
-  (``over_ends``);
+- *open*: the ranges of demand and limit overlap, of which all ends are known; or estimated figures decide: samples of
+  them, the middle and both ends of their bands, do not agree (``over_ends``);
 - *unknown*: else, that is where an end that matters is unbounded.
 
 Shown are the figures that decide: of what passes the high demand and the low limit, of what fails the low demand and
@@ -57,7 +57,7 @@ class CheckColumn:
     advice: bool = False  # informational: of what is not required; no drive fails or ranks by it
     time: Array | None = None  # s, of the worst moment
     case: NDArray[np.int64] | None = None  # the load case that is worst, by number
-    opened: Mask | bool = False  # samples of estimated figures pass and fail
+    opened: Mask | bool = False  # ranges overlap, or samples of estimated figures pass and fail
     low: Array | None = None  # the demand over these samples; None where no candidate has an estimated figure
     high: Array | None = None
     least: Array | None = None  # the smallest margin of them
@@ -79,7 +79,9 @@ class CheckColumn:
         limit, demand = self.limit, self.demand
         if not isinstance(self.zero, float) or self.zero != 0.0:  # most count from 0
             limit, demand = limit - self.zero, demand - self.zero
-        decided = self.passed | self.failed | self.opened
+        decided = self.passed | self.failed
+        if self.least is not None:
+            decided = decided | (self.opened & ~np.isnan(self.least))
         with np.errstate(all="ignore"):
             found = limit / demand - 1.0
         return np.where(decided & (self.demand != self.zero) & np.isfinite(found), found, nan)
@@ -123,14 +125,14 @@ class CheckColumn:
         """The check of one candidate; ``()`` for a column that is a single figure."""
         declared, one = CHECKS[method][self.name], self.on(index)
         kind, unit = declared.rotary if rotary else (declared.kind, declared.unit)
-        status: Status = "pass" if one.passed else "fail" if one.failed else "unknown"
+        status: Status = "pass" if one.passed else "fail" if one.failed else "open" if one.opened else "unknown"
         margin, time, band = float(one.margin), at_time if one.time is None else float(one.time), None
         if one.low is not None and one.high is not None and one.least is not None:
-            status = "open" if one.opened else status
             low, high, least = float(one.low), float(one.high), float(one.least)
             if any(x < y and not isclose(x, y) for x, y in ((low, high), (least, margin))):  # but for rounding
                 band = Band(low, high, least)
-        lacking = self.undecided if status == "unknown" and not isnan(one.limit) else ""
+        by_range = status == "open" and isnan(margin)
+        lacking = self.undecided if (status == "unknown" or by_range) and not isnan(one.limit) else ""
         if one.on_basis is not None and one.on_basis:
             lacking = self.basis
         return Check(
@@ -162,18 +164,19 @@ class CheckColumn:
         changed: dict[str, Any] = {}
         for name in _IDLE:
             old, new = getattr(self, name), getattr(some, name)
-            if isinstance(old, np.ndarray):
-                changed[name] = old.copy()
+            if isinstance(old, np.ndarray) or (name == "opened" and isinstance(new, np.ndarray)):
+                changed[name] = np.array(np.broadcast_to(old, self.passed.shape))
                 changed[name][rows] = False if new is None else new  # all figures of these may be known
         return replace(self, **changed)
 
     def where_known(self, known: Mask | bool) -> CheckColumn:
         """The same check where the demand is known; where it may be more it passes no limit."""
-        return replace(self, passed=self.passed & (known | np.isposinf(self.limit)))
+        passed = self.passed & (known | np.isposinf(self.limit))
+        return replace(self, passed=passed, opened=self.opened & np.asarray(known))
 
     def assuming(self, rows: Mask, basis: str) -> CheckColumn:
         """The same check, which passes for some of the candidates by an assumption."""
-        return replace(self, passed=self.passed | rows, on_basis=rows, basis=basis)
+        return replace(self, passed=self.passed | rows, opened=self.opened & ~rows, on_basis=rows, basis=basis)
 
 
 def at_most(
@@ -186,7 +189,7 @@ def at_most(
     >>> at_most("motor_power", 10.0, 20.0).margin.item()
     1.0
     >>> [at_most("motor_power", watts, Range(20.0, 24.0)).at((), "paper").status for watts in (18.0, 22.0, 26.0)]
-    ['pass', 'unknown', 'fail']
+    ['pass', 'open', 'fail']
     >>> found = at_most("supply_voltage", Range(5.0, 6.1), 5.2)
     >>> found.passed.item(), found.failed.item(), found.demand.item()
     (False, False, 5.0)
@@ -204,13 +207,16 @@ def at_most(
         passed, failed = passed | idle, failed & ~idle
     failed = failed & ~passed
     demand = low if low is high else np.where(passed, high, low)
+    opened: Any = False
+    if low is not high or least is not most:
+        opened = ~(passed | failed) & ~np.isnan(low + least) & np.isfinite(high) & np.isfinite(most)
     if isinstance(time, Range):
         time = np.where(passed, time.high, time.low)
     shape = passed.shape  # of all of them, if one is a figure that all candidates have
     demand, limit = (x if x.shape == shape else np.full(shape, x) for x in (demand, limit))
     return CheckColumn(
         name=name, demand=demand, limit=limit, passed=np.asarray(passed), failed=np.asarray(failed), zero=zero,
-        needed=needed, time=time, on_basis=at_high_end, **more,
+        needed=needed, time=time, opened=opened, on_basis=at_high_end, **more,
     )  # fmt: skip
 
 
@@ -250,16 +256,17 @@ def over_ends(
     passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
     # at an end a winding may run away; without a limit at an end an unknown demand decides nothing
     decided = np.logical_or.reduce([(c.passed | c.failed) & ~(np.isnan(c.demand) & (c.limit == np.inf)) for c in every])
+    decided |= np.logical_or.reduce([np.broadcast_to(c.opened, c.passed.shape) for c in every])
     demands, least = np.array([c.demand for c in every]), np.fmin.reduce([c.margin for c in every])
     low, high = demands.min(axis=0), demands.max(axis=0)
     opened = decided & ~passed & ~failed
-    sampled = replace(every[0], passed=passed, failed=failed, opened=opened, low=low, high=high)
+    sampled = replace(every[0], passed=passed, failed=failed, opened=opened, low=low, high=high, least=least)
     # an open check is shown by the low end of its limit, a failed one by the high end: the least margin is by the low
     by_high_end = False if every[-1].on_basis is None else every[-1].on_basis & every[-1].failed
     shown = replace(sampled, demand=np.where(by_high_end, high, every[0].demand)).margin
     sampled = replace(sampled, least=np.fmin(least, shown))
-    nothing = np.zeros(middle.passed.shape, bool)
-    whole = replace(middle, opened=nothing, low=middle.demand, high=middle.demand, least=middle.margin)
+    opened = np.array(np.broadcast_to(middle.opened, middle.passed.shape))
+    whole = replace(middle, opened=opened, low=middle.demand, high=middle.demand, least=middle.margin)
     return whole.with_rows(rows, sampled)
 
 
@@ -274,7 +281,8 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
     worst, order, margin = np.zeros(shape, np.int64), np.zeros(0), np.zeros(0)
     for number, check in enumerate(checks):
-        its_order, its_margin = np.where(check.failed, 0, np.where(check.passed, 2, 1)), check.margin
+        its_order = np.where(check.failed, 0, np.where(check.passed, 3, np.where(check.opened, 2, 1)))
+        its_margin = check.margin
         unknown = np.isnan(its_margin)
         if unknown.any():
             with np.errstate(divide="ignore"):

@@ -166,6 +166,11 @@ class Problem:
         return self.cases[0].spec
 
     @property
+    def segments(self) -> int:
+        """Segments of the longest load cycle."""
+        return max(len(case.at_belt.load_cycle.duration) for case in self.cases)
+
+    @property
     def machine_cases(self) -> list[list[int]]:
         """The load cases of the machine, each as the numbers of those of ``cases`` that act at the same time."""
         found: dict[int, list[int]] = {}

@@ -101,7 +101,7 @@ def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
             missed = ~((1.0 + check.margin) >= (1.0 + check.needed) * (1.0 - _NEARLY))
         falls = check.failed & missed
         if whole.spec.select.unknown == "reject":
-            falls = falls | ~(check.passed | check.failed)
+            falls = falls | ~(check.passed | check.failed | check.opened)
         found[check.name] = found.get(check.name, False) | np.broadcast_to(falls, len(sets.motor))
     return found
 
@@ -234,7 +234,7 @@ def machine_filter(
             )
         early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
         rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
-        most = max(_FEWEST, _CELLS // max(len(case.at_belt.load_cycle.duration) for case in problem.cases))
+        most = max(_FEWEST, _CELLS // problem.segments)
         alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
         for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, min(most, _MOST)):
             found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best), counted)

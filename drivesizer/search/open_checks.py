@@ -304,7 +304,7 @@ def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigur
 def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ...], float]:
     """The checks of a drive, its open ones with the value at which they turn and how probable it is that they pass."""
     checks = tuple(_with_assumption(evaluation, index, check) for check in evaluation.checks_of(index))
-    names = evaluation.open_checks(index)
+    names = evaluation.sampled_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
     controller, brake = evaluation.controller[[index]], evaluation.brake[[index]]

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,8 +24,8 @@ from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, Crossed, pairs
 from drivesizer.search.columns.evaluation import at_ends, by_physics, estimated, figures_by_physics
 from drivesizer.search.columns.limits_over_time import Waveform
-from drivesizer.search.columns.powered import UNDECIDED
-from drivesizer.search.columns.stages import Drives, Examined, amount_of, belts_together, examine, offers
+from drivesizer.search.columns.powered import OVER_WAVEFORM, UNDECIDED
+from drivesizer.search.columns.stages import Drives, Examined, amount_of, belts_together, bits_of, examine, offers
 from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import COUNTED, chosen, order, rounded
 from drivesizer.spec.drive import OBJECTIVES
@@ -40,9 +39,14 @@ _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_wavefo
 _CHUNK = 1 << 20  # drives at a time
 _NEAREST = 32  # of the rejected, kept until all are known; as many of those with estimated figures
 _SOME = 1 << 12  # of the rejected, among which the farthest that may be kept is found
-_LONG = 1 << 14  # segments of a cycle, up to which all drives that bounds leave open are computed
+# segments of a cycle, and candidates times these, up to which all drives that bounds leave open are computed
+_LONG, _MANY = 1 << 14, 200_000_000
 _CELLS = 50_000_000  # drives times segments that are computed before none is said to pass but for what all lack
-_FIRST, _SEEN = 32, 200  # drives that are computed at first, and at least before that is said
+_FIRST, _CELLS_AT_FIRST, _SEEN = (
+    32,
+    10_000_000,
+    200,
+)  # drives, and these, that are computed at first; before that is said
 _NAMED = 8  # of those that lack figures, at first
 _ALIKE = 1e-7  # share of a margin within which rounding makes others equal
 
@@ -51,9 +55,10 @@ class Passing(NamedTuple):
     """Candidates that pass or may pass, as rows of a few numbers."""
 
     sets: Candidates
-    certainty: NDArray[np.int64]  # PASSES, OPEN by estimated figures, or UNKNOWN by one that has no band
+    certainty: NDArray[np.int64]  # PASSES, OPEN by estimates or ranges, or UNKNOWN by a figure of which no end is known
     figures: dict[str, Array]  # that objectives count
-    # checks that are unknown, but for those that are so of all, and doublings up to their demands; 1 if any is open
+    # of the unknown checks that are so, but for those that are so of all, of the open ones that are, and doublings of
+    # limits up to their demands; of what is open by estimates the most
     lacking: NDArray[np.int64]
     most: Array  # what the smallest margin of each is at most; infinite where that is not known
     passes: Mask  # none of its checks is unknown or open
@@ -90,9 +95,10 @@ def sifted(
     """
     every, names = pairs(problem), {*problem.spec.select.weights, *pareto}
     waveform: Waveform = "all" if "energy" in names else "limits" if names & _WAVEFORM else "open"
-    lazy = waveform == "open" and wanted > 0 and not margins and _is_long(problem)
+    total, segments = len(every.motor) * len(problem.belt_ratios), problem.segments
+    lazy = waveform == "open" and wanted > 0 and not margins and (segments > _LONG or total * segments > _MANY)
     margins = margins or waveform != "open"
-    total, done, undecided = len(every.motor) * len(problem.belt_ratios), 0, 0
+    done, undecided = 0, 0
     failed_by, kept = Counter[str](), list[_Found]()
     rejected = _Rejected(every.on(slice(0, 0)), np.zeros(0))
     for some, one, opened in _examined(problem, every, "bounds" if lazy else waveform, margins, known):
@@ -183,6 +189,7 @@ def _at_both(easy: Examined, hard: Examined, opened: Mask) -> tuple[Examined, Ma
     differs = np.ones(len(end.rows), bool)
     differs[there] = (at.amount.unknown[here] != end.amount.unknown[there]).any(axis=1)
     end.amount.unknown[there] &= at.amount.unknown[here]
+    end.amount.opened[there] = np.maximum(end.amount.opened[there], at.amount.opened[here])
     end.amount.doublings[there] = at.amount.doublings[here]
     end.figures[UNDECIDED][there] = np.maximum(end.figures[UNDECIDED][there], at.figures[UNDECIDED][here])
     alone, still = np.setdiff1d(np.arange(len(at.rows)), here), ~np.isin(easy.rejected, end.rows)
@@ -240,11 +247,6 @@ def _nearest(problem: Problem, one: _Rejected, other: _Rejected) -> _Rejected:
     return on(both, rows[number <= _NEAREST])
 
 
-def _is_long(problem: Problem) -> bool:
-    """Whether a cycle has so many segments that no more drives are computed than are shown."""
-    return max(len(case.at_belt.load_cycle.duration) for case in problem.cases) > _LONG
-
-
 def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_Found, _Rejected, Counter[str], int]:
     """Drives that bounds leave open computed in the order of an objective, until so many before the next one pass.
 
@@ -252,12 +254,15 @@ def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_F
     """
     catalog, objective, sets, drives = problem.catalog, problem.spec.select.objective, found.sets, found.drives
     undecided, failed, opened = drives.figures[UNDECIDED] > 0.0, np.zeros(len(found.opened), bool), found.opened.copy()
-    lacks = drives.figures[UNDECIDED] > 1.0  # none of these passes, whatever the waveform says
-    lacks &= not lacks[undecided].all()  # but for what all lack
+    certain = drives.amount.unknown & ~bits_of(OVER_WAVEFORM)
+    own = (certain & ~np.bitwise_and.reduce(certain, axis=0)).any(axis=1)
+    # none of these passes, whatever the waveform says, but for what all lack
+    lacks = (drives.figures[UNDECIDED] > 1.0) | opened | own
+    lacks &= not lacks[undecided].all()
     amount = drives.amount._replace(**{name: x.copy() for name, x in drives.amount._asdict().items()})
     figures = {name: x.copy() for name, x in drives.figures.items()}
-    segments = max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
-    enough, seen, size = max(_CELLS // segments, _SEEN, 4 * wanted), 0, max(2 * wanted, _FIRST)
+    enough, seen = max(_CELLS // problem.segments, _SEEN, 4 * wanted), 0
+    size = max(2 * wanted, min(_FIRST, _CELLS_AT_FIRST // problem.segments))
     failed_by = Counter[str]()
     while undecided.any():
         # anew, for with its waveform a drive may need a heavier controller
@@ -265,11 +270,11 @@ def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_F
         of_all: Any = np.uint64(0)
         if seen >= enough:
             of_all = np.bitwise_and.reduce(amount.unknown[~(undecided | failed)], axis=0)
-        passes = ~(undecided | failed | opened | (amount.unknown & ~of_all).any(axis=1))
+        passes = ~(undecided | failed | opened | (amount.opened > 0) | (amount.unknown & ~of_all).any(axis=1))
         rank, value = order(catalog, sets, value, missing, before=[lacks]), rounded(value)
         some = rank[undecided[rank]][:size]
         first = some[0]
-        better = (missing < missing[first]) | ((missing == missing[first]) & (value < value[first]))
+        better = (missing < missing[first]) | ((missing == missing[first]) & (value <= value[first]))
         if np.count_nonzero(passes & (better | lacks[first])) >= wanted:
             break
         if not seen:  # the best of those is named beside the first that passes
@@ -279,11 +284,11 @@ def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_F
         one = by_physics(problem, sets.on(some), "open")
         checks = [check for check in one.checks if not check.advice]
         failed_by.update({check.name: int(np.count_nonzero(check.failed)) for check in checks})
-        known = [replace(c, passed=c.passed | c.opened) for c in checks]
-        opened[some] = np.any([np.broadcast_to(c.opened, len(some)) for c in checks], axis=0)
+        opened[some] = False
+        for check in checks:
+            opened[some] |= False if check.least is None else check.opened & ~np.isnan(check.least)
         failed[some], undecided[some] = one.failed, False
-        new = amount_of(known, len(some), False)
-        for column, computed in zip(amount, new._replace(margin=amount_of(checks, len(some)).margin), strict=True):
+        for column, computed in zip(amount, amount_of(checks, len(some)), strict=True):
             column[some] = computed
         for name, x in chosen(one, needs_encoder=not problem.spec.steps).items():
             figures[name][some] = x
@@ -302,14 +307,17 @@ def _known_of(problem: Problem, found: _Found, margins: bool, waveform: Waveform
         for name in COUNTED:
             figures[name][rows] = middle[name]
     most = np.full(len(opened), np.inf) if margins else amount.margin
-    known, nothing = ~amount.unknown.any(axis=1), np.zeros(len(opened), np.int64)
-    if problem.spec.select.unknown == "reject":
-        return on(Passing(sets, opened * OPEN, figures, nothing, most, ~opened), np.flatnonzero(known))
+    known, by_range = ~amount.unknown.any(axis=1), amount.opened > 0
     own = amount.unknown & ~np.bitwise_and.reduce(amount.unknown, axis=0)  # what all lack sets none back
     lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
-    lacking += amount.doublings + (opened & (lacking > 0))  # some checks of these are open besides
-    certainty = np.where(lacking > 0, UNKNOWN, np.where(opened, OPEN, PASSES))
-    return Passing(sets, certainty, figures, lacking, most, known & ~opened)
+    if problem.spec.select.unknown == "reject":
+        lacking[:] = 0
+    certainty = np.where(lacking > 0, UNKNOWN, np.where(opened | by_range, OPEN, PASSES))
+    near = np.where(opened, _TENTHS - 1, np.minimum(amount.opened + amount.doublings, _TENTHS - 1))
+    lacking = np.where(certainty == OPEN, near, lacking + amount.opened + amount.doublings + (opened & (lacking > 0)))
+    lacking[certainty == PASSES] = 0
+    found_ = Passing(sets, certainty, figures, lacking, most, known & ~opened & ~by_range)
+    return on(found_, np.flatnonzero(known)) if problem.spec.select.unknown == "reject" else found_
 
 
 # -- Order of drives before their margins count.
@@ -352,7 +360,6 @@ def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
     value, missing = ranking.values(problem.catalog, kept.sets, kept.figures, problem.spec.select.objective)
     precedence = _TENTHS * kept.certainty + kept.lacking
     opened = kept.certainty == OPEN
-    precedence[opened] += _TENTHS - 1
     count = max(min(_SAMPLED, waveforms(problem)), top)
     ahead = np.count_nonzero(kept.certainty == PASSES)
     for rows in (np.flatnonzero(opened), np.flatnonzero(kept.certainty == UNKNOWN)):
@@ -360,19 +367,20 @@ def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
             before = [precedence[rows]]
             best = rows[order(problem.catalog, kept.sets.on(rows), value[rows], missing[rows], before=before)][:count]
             probable = _probabilities(problem, kept.sets.on(best))
-            tenths = (10.0 * probable).astype(np.int64)
+            tenths = (10.0 * np.nan_to_num(probable, nan=1.0)).astype(np.int64)
             hardly = np.where(opened[best], _TENTHS * UNKNOWN, precedence[best]) + _HARDLY
-            likely = np.where(opened[best], _TENTHS * (OPEN + 1) - 1 - tenths, precedence[best])
+            by_samples = opened[best] & ~np.isnan(probable)
+            likely = np.where(by_samples, _TENTHS * (OPEN + 1) - 1 - tenths, precedence[best])
             precedence[best] = np.where(tenths == 0, hardly + _HARDLY * (probable < _ONCE), likely)
         ahead += len(rows)
     return Rank(precedence, missing, value)
 
 
 def _probabilities(problem: Problem, sets: Candidates) -> Array:
-    """Probability that the open checks of each drive pass together; 1 of drives without any."""
-    few, found = by_physics(problem, sets, "open"), np.ones(len(sets.motor))
+    """Probability that the checks of each drive pass together that estimates leave open; NaN of drives without any."""
+    few, found = by_physics(problem, sets, "open"), np.full(len(sets.motor), np.nan)
     for place in range(len(found)):
-        if names := few.open_checks(place):
+        if names := few.sampled_checks(place):
             one = few.candidates.on(np.array([place]))
             one = one._replace(controller=few.controller[[place]], brake=few.brake[[place]])
             found[place] = passing(problem, one, names, each=False)[""]
@@ -381,7 +389,7 @@ def _probabilities(problem: Problem, sets: Candidates) -> Array:
 
 def waveforms(problem: Problem) -> int:
     """Number of drives whose waveforms may be computed to order them."""
-    return _CELLS_OF_RANK // max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
+    return _CELLS_OF_RANK // problem.segments
 
 
 def better_but_unknown(problem: Problem, kept: Passing, rank: Rank, best: Rows) -> Rows:

@@ -189,13 +189,16 @@ def _by_physics(
     catalog, rank, count = problem.catalog, ranked(problem, kept, top), len(kept.passes)
     order = rank.order(catalog, kept.sets)
     failing = count + np.arange(len(rejected.motor))
+    few = len(failing) <= waveforms(problem)
     in_full = InFull(problem, joined([kept.sets, rejected]))
 
     def closest(number: int) -> Rows:
         """The rejected by the share that they have of what is required, then by the number of failed checks."""
         if not number or not len(failing):
             return failing[:0]
-        found, none = in_full.at(failing), np.zeros(len(failing))
+        # of a long cycle by bounds, where these decide
+        found = in_full.at(failing) if few else by_physics(problem, rejected, "open")
+        none = np.zeros(len(failing))
         checks = [check for check in found.checks if not check.advice]
         short = [np.where(c.failed, (1.0 + np.nan_to_num(c.margin, nan=-1.0)) / (1.0 + c.needed), 1.0) for c in checks]
         fails = np.sum([check.failed for check in checks], axis=0)
@@ -214,7 +217,7 @@ def _by_physics(
             beside += [_alike(order, family, n, columns) for n in family_firsts(family)[: others + 1].tolist()]
         also = but_for(np.unique(np.concatenate(beside)), tied)
         also = also if len(tied) + len(also) <= waveforms(problem) else order[:0]
-        near = failing if (misses is not None and misses > 0) else failing[:0]
+        near = failing if misses and few else failing[:0]
         tied = in_full.by_margin(kept, rank, tied, top if alone else len(tied), np.concatenate([also, near]))
         order = np.concatenate([tied, rest])
     return InOrder(kept, rank, order, in_full.at, closest), counts

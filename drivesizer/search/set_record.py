@@ -1,16 +1,15 @@
-"""One candidate as a record: parts, sums, requirements, checks, figures of a stepper."""
+"""One candidate as a record: parts, sums, checks, figures; beside them the checks by the other method."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
-from math import pi
 from typing import Any
 
 import numpy as np
 
-from drivesizer.catalog import DIRECT, Controller, Gearhead, Motor, Table
+from drivesizer.catalog import DIRECT, Table
 from drivesizer.catalog.parts import one_row
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
@@ -22,9 +21,9 @@ from drivesizer.physics.braking import Stop
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict
+from drivesizer.results.check import Check, Figure, Reliability, gravest, verdict
 from drivesizer.results.check_kinds import with_origins
-from drivesizer.results.drive_set import BrakingBudget, Comparison, DriveParts, DriveSet, MotorPiece, Relaxation
+from drivesizer.results.drive_set import Comparison, DriveParts, DriveSet, MotorPiece, Relaxation
 from drivesizer.results.problem import Problem
 from drivesizer.search import ranking
 from drivesizer.search.columns.brakes import stops
@@ -35,9 +34,6 @@ from drivesizer.search.columns.shaft_limits import life_of_gearheads, shaft_load
 from drivesizer.search.open_checks import estimated, resolved_checks
 from drivesizer.search.ranking import CONTROLLING, bought, chosen
 from drivesizer.spec.drive import OBJECTIVES, Choice, MotorChoice
-
-# -- Figures of a stepper with its load that have no limit of their own.
-
 
 STEPPER_ASSUMPTIONS = (
     "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
@@ -50,46 +46,9 @@ STEPPER_ASSUMPTIONS = (
     "rotor and load turn as one body: neither lost steps at a resonance nor a soft coupling are in the checks",
 )
 
-_STEPPER_TABLE = (
-    ("energy", "Energy per cycle, all drives", "energy", "J"),
-    ("returned", "Regenerated energy per cycle", "energy", "J"),
-    ("power", "Largest supply power, all drives", "power", "W"),
-    ("joule_heat", "Heat of both windings, mean", "power", "W"),
-    ("peak_current", "Amplitude of the phase current to set", "current", "A"),
-    ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
-    ("pull_out_at_rest", "Pull-out torque at low speed", "torque", "N*m"),
-    ("pull_out_at_speed", "Pull-out torque at the highest speed", "torque", "N*m"),
-    ("step_rate", "Full steps per second at the highest speed", "frequency", "Hz"),
-    ("natural_frequency", "Natural frequency with the load, held", "frequency", "Hz"),
-    ("start_rate", "Full steps per second without a ramp, no load torque", "frequency", "Hz"),
-)
-
-
-def stepper_figures(problem: Problem, parts: DriveParts, values: dict[str, float]) -> tuple[Figure, ...]:
-    """Figures of a drive with a stepper: what it draws, its step rates and how it swings with its load."""
-    motor, cycle = parts.motor, problem.cases[0].cycle
-    steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
-    rotor = motor.rotor_inertia
-    inertia = parts.inertia() + float(cycle.inertia) / total**2
-    fastest = float(np.abs(cycle.speed).max()) * total
-    speeds, volts = np.array([0.0, fastest]), problem.spec.supply.lowest
-    at_rest, at_speed = torque_of_part(problem.catalog, motor.part, speeds, volts).tolist()
-    starts = start_speed_with(motor.start_speed, rotor, inertia, 0.0, motor.holding_torque)
-    own = {
-        "pull_out_at_rest": at_rest,
-        "pull_out_at_speed": at_speed,
-        "step_rate": fastest * steps / (2.0 * pi),
-        "natural_frequency": float(natural_frequency(motor.pole_pairs, motor.holding_torque, inertia)),
-        "start_rate": float(starts) * steps / (2.0 * pi),
-    }
-    found = values | own
-    return tuple(Figure(name=n, title=t, value=found[n], kind=k, unit=u) for n, t, k, u in _STEPPER_TABLE)
-
-
-# -- One candidate as a record: parts, sums, requirements and checks.
-
 
 _NO_BUDGET = MachineBudget()
+_CASES = 4  # whose pieces are listed
 
 
 def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
@@ -134,24 +93,33 @@ def drive_set(
         with_origins(some, parts, evaluation.catalog, guessed)
         for some in (tuple(_why_none(evaluation, index, checks)), beside)
     )
+    problem, returned = evaluation.problem, evaluation.figures.get("returned")
+    braking, pieces = budget.braking, list[MotorPiece]()
+    limited = problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0
+    if not braking and rank == 1 and not limited:  # of what is regenerated, for which the spec has no limit
+        braking = braking_budget(problem, parts)
+    for case in problem.cases[:_CASES]:
+        cycle, demand = turned(case.spec, parts, case.at_belt)
+        noisy = case.spec.load.kind == "recorded"
+        pieces += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name, noisy=noisy)
     return DriveSet(
         **_sums(evaluation, index, parts),
         rank=rank,
-        status=_status(evaluation, index, checks, budget),
+        status=verdict((*checks, *budget.checks)) if budget.checks else evaluation.status(index),
         requirements=tuple(r.at(index) for r in evaluation.shaft.values()),
         checks=checks,
-        figures=_figures(evaluation, index, parts) if evaluation.figures else (),
+        figures=_figures(evaluation, index, parts),
         beside=beside,
         budget=budget.checks,
         machine=budget.figures,
         masses=budget.masses,
         energy=budget.energy,
-        braking=budget.braking or (_regenerated(evaluation, index, parts) if rank == 1 else None),
+        braking=braking,
         comparison=compared((*checks, *beside)),
         changes=changes,
         reliability=reliability,
         estimated=guessed,
-        pieces=_pieces(evaluation, parts),
+        pieces=tuple(pieces),
         probability=probability,
     )
 
@@ -170,11 +138,11 @@ def drive_in_brief(
         rank=rank,
         status=gravest((evaluation.status(index), verdict(budget.checks))),
         checks=evaluation.tightest_of(index),
-        figures=tuple(_cycle_figures(evaluation, index)) if evaluation.figures else (),
+        figures=_rows(_OF_CYCLE, {name: column[index] for name, column in evaluation.figures.items()}),
         budget=budget.checks,
         reliability=reliability,
-        **_NOT_IN_BRIEF,
-    )
+        requirements=(), beside=(), machine=(), masses=(), comparison=(), changes=(), energy=None, braking=None,
+    )  # fmt: skip
 
 
 def _why_none(evaluation: Evaluation, index: int, checks: tuple[Check, ...]) -> Iterator[Check]:
@@ -189,47 +157,12 @@ def _why_none(evaluation: Evaluation, index: int, checks: tuple[Check, ...]) -> 
             yield check
 
 
-_NOT_IN_BRIEF: dict[str, Any] = {
-    **dict.fromkeys(("requirements", "beside", "machine", "masses", "comparison", "changes"), ()),
-    **dict.fromkeys(("energy", "braking")),
-}
-
-
 def _sums(evaluation: Evaluation, index: int, parts: DriveParts) -> dict[str, Any]:
     """Fields of a drive's record: its parts, its mass and its objective."""
     mass, mass_of = _summed(evaluation, index, parts, "mass")
     value, value_of = _objective(evaluation, index, parts)
-    return {field.name: getattr(parts, field.name) for field in fields(parts)} | {
-        "mass": mass,
-        "mass_of": mass_of,
-        "objective": value,
-        "objective_of": value_of,
-    }
-
-
-def _status(evaluation: Evaluation, index: int, checks: tuple[Check, ...], budget: MachineBudget) -> Status:
-    return verdict((*checks, *budget.checks)) if budget.checks else evaluation.status(index)
-
-
-def _regenerated(evaluation: Evaluation, index: int, parts: DriveParts) -> BrakingBudget | None:
-    """Figures of what is regenerated, where anything is known to be and the spec has no limit for it: of the first."""
-    problem, returned = evaluation.problem, evaluation.figures.get("returned")
-    if problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0:
-        return None
-    return braking_budget(problem, parts)
-
-
-_CASES = 4  # whose pieces are listed
-
-
-def _pieces(evaluation: Evaluation, parts: DriveParts) -> tuple[MotorPiece, ...]:
-    """The motor's torque piece by piece in the first load cases."""
-    found: list[MotorPiece] = []
-    for case in evaluation.problem.cases[:_CASES]:
-        cycle, demand = turned(case.spec, parts, case.at_belt)
-        noisy = case.spec.load.kind == "recorded"
-        found += motor_pieces(cycle, demand, parts.motor.torque_constant, case.name, noisy=noisy)
-    return tuple(found)
+    of_parts = {field.name: getattr(parts, field.name) for field in fields(parts)}
+    return of_parts | {"mass": mass, "mass_of": mass_of, "objective": value, "objective_of": value_of}
 
 
 def _summed(evaluation: Evaluation, index: int, one: DriveParts, objective: str) -> tuple[float, tuple[str, ...]]:
@@ -265,7 +198,10 @@ def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[f
     return float(evaluation.figures[objective][index]), (declared.note,)
 
 
-_TABLE = (
+# -- Figures of a drive without a limit of their own, and the settings of its controller.
+
+
+_OF_CYCLE = (
     ("energy", "Energy per cycle, all drives", "energy", "J"),
     ("returned", "Regenerated energy per cycle", "energy", "J"),
     ("power", "Largest supply power, all drives", "power", "W"),
@@ -273,140 +209,125 @@ _TABLE = (
     ("peak_current", "Largest motor current", "current", "A"),
     ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
 )
+_OF_STEPPER = (
+    *_OF_CYCLE[:3],
+    ("joule_heat", "Heat of both windings, mean", "power", "W"),
+    ("peak_current", "Amplitude of the phase current to set", "current", "A"),
+    _OF_CYCLE[5],
+    ("pull_out_at_rest", "Pull-out torque at low speed", "torque", "N*m"),
+    ("pull_out_at_speed", "Pull-out torque at the highest speed", "torque", "N*m"),
+    ("step_rate", "Full steps per second at the highest speed", "frequency", "Hz"),
+    ("natural_frequency", "Natural frequency with the load, held", "frequency", "Hz"),
+    ("start_rate", "Full steps per second without a ramp, no load torque", "frequency", "Hz"),
+)
+_OF_SERVO = (
+    *_OF_CYCLE,
+    ("hold_winding_cold", "Winding at the end of the hold, from cold", "temperature", "degC"),
+    ("hold_housing_cold", "Housing at the end of the hold, from cold", "temperature", "degC"),
+    ("hold_housing", "Housing, hold repeated", "temperature", "degC"),
+    ("brake_power", "Brake, released", "power", "W"),
+    ("stop_energy", "Emergency stop from the highest speed, energy in the brake", "energy", "J"),
+    ("stop_time", "Emergency stop, time", "time", "s"),
+    ("stop_travel", "Emergency stop, travel of the load", "angle", "deg"),
+    ("gearhead_life", "Gearhead nominal life, rests included", "time", "h"),
+    ("gearhead_median_life", "Gearhead median life L_50, rests included", "time", "h"),
+    ("shaft_mean_radial_load", "Output shaft, equivalent mean radial load", "force", "N"),
+    ("shaft_mean_axial_load", "Output shaft, equivalent mean axial load", "force", "N"),
+    ("current_limit", "Current limit to set", "current", "A"),
+    ("gearhead_overload", "Gearhead above its continuous torque, uninterrupted", "time", "s"),
+    ("gearhead_overload_share", "Gearhead above its continuous torque, share of the cycle", "dimensionless", "%"),
+    ("overload_time_cold", "Time at the controller's peak current, cold", "time", "s"),
+    ("overload_time_warm", "Time at the controller's peak current, warm", "time", "s"),
+)
+_LIVES = {"gearhead_life": "rated_life", "gearhead_median_life": "median_life"}
 
 
-def _cycle_figures(evaluation: Evaluation, index: int) -> list[Figure]:
-    """Figures of a drive over one cycle that are computed of every candidate."""
-    values = evaluation.figures
-    return [Figure(name=n, title=t, value=float(values[n][index]), kind=k, unit=u) for n, t, k, u in _TABLE]
+def _rows(table: Sequence[tuple[str, str, str, str]], values: Mapping[str, Any]) -> tuple[Figure, ...]:
+    return tuple(
+        Figure(name=name, title=title, value=float(values[name]), kind=kind, unit=unit)
+        for name, title, kind, unit in table
+        if name in values
+    )
 
 
 def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Figure, ...]:
-    """Figures of a drive without a limit, and the settings of its controller."""
-    values = {name: float(column[index]) for name, column in evaluation.figures.items()}
+    """Figures of a drive, those that its parts have."""
+    values: dict[str, Any] = {name: float(column[index]) for name, column in evaluation.figures.items()}
+    if not values:
+        return ()
+    problem, gearhead, controller = evaluation.problem, parts.gearhead, parts.controller
     if parts.steps:
-        return stepper_figures(evaluation.problem, parts, values)
-    found = _cycle_figures(evaluation, index)
-    found += [*_static_temperatures(evaluation, parts), *_braking(evaluation, index, parts)]
-    found += _gearhead_life(evaluation, index, parts.gearhead)
-    found += _shaft_loads(evaluation, parts)
-    motor, gearhead, controller = parts.motor, parts.gearhead, parts.controller
-    if controller is None:
-        return tuple(found)
-    at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * motor.torque_constant)
-    limit = min(controller.peak_current, at_gear) if at_gear == at_gear else controller.peak_current
-    title = "Current limit to set" + (": no jam overloads the gearhead" if gearhead.kind != DIRECT else "")
-    found.append(Figure(name="current_limit", title=title, value=limit, kind="current", unit="A"))
-    return (
-        *found,
-        *_gearhead_overload(evaluation, index, gearhead),
-        *_overloads(evaluation, values, motor, controller),
-    )
-
-
-_HELD = {
-    "hold_winding_cold": "Winding at the end of the hold, from cold",
-    "hold_housing_cold": "Housing at the end of the hold, from cold",
-    "hold_housing": "Housing, hold repeated",
-}
-
-
-def _static_temperatures(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
-    """Temperatures of the first load case in which nothing moves; none where there is no such case."""
-    case = next((one for one in evaluation.problem.cases if not one.at_belt.acts[SPEED]), None)
-    if case is None:
-        return []
-    found = warm_up(set_cycle(case.spec, parts, case.at_belt))
-    ends = (found.highest[0], found.housing[1], found.housing_in_cycle.max()) if found else (math.nan,) * 3
-    return [
-        Figure(name=name, title=title, value=float(value), kind="temperature", unit="degC")
-        for (name, title), value in zip(_HELD.items(), ends, strict=True)
-    ]
-
-
-def _shaft_loads(evaluation: Evaluation, parts: DriveParts) -> list[Figure]:
-    """Equivalent mean loads of the output shaft in the first load case; none where the spec has none."""
-    case = evaluation.problem.cases[0]
-    loads = shaft_loads(case.spec, case.at_belt.behind(parts.belt_ratio), parts.belt_drive)
-    if loads is None or case.spec.shaft is None or loads.least:
-        return []
-    radial, axial, _ = (float(mean) for mean in loads.means)
-    return [
-        Figure(name=f"shaft_mean_{name}_load", title=f"Output shaft, equivalent mean {name} load", value=value,
-               kind="force", unit="N")
-        for name, value in (("radial", radial), ("axial", axial)) if value > 0.0
-    ]  # fmt: skip
-
-
-_LIVES = {
-    "rated_life": ("gearhead_life", "Gearhead nominal life, rests included"),
-    "median_life": ("gearhead_median_life", "Gearhead median life L_50, rests included"),
-}
-
-
-def _gearhead_life(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
-    """Lives of the gearhead in the load case that wears it most; none without a rated life, or where it never turns."""
-    found = []
-    for rated, (name, title) in _LIVES.items():
-        cycles = [case.at_belt.behind(float(evaluation.candidates.belt[index])) for case in evaluation.problem.cases]
+        return _rows(_OF_STEPPER, values | _of_stepper(problem, parts))
+    still = next((case for case in problem.cases if not case.at_belt.acts[SPEED]), None)
+    if still is not None:  # the first load case in which nothing moves
+        held = warm_up(set_cycle(still.spec, parts, still.at_belt))
+        ends = (held.highest[0], held.housing[1], held.housing_in_cycle.max()) if held else (math.nan,) * 3
+        values |= zip(("hold_winding_cold", "hold_housing_cold", "hold_housing"), ends, strict=True)
+    stop, linear = _of_brake(problem, parts)
+    asked = problem.spec.needs.emergency_stops
+    values |= {name: value for name, value in stop.items() if asked or not math.isnan(value)}
+    cycles = [case.at_belt.behind(parts.belt_ratio) for case in problem.cases]
+    for name, rated in _LIVES.items():  # in the load case that wears it most
         life = min(float(life_of_gearheads(cycle, one_row(gearhead), rated)[0]) for cycle in cycles)
-        if math.isfinite(life):
-            found.append(Figure(name=name, title=title, value=life, kind="time", unit="h"))
-    return found
+        values |= {name: life} if math.isfinite(life) else {}
+    loads = shaft_loads(problem.cases[0].spec, cycles[0], parts.belt_drive)
+    if loads is not None and problem.cases[0].spec.shaft is not None and not loads.least:
+        means = zip(("radial", "axial"), map(float, loads.means[:2]), strict=True)
+        values |= {f"shaft_mean_{name}_load": mean for name, mean in means if mean > 0.0}
+    if controller is not None:
+        at_gear = gearhead.intermittent_torque / (gearhead.ratio * gearhead.efficiency * parts.motor.torque_constant)
+        values["current_limit"] = min(controller.peak_current, math.inf if math.isnan(at_gear) else at_gear)
+        above = (torque_above(cycle, gearhead.continuous_torque) for cycle in cycles)
+        if over := next((one for one in above if one[0] > 0.0), None):
+            values |= zip(("gearhead_overload", "gearhead_overload_share"), over, strict=True)
+        bodies, ambient = two_bodies(parts.motor), problem.spec.environment.ambient
+        for name, start in (("cold", ambient), ("warm", values["winding_temperature"])):
+            state, highest = State(start, start), parts.motor.max_winding_temperature
+            time = overload_time(bodies, ambient, state, highest, controller.peak_current)
+            values[f"overload_time_{name}"] = time
+    changed: dict[str, dict[str, Any]] = {}
+    if gearhead.kind != DIRECT:
+        changed["current_limit"] = {"title": "Current limit to set: no jam overloads the gearhead"}
+    if linear:
+        changed["stop_travel"] = {"kind": "length", "unit": "mm"}
+    return tuple(replace(one, **changed.get(one.name, {})) for one in _rows(_OF_SERVO, values))
 
 
-def _braking(evaluation: Evaluation, index: int, parts: DriveParts) -> list[Figure]:
-    """Power of the released brake, and an emergency stop from the highest speed in the load case with most energy."""
-    brake = parts.brake
+def _of_stepper(problem: Problem, parts: DriveParts) -> dict[str, float]:
+    """Figures of a stepper with its load: its pull-out torque, its step rates and how it swings with its load."""
+    motor, cycle = parts.motor, problem.cases[0].cycle
+    steps, total = 4.0 * motor.pole_pairs, parts.total_ratio
+    inertia = parts.inertia() + float(cycle.inertia) / total**2
+    fastest = float(np.abs(cycle.speed).max()) * total
+    speeds, volts = np.array([0.0, fastest]), problem.spec.supply.lowest
+    at_rest, at_speed = torque_of_part(problem.catalog, motor.part, speeds, volts).tolist()
+    starts = start_speed_with(motor.start_speed, motor.rotor_inertia, inertia, 0.0, motor.holding_torque)
+    return {
+        "pull_out_at_rest": at_rest,
+        "pull_out_at_speed": at_speed,
+        "step_rate": fastest * steps / (2.0 * math.pi),
+        "natural_frequency": float(natural_frequency(motor.pole_pairs, motor.holding_torque, inertia)),
+        "start_rate": float(starts) * steps / (2.0 * math.pi),
+    }
+
+
+def _of_brake(problem: Problem, parts: DriveParts) -> tuple[dict[str, float], bool]:
+    """Power of the released brake, and an emergency stop from the highest speed in the load case with most energy.
+
+    And whether the load travels in a line.
+    """
+    brake, gearhead, own = parts.brake, parts.gearhead, parts.inertia()
     if brake is None:
-        return []
-    gearhead, own = parts.gearhead, parts.inertia()
+        return {}, False
     worst, radius, axis = Stop(0.0, 0.0, 0.0), 1.0, "rotary"
-    for case in evaluation.problem.cases:
-        cycle = case.at_belt.behind(parts.belt_ratio)
-        _, found = stops(case.spec, cycle, gearhead, brake, own)
+    for case in problem.cases:
+        _, found = stops(case.spec, case.at_belt.behind(parts.belt_ratio), gearhead, brake, own)
         if not found.energy <= worst.energy:  # NaN too
             worst, radius, axis = found, case.cycle.radius, case.spec.load.axis
     travel = worst.angle / (1.0 if brake.shaft == "load" else parts.total_ratio) * radius
-    path = ("length", "mm") if axis == "linear" else ("angle", "deg")
-    rows = (
-        ("brake_power", "Brake, released", parts.released_power, "power", "W"),
-        ("stop_energy", "Emergency stop from the highest speed, energy in the brake", worst.energy, "energy", "J"),
-        ("stop_time", "Emergency stop, time", worst.time, "time", "s"),
-        ("stop_travel", "Emergency stop, travel of the load", travel, *path),
-    )
-    every = [Figure(name=n, title=t, value=float(value), kind=k, unit=u) for n, t, value, k, u in rows]
-    return [one for one in every if evaluation.spec.needs.emergency_stops or not math.isnan(one.value)]
-
-
-def _gearhead_overload(evaluation: Evaluation, index: int, gearhead: Gearhead) -> list[Figure]:
-    """Times of the gearhead above its continuous torque, in the first load case that has any."""
-    limit = gearhead.continuous_torque
-    for case in evaluation.problem.cases:
-        longest, share = torque_above(case.at_belt.behind(float(evaluation.candidates.belt[index])), limit)
-        if longest > 0.0:
-            title = "Gearhead above its continuous torque"
-            return [
-                Figure(name="gearhead_overload", title=f"{title}, uninterrupted", value=longest, kind="time", unit="s"),
-                Figure(name="gearhead_overload_share", title=f"{title}, share of the cycle", value=share,
-                       kind="dimensionless", unit="%"),
-            ]  # fmt: skip
-    return []
-
-
-def _overloads(evaluation: Evaluation, values: dict[str, float], motor: Motor, controller: Controller) -> list[Figure]:
-    """Overload time of the motor at the controller's peak current, cold and at its highest temperature."""
-    bodies = two_bodies(motor)
-    ambient, current = evaluation.spec.environment.ambient, controller.peak_current
-    hot = values["winding_temperature"]
-    starts = {"cold": State(ambient, ambient), "warm": State(hot, hot)}
-    return [
-        Figure(
-            name=f"overload_time_{name}", title=f"Time at the controller's peak current, {name}",
-            value=overload_time(bodies, ambient, start, motor.max_winding_temperature, current), kind="time", unit="s",
-        )
-        for name, start in starts.items()
-    ]  # fmt: skip
+    figures = parts.released_power, worst.energy, worst.time, travel
+    values = dict(zip(("brake_power", "stop_energy", "stop_time", "stop_travel"), map(float, figures), strict=True))
+    return values, axis == "linear"
 
 
 # -- The paper's method and the physics side by side, for drives that were found by one of them.

@@ -9,9 +9,10 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.results.problem import with_screw
-from drivesizer.search import shortlist
+from drivesizer.search import screw_choice
 from drivesizer.search.columns.limits import load_limits
-from drivesizer.search.shortlist import load_parts, problem_with_screw
+from drivesizer.search.screw_choice import problem_with_screw
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.uncertain_figures import applied
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
@@ -70,12 +71,9 @@ def holds(screw):
 
 def test_the_screw_of_each_lead_is_the_smallest_that_holds(catalog):
     """Against all screws of a maker from 12 mm of lead, each typed into a spec and through the whole load cycle."""
-    found = {
-        one.lead: one.screw
-        for one in shortlist._smallest_by_lead(
-            spec_of(LOAD | {"screw": {"maker": "hiwin", "lead_min": "12 mm"}}), catalog
-        )
-    }
+    spec = spec_of(LOAD | {"screw": {"maker": "hiwin", "lead_min": "12 mm"}})
+    screws, failed = screw_choice._smallest_by_lead(spec, catalog)
+    found = {one.lead: one for one in screws} | dict.fromkeys(failed)
     table = catalog.screws
     rows = [row for row, maker in enumerate(table["manufacturer"]) if maker == "HIWIN" and table["lead"][row] > 0.011]
     every = [table.record(row) for row in rows]

@@ -137,8 +137,13 @@ class Evaluation(NamedTuple):
         return "open" if opened else "pass"
 
     def open_checks(self, index: int) -> set[str]:
-        """Names of the checks of one candidate that estimated figures leave open; informational ones do not count."""
+        """Names of the checks of one candidate that are open; informational ones do not count."""
         return {c.name for c in self.checks if np.any(c.on(index).opened) and not c.advice}
+
+    def sampled_checks(self, index: int) -> set[str]:
+        """Those of them that are open by estimated figures, and not by a range that nobody knows more of."""
+        sampled = {c.name for c in self.checks if c.least is not None and not np.isnan(c.least[index])}
+        return self.open_checks(index) & sampled
 
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""

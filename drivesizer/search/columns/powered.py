@@ -35,6 +35,7 @@ from drivesizer.spec.robot import RobotSpec
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 UNDECIDED = "undecided"  # figure of a candidate: above 0 where bounds leave open whether the waveform meets its limits
+OVER_WAVEFORM = ("winding_temperature", *HANGING)  # checks that bounds may leave open
 _OF_CONTROLLER = (
     "controller_continuous_current", "controller_peak_current", "controller_speed", "encoder_frequency", *HANGING,
 )  # fmt: skip

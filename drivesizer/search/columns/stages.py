@@ -66,28 +66,38 @@ class Amount(NamedTuple):
 
     failed: NDArray[np.bool_]  # whether any fails
     unknown: NDArray[np.uint64]  # which are, as bits in the order of ``checks.txt``, shape (rows, words)
+    opened: NDArray[np.int64]  # how many are open, whatever estimates say
     doublings: NDArray[np.int64]  # of known limits up to the demands, over the checks that are undecided
     margin: Array  # the smallest, -1 where a check fails that has none; infinite where margins are not computed
 
     def plus(self, other: Amount) -> Amount:
         """Together with further checks of the same rows."""
         return Amount(
-            self.failed | other.failed, self.unknown | other.unknown, self.doublings + other.doublings,
-            np.minimum(self.margin, other.margin),
+            self.failed | other.failed, self.unknown | other.unknown, self.opened + other.opened,
+            self.doublings + other.doublings, np.minimum(self.margin, other.margin),
         )  # fmt: skip
 
 
 def amount_of(checks: Sequence[CheckColumn], count: int, margins: bool = True) -> Amount:
     """What some checks amount to."""
     failed, unknown = np.zeros(count, bool), np.zeros((count, 1 + len(_BITS) // _WORD), np.uint64)
-    doublings = np.zeros(count, np.int64)
+    opened, doublings = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for check in checks:
         failed |= check.failed
         if not check.passed.all():
             word, bit = _BITS[check.name]
-            unknown[:, word] |= np.where(check.passed, np.uint64(0), bit)
+            unknown[:, word] |= np.where(check.passed | check.opened, np.uint64(0), bit)
+            opened += check.opened
             doublings += check.doublings
-    return Amount(failed, unknown, doublings, _least_margin(checks if margins else (), count))
+    return Amount(failed, unknown, opened, doublings, _least_margin(checks if margins else (), count))
+
+
+def bits_of(names: Collection[str]) -> NDArray[np.uint64]:
+    """The bits of some checks, as ``Amount.unknown`` has them."""
+    found = np.zeros(1 + len(_BITS) // _WORD, np.uint64)
+    for word, bit in (_BITS[name] for name in names):
+        found[word] |= bit
+    return found
 
 
 def _least_margin(checks: Sequence[CheckColumn], count: int) -> Array:
@@ -302,8 +312,7 @@ def _behind_each(
 
 def belts_together(problem: Problem) -> int:
     """Number of belts whose load cycles are held at a time."""
-    segments = max(len(case.at_belt.load_cycle.duration) for case in problem.cases)
-    return _MANY_BELTS if segments <= _SHORT and not has_steppers(problem.catalog) else _BELTS
+    return _MANY_BELTS if problem.segments <= _SHORT and not has_steppers(problem.catalog) else _BELTS
 
 
 def _together(counts: Sequence[int], most: int) -> Iterator[slice]:
@@ -365,7 +374,7 @@ def _combined(
     keep = sieve.through(limits.worst_of_all(problem, by_moments))
     parts, cycles, moving = parts.on(keep), [c.on(keep) for c in cycles], [on(case, keep) for case in moving]
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]  # that of the mean
-    for rows in _computed_together(cycles, len(parts.motor.rows), steps):
+    for rows in _computed_together(problem, cycles[0], len(parts.motor.rows), steps):
         some, few = sieve.part(rows), parts.on(rows)
         behind, of_cases = [cycle.on(rows) for cycle in cycles], [on(case, rows) for case in moving]
         if steps:
@@ -406,12 +415,11 @@ def in_motion(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
     return Moving(demand, heat(case.spec.environment.ambient, cycle, demand, parts.motor, from_gearhead=at_flange))
 
 
-def _computed_together(cycles: Sequence[AtGearhead], count: int, steps: bool) -> list[slice]:
+def _computed_together(problem: Problem, cycle: AtGearhead, count: int, steps: bool) -> list[slice]:
     """Candidates that are computed together: behind as many belts as their waveforms have room."""
-    segments = max(len(cycle.load_cycle.duration) for cycle in cycles)
-    most = _CELLS // segments if segments <= _SHORT else _MOST
+    most = _CELLS // problem.segments if problem.segments <= _SHORT else _MOST
     found = list[slice]()
-    for _, rows in belts_of(cycles[0], count):
+    for _, rows in belts_of(cycle, count):
         start = found[-1].start if found else 0
         if found and (steps or rows.stop - start <= most):
             found[-1] = slice(start, rows.stop)
