@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import Load, Pack, accepted, charging, pack_of, raised_voltage
+from drivesizer.machine.battery import Load, accepted, charging, pack_of, raised_voltage
 from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
 from drivesizer.machine.mass_budget import BELT, BY_PIECES, machine_mass, mass_columns
 from drivesizer.physics.cycle_at_gearhead import SPEED
@@ -33,7 +33,6 @@ from drivesizer.search.search import BudgetFilter, Evaluated, Judge, SearchResul
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.spec.drive import BOUGHT
-from drivesizer.spec.robot import RobotSpec
 
 # -- Drives that a battery certainly cannot feed for long enough, by a lower bound of their power without a waveform.
 #
@@ -179,14 +178,10 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
         feeds: Feeding = feeding(case, battery, problem.catalog)
         speed = np.full_like(drawn, distance_of(case, cycle) / cycle.total)
         yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))])
-        yield from _charging(case, feeds.pack, draw.returned / cycle.total)
-
-
-def _charging(case: RobotSpec, pack: Pack, returned: Array) -> tuple[CheckColumn, ...]:
-    """Checks of the least charge power: its peak is no less than its mean over the cycle [W]."""
-    back, rest = accepted(case) * returned, pack.emf(pack.start)
-    least = Load(mean=nan, peak=nan, rms=nan, back=back, speed=nan, charge=pack.start)
-    return charging(case, pack, least._replace(highest=raised_voltage(pack, back, rest)))
+        # the peak of the charge power is no less than its mean over the cycle
+        pack, rest = feeds.pack, accepted(case) * draw.returned / cycle.total
+        least = Load(mean=nan, peak=nan, rms=nan, back=rest, speed=nan, charge=pack.start)
+        yield from charging(case, pack, least._replace(highest=raised_voltage(pack, rest, pack.emf(pack.start))))
 
 
 # -- Drives that pass the budgets of their machine.
@@ -226,21 +221,39 @@ def machine_filter(
     if not (spec.battery or spec.budget or machine or spec.limits_the_bus):
         return None
 
+    def failing(whole: Evaluation, row: int) -> tuple[bool, Iterable[str]]:
+        checks = tuple(check for check in weigh(whole, row).checks if check.name not in aside)
+        return _fails(problem, checks), {check.name for check in checks if check.status == "fail"}
+
+    def known(found: dict[str, NDArray[np.bool_]]) -> dict[str, NDArray[np.bool_]]:
+        return {name: rows for name, rows in found.items() if name not in aside}
+
     def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> BudgetFilter:
-        count = len(sets.motor)
+        count, best, by = len(sets.motor), list[int](), Counter[str]()
         if machine and _fails(problem, machine.checks):
-            return BudgetFilter(
-                np.arange(0), np.arange(count), count, Counter(dict.fromkeys(_failed(machine.checks), count))
-            )
-        early = _looked_at(battery_failures(problem, sets) if spec.method == "physics" else {}, aside)
-        rejected, best, by = _any_of(early, count), list[int](), Counter[str]()
-        most = max(_FEWEST, _CELLS // problem.segments)
+            of_machine = {check.name for check in machine.checks if check.status == "fail"}
+            return BudgetFilter(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(of_machine, count)))
+        early = known(battery_failures(problem, sets)) if spec.method == "physics" else {}
+        rejected = np.logical_or.reduce([np.zeros(count, bool), *early.values()])
+        most = min(max(_FEWEST, _CELLS // problem.segments), _MOST)
         alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
-        for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, min(most, _MOST)):
-            found = _of_evaluated(weigh, aside, evaluated(rows), wanted - len(best), counted)
-            rejected[rows[found.rejected]] = True
-            best += rows[found.best].tolist()
-            by.update(found.by)
+        for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, most):
+            whole = evaluated(rows)
+            certain: dict[str, NDArray[np.bool_]] | None = None
+            few = not counted and not whole.figures and len(rows) <= _FEW  # columns cost more than so many records
+            for n, row in enumerate(rows.tolist()):
+                names = {name for name, column in (certain or {}).items() if column[n]}
+                fails, own = (True, names) if names else failing(whole, n)
+                if fails and certain is None and not few:  # in most machines there is no need of the columns
+                    certain = known(certain_failures(whole))
+                    own = {name for name, column in certain.items() if column[n]} or own
+                rejected[row] = fails
+                if fails:
+                    by.update(own)
+                else:
+                    best.append(row)
+                if len(best) == wanted:
+                    break
             if len(best) == wanted:
                 break
         judged = best[-1] + 1 if len(best) == wanted else count
@@ -248,43 +261,6 @@ def machine_filter(
         return BudgetFilter(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
     return judge
-
-
-def _of_evaluated(weigh: Weigh, aside: frozenset[str], sets: Evaluation, wanted: int, counted: bool) -> BudgetFilter:
-    """Of evaluated drives those that pass: by columns where these decide, else one by one."""
-
-    def budget(row: int) -> tuple[Check, ...]:
-        return tuple(check for check in weigh(sets, row).checks if check.name not in aside)
-
-    count = len(sets.candidates.motor)
-    if wanted <= count and not any(_fails(sets.problem, budget(row)) for row in range(wanted)):
-        return BudgetFilter(
-            np.arange(wanted), np.arange(0), wanted, Counter()
-        )  # in most machines: no need of the columns
-    few = not counted and not sets.figures and count <= _FEW  # columns are to be computed, and cost more than so many
-    certain = _looked_at({} if few else certain_failures(sets), aside)
-    rejected, best, by = _any_of(certain, count), list[int](), Counter[str]()
-    for row in np.flatnonzero(~rejected).tolist():
-        checks = budget(row)
-        if _fails(sets.problem, checks):
-            rejected[row] = True
-            by.update(_failed(checks))
-        else:
-            best.append(row)
-        if len(best) == wanted:
-            break
-    judged = best[-1] + 1 if len(best) == wanted else count
-    by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in certain.items()})
-    return BudgetFilter(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
-
-
-def _looked_at(found: dict[str, NDArray[np.bool_]], aside: frozenset[str]) -> dict[str, NDArray[np.bool_]]:
-    return {name: rows for name, rows in found.items() if name not in aside}
-
-
-def _any_of(found: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.bool_]:
-    rows: NDArray[np.bool_] = np.logical_or.reduce([np.zeros(count, bool), *found.values()])
-    return rows
 
 
 def _pieces(rows: NDArray[np.int64], alone: int, first: int, most: int) -> Iterator[NDArray[np.int64]]:
@@ -324,10 +300,6 @@ def _fails(problem: Problem, checks: tuple[Check, ...]) -> bool:
     """Whether a machine's checks reject its drive: one fails, or is unknown where the spec rejects that."""
     status = verdict(checks)
     return status == "fail" or (status == "unknown" and problem.spec.select.unknown != "allow")
-
-
-def _failed(checks: tuple[Check, ...]) -> set[str]:
-    return {check.name for check in checks if check.status == "fail"}
 
 
 def divided(found: SearchResult, weigh: Weigh, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:

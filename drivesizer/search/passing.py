@@ -310,9 +310,8 @@ def _known_of(problem: Problem, found: _Found, margins: bool, waveform: Waveform
     known, by_range = ~amount.unknown.any(axis=1), amount.opened > 0
     own = amount.unknown & ~np.bitwise_and.reduce(amount.unknown, axis=0)  # what all lack sets none back
     lacking = np.unpackbits(own.view(np.uint8), axis=1).sum(axis=1, dtype=np.int64)
-    if problem.spec.select.unknown == "reject":
-        lacking[:] = 0
-    certainty = np.where(lacking > 0, UNKNOWN, np.where(opened | by_range, OPEN, PASSES))
+    lacks = (lacking > 0) | (~known & (amount.doublings > 0))
+    certainty = np.where(lacks, UNKNOWN, np.where(opened | by_range, OPEN, PASSES))
     near = np.where(opened, _TENTHS - 1, np.minimum(amount.opened + amount.doublings, _TENTHS - 1))
     lacking = np.where(certainty == OPEN, near, lacking + amount.opened + amount.doublings + (opened & (lacking > 0)))
     lacking[certainty == PASSES] = 0

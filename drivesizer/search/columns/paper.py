@@ -35,32 +35,22 @@ class Derivation:
 
     def step(self, declared: Equation, *, name: str = "", symbol: str = "", title: str = "", **inputs: Any) -> Any:
         """Compute a declared equation, keep the step, and give its value."""
-        value, called = declared(**inputs), name or declared.name
-        self.steps[called] = Requirement(
-            name=called,
-            title=title or declared.title,
-            symbol=symbol or declared.symbol,
-            value=value,
-            kind=declared.kind,
-            unit=declared.shown,
-            declared=declared,
-            inputs=inputs,
-            note=declared.note,
-        )
+        value = declared(**inputs)
+        self._keep(declared, value, (name, symbol, title), declared=declared, inputs=inputs, note=declared.note)
         return value
 
     def given(self, like: Equation, value: Any, *, name: str = "", symbol: str = "", title: str = "") -> Any:
         """Keep a figure that the spec gives in place of an equation."""
-        self.steps[name or like.name] = Requirement(
-            name=name or like.name,
-            title=title or like.title,
-            symbol=symbol or like.symbol,
-            value=value,
-            kind=like.kind,
-            unit=like.shown,
-            note="given in the spec",
-        )
+        self._keep(like, value, (name, symbol, title), note="given in the spec")
         return value
+
+    def _keep(self, like: Equation, value: Any, words: tuple[str, str, str], **others: Any) -> None:
+        name, symbol, title = words
+        called = name or like.name
+        self.steps[called] = Requirement(
+            name=called, title=title or like.title, symbol=symbol or like.symbol, value=value, kind=like.kind,
+            unit=like.shown, **others,
+        )  # fmt: skip
 
 
 def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
@@ -72,7 +62,10 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     PF, t_rest = factors.oversize, motion.rest_time
 
     n_nom = d.step(eq.nominal_speed, V_nom=V_nom, d=wheel, eta_speed=factors.speed_reserve)
-    C_rr = _rolling_resistance(d, load)
+    if load.sinkage is not None:
+        C_rr = d.step(eq.rolling_resistance_coefficient, z=load.sinkage, d=wheel)
+    else:
+        C_rr = d.given(eq.rolling_resistance_coefficient, load.rolling_resistance)
     F_nom = d.step(eq.nominal_force, C_rr=C_rr, m_R=m_R, g=g, theta=load.slope)
     M_nom = d.step(eq.nominal_torque, d=wheel, F_nom=F_nom, delta=factors.bearing)
     d.step(eq.nominal_torque_per_motor, M_nom=M_nom, N=N)
@@ -80,7 +73,12 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     kappa = factors.confidence
     d.step(eq.nominal_power_per_motor, PF=PF, m_R=m_R, V_nom=V_nom, a=a, g=g, theta=load.slope, kappa=kappa, N=N)
     d.step(eq.mechanical_power_per_motor, PF=PF, F_nom=F_nom, m_R=m_R, a=a, V_nom=V_nom, kappa=kappa, N=N)
-    J_w, J_s = _turning_parts(d, load)
+    J_s = 0.0
+    if load.cylinders is None:
+        J_w = d.given(eq.cylinder_inertia, load.inertia, name="wheel_inertia", symbol="J_w", title="Inertia of a wheel")
+    else:
+        J_w = _cylinder(d, "wheel", "w", load.cylinders.wheel)
+        J_s = _cylinder(d, "shaft", "s", load.cylinders.shaft) if load.cylinders.shaft else 0.0
     M_acc = d.step(
         eq.acceleration_torque,
         N=N, J_w=J_w, J_m=rotor_inertia, J_s=J_s, m_R=m_R, eta_robot=factors.robot_efficiency, d=wheel, a=a, PF=PF,
@@ -98,22 +96,6 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     n_rms = d.step(eq.rms_speed, n_nom=n_nom, **times)
     d.step(eq.rms_power_per_motor, M_rms_m=M_rms_m, n_rms=n_rms)
     return d
-
-
-def _rolling_resistance(d: Derivation, load: WheeledVehicle) -> Any:
-    if load.sinkage is not None:
-        return d.step(eq.rolling_resistance_coefficient, z=load.sinkage, d=load.wheel_diameter)
-    return d.given(eq.rolling_resistance_coefficient, load.rolling_resistance)
-
-
-def _turning_parts(d: Derivation, load: WheeledVehicle) -> tuple[Any, Any]:
-    """J_w and J_s: from the cylinders by (8) and (9), or given as one inertia."""
-    if load.cylinders is None:
-        J_w = d.given(eq.cylinder_inertia, load.inertia, name="wheel_inertia", symbol="J_w", title="Inertia of a wheel")
-        return J_w, 0.0
-    J_w = _cylinder(d, "wheel", "w", load.cylinders.wheel)
-    J_s = _cylinder(d, "shaft", "s", load.cylinders.shaft) if load.cylinders.shaft else 0.0
-    return J_w, J_s
 
 
 def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
@@ -149,8 +131,11 @@ def motor_requirements(
     d.step(eq.speed_constant, V_0=V_0, U=motor["nominal_voltage"])
     d.step(eq.rotor_inertia_at_wheel, J_m=motor["rotor_inertia"], K=K)
     if spec.belt:
-        _as_printed(d, eq.rms_torque_at_motor, M_rms_m=M_rms_m, **geared)
-        _as_printed(d, eq.maximum_torque_at_motor, M_max_m=M_max_m, **geared)
+        for declared, torque in (
+            (eq.rms_torque_at_motor, {"M_rms_m": M_rms_m}), (eq.maximum_torque_at_motor, {"M_max_m": M_max_m}),
+        ):  # fmt: skip
+            title = f"{declared.title}, as printed (no belt)"
+            d.step(declared, name=f"{declared.name}_as_printed", title=title, **torque, **geared)
     return d
 
 
@@ -162,25 +147,14 @@ def drive_requirements(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Req
     return wheel | motor_requirements(spec, wheel, drive.motor, drive.gearhead, drive.belt_ratio).steps
 
 
-def _as_printed(d: Derivation, declared: Equation, **inputs: Any) -> None:
-    d.step(
-        declared, name=f"{declared.name}_as_printed", title=f"{declared.title}, as printed (no belt)", **inputs
-    )  # fmt: skip
-
-
 # -- The paper's selection rule (section 3.1.3): its conditions on gearhead and motor as checks on columns.
 
 
 FEW = 4096  # candidates that are kept: variants of a spec have them in common, and more of them take room
 
 
-def largest_torque(wheel: Mapping[str, Requirement]) -> Any:
-    """The largest torque at one wheel by magnitude [N*m]: (11), or downhill that of braking."""
-    return wheel.get(BRAKING, wheel["maximum_torque_per_motor"]).value
-
-
 def largest_torque_at_motor(shaft: Mapping[str, Requirement]) -> Any:
-    """The same at the motor, by (18) [N*m]."""
+    """The largest torque at the motor by magnitude: (18), or downhill that of braking [N*m]."""
     return shaft.get(f"{BRAKING}_at_motor", shaft["maximum_torque_at_motor"]).value
 
 
@@ -206,13 +180,14 @@ def rule(
 ) -> list[CheckColumn]:
     """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates."""
     at_gearhead = belt * spec.belt_efficiency
-    n_motor = _motor_speed(wheel, gearhead["ratio"], belt)
-    torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest_torque(wheel) / at_gearhead
+    n_motor = wheel["nominal_speed"].value * gearhead["ratio"] * belt
+    largest = wheel.get(BRAKING, wheel["maximum_torque_per_motor"]).value  # by magnitude
+    torque = wheel["rms_torque_per_motor"].value / at_gearhead, largest / at_gearhead
     rms, peak = shaft["rms_torque_at_motor"].value, largest_torque_at_motor(shaft)
     checks = [
         at_most("gearhead_continuous_torque", torque[0], gearhead["continuous_torque"]),
         at_most("gearhead_intermittent_torque", torque[1], gearhead["intermittent_torque"]),
-        _input_speed(n_motor, gearhead["continuous_input_speed"]),
+        at_most("gearhead_input_speed", n_motor, gearhead["continuous_input_speed"]),
         at_least("motor_speed", n_motor, motor["no_load_speed"]),
         at_most("motor_continuous_torque", rms, motor["nominal_torque"]),
         at_most("motor_maximum_torque", peak, motor["stall_torque"]),
@@ -223,14 +198,6 @@ def rule(
         lost = gearhead["backlash"] / belt
         checks.append(at_most("backlash_at_load", lost, spec.needs.backlash_at_load))
     return checks
-
-
-def _motor_speed(wheel: Mapping[str, Requirement], ratio: Any, belt: Any) -> Any:
-    return wheel["nominal_speed"].value * ratio * belt
-
-
-def _input_speed(n_motor: Any, limit: Any) -> CheckColumn:
-    return at_most("gearhead_input_speed", n_motor, limit)
 
 
 def _power(wheel: Mapping[str, Requirement], motor: Figures) -> CheckColumn:
@@ -249,8 +216,8 @@ def hopeless(
     found: NDArray[np.bool_] = _power(wheel, catalog.motors).failed[motor]
     left = np.flatnonzero(~found)
     row = gearhead[left]
-    n_motor = _motor_speed(wheel, gears["ratio"][row], belt[left])
-    found[left] = _input_speed(n_motor, gears["continuous_input_speed"][row]).failed
+    n_motor = wheel["nominal_speed"].value * gears["ratio"][row] * belt[left]
+    found[left] = n_motor > gears["continuous_input_speed"][row]
     return found
 
 
