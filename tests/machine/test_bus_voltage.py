@@ -69,4 +69,4 @@ def test_a_trace_of_energy_does_not_make_the_bus_unknown(catalog):
     assert back == pytest.approx(1.44e-3, abs=1e-5) and one.controller.continuous_current == 5.0
     assert trace.status == "pass"
     assert trace.demand == pytest.approx((24**2 + 2 * back / (5 / (4 * 100e3 * 2.4))) ** 0.5, rel=1e-6)
-    assert bus(catalog, "1e-6 kg*m^2", speed="300 rpm", stops="100 ms")[0].status == "unknown"
+    assert bus(catalog, "1e-6 kg*m^2", speed="300 rpm", stops="100 ms")[0].status == "open"

@@ -91,12 +91,12 @@ def test_a_check_at_estimated_figures_is_what_all_its_samples_are(samples, statu
         assert found.band == (18.0, 25.0, pytest.approx(24.0 / 25.0 - 1.0))
 
 
-def test_what_would_decide_is_said_of_an_unknown_check_alone_and_a_moment_where_there_is_one():
+def test_what_would_decide_is_said_of_an_undecided_check_alone_and_a_moment_where_there_is_one():
     volts = at_most("bus_voltage", Range(np.array([30.0, 55.0, 70.0, 30.0]), np.array([31.0, 65.0, 80.0, nan])),
                     np.array([60.0, 60.0, 60.0, nan]), undecided="where it goes",
                     time=Range(np.array([0.5, nan, nan, nan]), np.array([0.5, nan, nan, nan])))  # fmt: skip
     found = [volts.at(row, "physics") for row in range(4)]
-    assert [one.status for one in found] == ["pass", "unknown", "fail", "unknown"]
+    assert [one.status for one in found] == ["pass", "open", "fail", "unknown"]
     assert [one.note for one in found] == ["", "where it goes", "", ""]
     assert [one.at_time for one in found] == [0.5, None, None, None]
 
