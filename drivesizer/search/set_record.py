@@ -264,8 +264,8 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         ends = (held.highest[0], held.housing[1], held.housing_in_cycle.max()) if held else (math.nan,) * 3
         values |= zip(("hold_winding_cold", "hold_housing_cold", "hold_housing"), ends, strict=True)
     stop, linear = _of_brake(problem, parts)
-    asked = problem.spec.needs.emergency_stops
-    values |= {name: value for name, value in stop.items() if asked or not math.isnan(value)}
+    wanted = problem.spec.needs.emergency_stops
+    values |= {name: value for name, value in stop.items() if wanted or not math.isnan(value)}
     cycles = [case.at_belt.behind(parts.belt_ratio) for case in problem.cases]
     for name, rated in _LIVES.items():  # in the load case that wears it most
         life = min(float(life_of_gearheads(cycle, one_row(gearhead), rated)[0]) for cycle in cycles)
