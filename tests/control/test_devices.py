@@ -94,7 +94,7 @@ def test_what_is_unknown_or_too_small_is_left_out_by_name():
     assert any("foc_motor_flux_linkage" in one and one.endswith(": unknown pole pairs") for one in left_out)
     assert not any(math.isnan(row.value) for row in rows)
     assert device_of(None, "EPOS4 Compact 50/5 541718").name == "epos4"
-    with pytest.raises(InputError, match='--device: "odriv" is not known; the nearest is odrive'):
+    with pytest.raises(InputError, match='--device: "odriv" is not known; the nearest are odrive'):
         device_of("odriv", "")
 
 
