@@ -381,15 +381,15 @@ def above(pieces: list[Piece], limit: float) -> float:
 
 def housing(piece: Piece, motor: Any) -> float:
     """Energy lost at the housing over a piece [J]: brushes and bearings, or iron calibrated at the nominal point."""
+    dry, per_speed = friction(motor)
+    turned, squared = abs(sum(piece.speed)) / 2 * piece.time, product(piece.time, piece.speed, piece.speed)
     if motor.kind == "brushed":
-        return motor.torque_constant * motor.no_load_current * abs(sum(piece.speed)) / 2 * piece.time
+        return dry * turned + per_speed * squared
     R_1, R_2 = motor.thermal_resistance_winding, motor.thermal_resistance_housing
     rise = motor.max_winding_temperature - ROOM
     copper = motor.resistance * (1 + ALPHA * rise) * motor.nominal_current**2
     iron = (rise - (R_1 + R_2) * copper) / R_2  # W at nominal speed
-    iron = 0.0 if iron < 0 else iron
-    dry, per_speed = friction(motor)  # over the speed it goes as friction does
-    turned, squared = abs(sum(piece.speed)) / 2 * piece.time, product(piece.time, piece.speed, piece.speed)
+    iron = 0.0 if iron < 0 else iron  # over the speed it goes as friction does
     at_nominal = (dry + per_speed * motor.nominal_speed) * motor.nominal_speed
     return iron * (dry * turned + per_speed * squared) / at_nominal
 
