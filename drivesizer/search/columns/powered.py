@@ -42,7 +42,7 @@ _OF_CONTROLLER = (
 
 
 class Moving(NamedTuple):
-    """What candidates demand in a load case, and their heat: columns."""
+    """Demands of candidates in a load case, and their heat: columns."""
 
     demand: Demands
     heating: Heat

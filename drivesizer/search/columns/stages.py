@@ -62,7 +62,7 @@ def offers(problem: Problem) -> Offers:
 
 
 class Amount(NamedTuple):
-    """What several checks amount to: columns over parts or candidates."""
+    """Outcome of several checks together: columns over parts or candidates."""
 
     failed: NDArray[np.bool_]  # whether any fails
     unknown: NDArray[np.uint64]  # which are, as bits in the order of ``checks.txt``, shape (rows, words)
@@ -79,7 +79,7 @@ class Amount(NamedTuple):
 
 
 def amount_of(checks: Sequence[CheckColumn], count: int, margins: bool = True) -> Amount:
-    """What some checks amount to."""
+    """The outcome of some checks together."""
     failed, unknown = np.zeros(count, bool), np.zeros((count, 1 + len(_BITS) // _WORD), np.uint64)
     opened, doublings = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for check in checks:
@@ -408,7 +408,7 @@ def parts_of(
 
 
 def in_motion(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
-    """What candidates demand in a load case, and how warm they become."""
+    """Demands of candidates in a load case, and their heat."""
     braking = brakes.brake_inertia(parts, cycle.belt)
     demand = demands(cycle, parts.motor, parts.gearhead, parts.encoder, braking)
     at_flange = loss_at_flange(case.spec, cycle, parts.gearhead)
