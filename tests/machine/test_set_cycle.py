@@ -40,7 +40,8 @@ def _hot(found) -> float:
 @pytest.mark.parametrize("voltage", [9.0, 17.0, 24.0])
 def test_the_best_efficiency_of_a_dc_motor_is_that_of_the_handbook(spec, best, voltage):
     """maxon's formulae handbook: at a voltage the best is (1 - sqrt(I_0 / I_s))^2, here without a gearhead."""
-    motor = replace(best.motor, rotor_inertia=1e-6)
+    dry = best.motor.torque_constant * best.motor.no_load_current
+    motor = replace(best.motor, rotor_inertia=1e-6, friction_torque=dry, viscous_friction=0.0)
     found = set_cycle(spec, replace(best, motor=motor, gearhead=NO_GEARHEAD, belt_ratio=1.0, encoder=None))
     R, k, I_0 = _hot(found), motor.torque_constant, motor.no_load_current
     I = np.linspace(1.001 * I_0, 0.999 * voltage / R, 200_001)
