@@ -225,7 +225,7 @@ def resistance_from_stall() -> Class:
 
 def pairs_of(ratio: Any, stages: Any) -> Array:
     """Pairs of a spur gear: its stages, or of 4:1 each; 4 where its ratio is unknown too."""
-    of_ratio = np.nan_to_num(np.maximum(1.0, np.round(np.log(ratio) / np.log(_PER_STAGE))), nan=_PAIRS)
+    of_ratio: Array = np.nan_to_num(np.maximum(1.0, np.round(np.log(ratio) / np.log(_PER_STAGE))), nan=_PAIRS)
     return np.where(np.asarray(stages) > 0.0, stages, of_ratio)
 
 
