@@ -96,7 +96,7 @@ def _loops(proof: Validation, again: Validation) -> list[str]:
 def _remarks(
     device: Device, rows: list[Written], left_out: list[str], proof: Validation, again: Validation
 ) -> list[str]:
-    """What stands in the file beside the parameters."""
+    """Lines in the file beside its parameters."""
     return [
         f"{device.title}, by drivesizer: {proof.drive_set.label}", f"source of units: {device.words['source']}",
         f"first: {device.words['first']}", f"load: {device.words['load']}",

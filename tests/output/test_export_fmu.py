@@ -34,7 +34,8 @@ pytestmark = pytest.mark.usefixtures("no_further_searches")
 
 K_T, R, L = 23.4e-3, 2.32, 0.238e-3  # RE 25 118752
 K, E = 3249 / 121 * 1.1, 0.76
-FRICTION, ROTOR = K_T * 36.9e-3, 1.134e-6
+FRICTION, ROTOR = K_T * 36.9e-3, 1.134e-6  # of no load at 9560 rpm, of which 65 % are dry
+DRY, VISCOUS = 0.65 * FRICTION, 0.35 * FRICTION / (9560 * math.pi / 30)
 
 
 @pytest.fixture(scope="module")
@@ -61,14 +62,14 @@ def ran(fmu, volts, seconds, start=None, every=1e-3, load=0.0):
     )
 
 
-def textbook(volts, seconds, load_inertia, load, start=(0.0, 0.0), driving=True):
+def textbook(volts, seconds, load_inertia, load, start=(0.0, 0.0), driving=True, dry=DRY):
     """Current and speed of the motor under a voltage, moving forward: SciPy's LSODA."""
     share = (1 / E if driving else E) / K
-    J, drag = ROTOR + share * load_inertia / K, FRICTION + share * load
+    J, drag = ROTOR + share * load_inertia / K, dry + share * load
 
     def slopes(_, x):
         i, w = x
-        return (volts - R * i - K_T * w) / L, (K_T * i - drag) / J
+        return (volts - R * i - K_T * w) / L, (K_T * i - VISCOUS * w - drag) / J
 
     return solve_ivp(slopes, (0.0, seconds), start, method="LSODA", rtol=1e-10, atol=1e-12, dense_output=True).sol
 
@@ -82,7 +83,7 @@ def test_the_answer_to_a_step_of_voltage(fmu, export):
     out = ran(fmu, 12.0, 0.6)
     train = export.train
     rolling = 0.02 * 45.0 / 4 * 9.80665 * 0.0762
-    holds = (FRICTION + rolling / (K * E)) / K_T  # A, until which it stands
+    holds = (DRY + rolling / (K * E)) / K_T  # A, until which it stands
     frees = -L / R * math.log(1.0 - holds * R / 12.0)  # s
     exact = textbook(12.0, 0.6, train.load_inertia, rolling, start=(holds, 0.0))
     time = out["time"][out["time"] > frees]
@@ -123,11 +124,18 @@ print(json.dumps([one.fmu.getReal([one.at["motor_speed"]])[0] for one in both]))
 
 
 def test_two_sets_in_one_process(spec, fmu, tmp_path):
-    """RE 25 118752 and RE 30 310009 side by side, unloaded at 12 V: (U - R I_0) / k_t of each data sheet."""
+    """RE 25 118752 and RE 30 310009 side by side, unloaded at 12 V, by each data sheet.
+
+    Of k_t I = M + b w and U = R I + k_t w: w = (U - R s I_0) / (k_t + R (1 - s) I_0 / w_0), with the dry share s.
+    """
     other = tmp_path / "drive.fmu"
     (heavy, *_) = explain(spec, "310009", "166936")
     other.write_bytes(rendered(export_of(spec, heavy), "fmu"))
-    free = {fmu: (12.0 - 2.32 * 0.0369) / 23.4e-3, other: (12.0 - 2.45 * 0.0786) / 53.8e-3}  # rad/s: 509.2, 219.5
+    sheets = {fmu: (2.32, 0.0369, 23.4e-3, 9560), other: (2.45, 0.0786, 53.8e-3, 8490)}  # ohm, A, N*m/A, rpm
+    free = {
+        path: (12.0 - 0.65 * R * I) / (k_t + 0.35 * R * I / (rpm * math.pi / 30))
+        for path, (R, I, k_t, rpm) in sheets.items()
+    }  # rad/s: 509.8, 220.4
     for order in ((fmu, other), (other, fmu)):
         ran = subprocess.run([sys.executable, "-c", TOGETHER, *order], capture_output=True, text=True, check=True)
         assert json.loads(ran.stdout) == pytest.approx([free[path] for path in order], rel=2e-3)
@@ -149,7 +157,7 @@ def test_parameters_are_the_fmu_s_own(fmu):
         "efficiency": E,
     }
     out = ran(fmu, 5.0, 0.3, start)
-    i, w = textbook(5.0, 0.3, 0.02, -FRICTION * K * E)(out["time"])  # a load that takes the friction away again
+    i, w = textbook(5.0, 0.3, 0.02, 0.0, dry=0.0)(out["time"])
     assert np.abs(out["current"] - i).max() < 5e-5  # A of 2.1
     assert np.abs(out["motor_speed"] - w).max() < 5e-3  # it sets off a step late
 
@@ -160,7 +168,9 @@ def test_a_load_drives_the_motor_with_its_loss(fmu, export):
     out = ran(fmu, 0.0, 2.5, load=pull)
     train = export.train
     torque = pull + train.forward_torque
-    steady = R * (-torque * E / K - FRICTION) / K_T**2  # rad/s, where the short brakes as much as the load pulls
+    steady = (
+        R * (-torque * E / K - DRY) / (K_T**2 + R * VISCOUS)
+    )  # rad/s, where the short brakes as much as the load pulls
     assert out["motor_speed"][-1] == pytest.approx(steady, rel=1e-3)
     assert out["current"][-1] == pytest.approx(-K_T * steady / R, rel=1e-3)
     exact = textbook(0.0, 2.5, train.load_inertia, torque, driving=False)(out["time"])
@@ -191,7 +201,7 @@ def test_a_lever_swings_as_its_angle_says(export):
     def slopes(_, x):
         angle, w = x
         falls = moment * math.cos(0.4 + angle) * E / K
-        return w / K, (-K_T * K_T * w / R + FRICTION - falls) / inertia
+        return w / K, (-(K_T * K_T / R + VISCOUS) * w + DRY - falls) / inertia
 
     exact = solve_ivp(slopes, (0.0, 0.3), (0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
     assert -1.9 < exact[0] < -0.5 and exact[1] < 0.0  # rad: still falling
@@ -212,9 +222,7 @@ def test_the_current_s_limit(export):
     drive = Drive(parameters(export) | {"most_current": 2.0})
     drive.voltage = 18.0
     drive.advance(0.1)
-    rate = (K_T * 2.0 - FRICTION - export.train.forward_torque / (K * E)) / (
-        ROTOR + export.train.load_inertia / (K * K * E)
-    )
+    rate = (K_T * 2.0 - DRY - export.train.forward_torque / (K * E)) / (ROTOR + export.train.load_inertia / (K * K * E))
     assert drive.current == 2.0
     assert drive.motor_speed == pytest.approx(0.1 * rate, rel=5e-3)
 
