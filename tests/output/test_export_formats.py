@@ -33,7 +33,8 @@ RATIO, E_GEAR, E_BELT, BELT = 3249 / 121, 0.80, 0.95, 1.1
 K, E = RATIO * BELT, E_GEAR * E_BELT
 USABLE = 0.9 * (22.0 - 1.0)  # V: duty, lowest supply voltage, drop
 ROTOR = (10.8 + 0.54) * 1e-7  # kg*m^2: rotor and gearhead input
-FRICTION = K_T * 36.9e-3  # N*m: no-load current
+FRICTION = 0.65 * K_T * 36.9e-3  # N*m: 65 % of what the no-load current overcomes
+VISCOUS = 0.35 * K_T * 36.9e-3 / (9560 * math.pi / 30)  # N*m*s/rad: the rest of it, by the no-load speed
 ROLLING = 0.02 * 45.0 / 4 * 9.80665 * 0.0762  # N*m
 
 
@@ -61,7 +62,7 @@ def test_limits_by_hand(export):
     assert limits.peak_torque.by == "gearhead, intermittent torque"
     assert limits.continuous_torque.value == pytest.approx(K_T * I_NOMINAL * K * E)
     assert limits.continuous_torque.by == "motor, nominal current"
-    assert limits.peak_speed.value == pytest.approx((USABLE - R * FRICTION / K_T) / K_T / K)
+    assert limits.peak_speed.value == pytest.approx((USABLE - R * FRICTION / K_T) / (K_T + R * VISCOUS / K_T) / K)
     assert limits.peak_speed.unknown == ("motor, permissible speed",)
 
 
@@ -125,13 +126,14 @@ def test_inertia_and_friction_at_the_shaft(export):
     load = 45.0 / 4 * 0.0762**2 + cylinders
     assert export.inertia == pytest.approx(load + ROTOR * K * K * E)
     assert export.friction == pytest.approx(ROLLING + FRICTION * K * E)
-    assert export.damping == 0.0
+    assert export.damping == pytest.approx(VISCOUS * K * K * E)
 
 
 def test_viscous_friction_goes_by_the_square(spec, found):
+    loss = K_T * 36.9e-3  # N*m at no load
     smooth = export_of(spec, fitted(found, motor={"kind": "brushless"}))
-    assert smooth.damping == pytest.approx(0.45 * FRICTION / found.motor.no_load_speed * K * K * E)
-    assert smooth.friction == pytest.approx(ROLLING + 0.55 * FRICTION * K * E)
+    assert smooth.damping == pytest.approx(0.45 * loss / found.motor.no_load_speed * K * K * E)
+    assert smooth.friction == pytest.approx(ROLLING + 0.55 * loss * K * E)
 
 
 # --- URDF and SDF

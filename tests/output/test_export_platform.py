@@ -208,8 +208,9 @@ def test_torques_at_the_wheels_accelerate_as_the_dynamics_say(kind, eta, torque,
     one.go(seconds)
     found, middle = (one.eta - before) / seconds, (one.eta + before) / 2.0
     d = dynamics_of(spec, drive.armature)
-    resting = drive.friction * np.sign(k.E[list(k.driven)] @ middle)
-    expected = acceleration(d, middle, torque - resting, ground=ground_of(spec))
+    turning = k.E[list(k.driven)] @ middle
+    lost = drive.friction * np.sign(turning) + drive.damping * turning
+    expected = acceleration(d, middle, torque - lost, ground=ground_of(spec))
     assert np.abs(expected).max() > 0.2
     reach = np.array([1.0, 1.0, 0.25])  # m, of turning
     assert np.abs(reach * (found - expected)).max() < within * max(np.abs(reach * expected).max(), 0.5)
@@ -258,7 +259,9 @@ def test_under_the_designed_loops_it_goes_its_way_with_the_torques_of_the_sizing
         eta, rise = seen.eta[:, at].mean(axis=1), seen.eta_dot[:, at].mean(axis=1)
         middle = round((ends[at] - seen.duration[at] / 2) / step)
         found = np.mean(torques[middle - 20 : middle + 20], axis=0)
-        expected = wheel_torques(d, Moving(eta, rise)) + of.drives[0].friction * np.sign(of.kinematics.E @ eta)
+        turning = of.kinematics.E @ eta
+        lost = of.drives[0].friction * np.sign(turning) + of.drives[0].damping * turning
+        expected = wheel_torques(d, Moving(eta, rise)) + lost
         assert np.abs(expected).max() > 0.9
         assert np.abs(force @ (found - expected)).max() < 0.01 * np.abs(force @ expected).max()
         assert np.abs(found - expected).max() < 0.08 * np.abs(expected).max()  # wheels push one another a little
