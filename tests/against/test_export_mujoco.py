@@ -150,7 +150,7 @@ def test_an_arm_under_gravity_lifted_and_lowered(way):
     torque = np.where(weight * way > 0.0, weight / e, weight * e)
     by_hand = (torque / K + lost) / k
     assert abs(weight).max() > 3.3 and np.abs(by_hand[settled]).max() > (0.7 if way > 0 else 0.2)  # A
-    assert np.abs(np.array(current) - by_hand)[settled].max() < 3e-3  # A
+    assert np.abs(np.array(current) - by_hand)[settled].max() < 1e-3  # A; what grows with speed is 2.1 mA
 
 
 def test_the_cascade(servo):
