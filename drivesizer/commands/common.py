@@ -547,15 +547,18 @@ def in_closed_loop(
         As ``validate``, of several axes with the name of the axis.
     """
     with simulating(f"simulating {name or 'the drive'} in closed loop"):  # whose libraries take a second to load
+        from drivesizer.files.yaml_source import YamlOverlay
         from drivesizer.load_cases.of_machine import load_cases
         from drivesizer.simulate import hardest_case, validate, with_remedies
         from drivesizer.sizing import size
 
-        own = case if case in [one for _, one, _ in load_cases(spec)] else hardest_case(spec, drive)
+        hardest = case if case in [one for _, one, _ in load_cases(spec)] else hardest_case(spec, drive)
         try:
-            proof = validate(spec, drive, profile=profile, load_case=own)
+            proof = validate(spec, drive, profile=profile, load_case=hardest)
             more = others or size(spec, top=3).sets if proof.status == "fail" else ()
-            return with_remedies(proof, spec, more, profile=profile, axis=name, sized=_as_sized)
+            # its fields are entered where they are in the file, where one of several is wanted as well
+            own = str(spec.source.at[1]) if isinstance(spec.source, YamlOverlay) else ""
+            return with_remedies(proof, spec, more, profile=profile, axis=name or own, sized=_as_sized)
         except NoLoopError:
             raise
         except InputError as error:

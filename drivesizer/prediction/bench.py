@@ -115,10 +115,17 @@ _BARE = {  # what is no part number: pattern, what it is, and how it becomes a p
 
 def _part(shelf: Mapping[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
     pattern, kind, row = _BARE.get(what, ("", "", ""))
-    if pattern and re.fullmatch(pattern, part.strip().lower()):
-        raise InputError(f"{quoted(part)} is {kind} and no part: give it in a catalogue file of your own, {row}")
-    hits = find(shelf, part)
+    bare = pattern and re.fullmatch(pattern, part.strip().lower())  # many makers' part numbers are digits as well
+    said = f"{quoted(part)} is {kind} and no part: give it in a catalogue file of your own, {row}"
+    try:
+        hits = find(shelf, part)
+    except InputError:
+        if bare:
+            raise InputError(said) from None
+        raise
     found = next((hit for hit in hits if hit.section in sections), None)
+    if found is None and bare:
+        raise InputError(said)
     if found is None:
         raise InputError(f"{quoted(part)} is no {what} but in {hits[0].section}")
     return found

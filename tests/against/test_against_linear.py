@@ -37,7 +37,7 @@ def textbook(train, regime):
     """Voltage to current and motor speed of the rigid machine, from textbook and inertia."""
     share = (1.0 / train.efficiency if regime == Regime.FORWARD_DRIVING else train.efficiency) / train.ratio
     J, k = train.motor_inertia + train.load_inertia * share / train.ratio, train.torque_constant
-    A = [[-train.resistance / train.inductance, -k / train.inductance], [k / J, 0.0]]
+    A = [[-train.resistance / train.inductance, -k / train.inductance], [k / J, -train.viscous / J]]
     return control.ss(A, [[1.0 / train.inductance], [0.0]], np.eye(2), np.zeros((2, 1)))
 
 
