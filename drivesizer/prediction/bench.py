@@ -58,7 +58,7 @@ def predict_set(
     Returns
     -------
     Prediction
-        Figures, each with its value as printed and with percentiles of the spread [SI].
+        Figures, each with its median and further percentiles of the spread [SI].
 
     Raises
     ------
