@@ -639,12 +639,18 @@ def voltage_of(spec: Any, controller: Any) -> float:
 
 
 def deciding_voltage(spec: Any, controller: Any, volts: float) -> float:
-    """The same where drop and duty are printed; else with 0.5 or 1.1 V and 0.9 or 1 what decides, or the supply's."""
+    """The same where drop and duty are printed; else of its ends what decides."""
+    known = controller is not None and not math.isnan(controller.voltage_drop + controller.max_duty)
+    least, bound = voltage_ends(spec, controller)
+    return least if volts <= least or known else bound if volts > bound else NAN
+
+
+def voltage_ends(spec: Any, controller: Any) -> tuple[float, float]:
+    """The same at least and at most: with a drop of 0.5 or 1.1 V and a duty of 0.9, or all that the supply has."""
     duty, drop = (NAN, NAN) if controller is None else (controller.max_duty, controller.voltage_drop)
     least, most = (max((other if math.isnan(duty) else duty) * (spec.supply.lowest - (x if math.isnan(drop) else drop)),
                        0.0) for x, other in ((1.1, 0.9), (0.5, NAN)))  # fmt: skip
-    bound = spec.supply.lowest if math.isnan(most) else most
-    return least if volts <= least or not math.isnan(drop + duty) else bound if volts > bound else NAN
+    return least, spec.supply.lowest if math.isnan(most) else most
 
 
 def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> Any | None:
@@ -729,7 +735,7 @@ def chosen(
         return any(some[n].status == "fail" for n in names if n in some and n not in idle)
 
     def rank(assumed: int, controller: Any, some: dict[str, Verdict]) -> tuple[Any, ...]:
-        unknown = sum(some[n].status == "unknown" for n in OF_CONTROLLER if n in some and n not in idle)
+        unknown = sum(some[n].status in ("unknown", "open") for n in OF_CONTROLLER if n in some and n not in idle)
         unknown += math.isnan(controller.supply_min + controller.supply_max)
         cost = size_of(spec)(controller)
         if spec.select.objective == "margin":
@@ -825,7 +831,10 @@ def checks(
     range_known = not math.isnan(figure(controller, "supply_min") + figure(controller, "supply_max"))
     out["controller_available"] = Verdict(NAN, NAN, "pass" if range_known else "unknown", NAN)
     limits = [deciding_voltage(spec, controller, V * (1 + fast)) for V in found.V_peak]
-    out["supply_voltage"] = bounded(at_most(V, limit, fast) for V, limit in zip(found.V_peak, limits, strict=True))
+    volts = bounded(at_most(V, limit, fast) for V, limit in zip(found.V_peak, limits, strict=True))
+    if volts.status == "unknown" and all(map(math.isfinite, found.V_peak)):  # both ends of the limit are known
+        volts = Verdict(found.V_peak[0], voltage_ends(spec, controller)[0], "open", NAN)
+    out["supply_voltage"] = volts
     out["controller_continuous_current"] = at_most(found.I_rms, figure(controller, "continuous_current"), more)
     out["controller_peak_current"] = at_most(found.I_peak, figure(controller, "peak_current"), more)
     out["controller_peak_time"] = at_most(held, figure(controller, "peak_time"))
@@ -865,11 +874,12 @@ def _supply(spec: Any, found: Asked, controller: Any, out: dict[str, Verdict]) -
 
 
 def bounded(bounds: Any) -> Verdict:
-    """Of a demand of which only bounds are known: what both say, or the one that decides."""
+    """Of a demand of which only bounds are known: what both say, or the one that decides; open where neither does."""
     low, high = bounds
     if high.status == "pass" or low.demand == high.demand:
         return high
-    return low if low.status == "fail" else Verdict(low.demand, low.limit, "unknown", NAN)
+    known = not math.isnan(low.demand + low.limit) and math.isfinite(high.demand) and math.isfinite(high.limit)
+    return low if low.status == "fail" else Verdict(low.demand, low.limit, "open" if known else "unknown", NAN)
 
 
 def _wishes(spec: Any, cycle: Any, motor: Any, head: Any, encoder: Any, belt: float, out: dict[str, Verdict]) -> None:
