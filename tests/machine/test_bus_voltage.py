@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import by_hand
 import numpy as np
 import pytest
 
@@ -63,10 +64,23 @@ def test_a_battery_takes_all_and_loses_the_rest_inside(catalog):
 
 
 def test_a_trace_of_energy_does_not_make_the_bus_unknown(catalog):
-    """5 A chopped at 100 kHz to a tenth of 24 V need 5.2 uF: 1.4 mJ raise them to 34 of 50 V; what 9 mJ do is open."""
+    """5 A chopped at 100 kHz to a tenth of 24 V need 5.2 uF: 1.3 mJ raise them to 33 of 50 V; 0.3 J are too many.
+
+    By hand: 60 rpm at the load stop within 20 ms, and friction has its part. The winding is 0.37 K above the ambient,
+    by its own 5.6 mW in 16.4 K/W and by 20.7 mW of friction in 13.2 K/W.
+    """
     trace, one = bus(catalog, "1e-6 kg*m^2", speed="60 rpm", stops="20 ms")
     back = next(figure.value for figure in one.figures if figure.name == "returned")
-    assert back == pytest.approx(1.44e-3, abs=1e-5) and one.controller.continuous_current == 5.0
+    motor, i, e = one.motor, one.gearhead.ratio, one.gearhead.efficiency
+    speed = np.linspace(2 * np.pi * i, 0.0, 2001)
+    dry, per_speed = by_hand.friction(motor)
+    load = (1e-3 - 1e-6 * 2 * np.pi / 0.02) / (i * e)  # the load's friction is more than it takes to stop it
+    slowing = (motor.rotor_inertia + one.gearhead.inertia) * speed[0] / 0.02
+    current = (load + dry + per_speed * speed - slowing) / motor.torque_constant
+    warm = motor.resistance * (1 + 0.0039 * 0.37)
+    power = current * (warm * current + motor.torque_constant * speed)
+    assert back == pytest.approx(0.02 * np.maximum(-power, 0.0).mean(), abs=1e-5)
+    assert one.controller.continuous_current == 5.0
     assert trace.status == "pass"
     assert trace.demand == pytest.approx((24**2 + 2 * back / (5 / (4 * 100e3 * 2.4))) ** 0.5, rel=1e-6)
-    assert bus(catalog, "1e-6 kg*m^2", speed="300 rpm", stops="100 ms")[0].status == "open"
+    assert bus(catalog, "1e-6 kg*m^2", speed="300 rpm", stops="100 ms")[0].status == "unknown"

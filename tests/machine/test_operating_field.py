@@ -88,14 +88,14 @@ def test_continuous_torque_warms_the_winding_to_what_it_may_have(spec, several):
         found, motor = field(spec, one), one.motor
         assert found.thermal
         lost = friction(found, one, 313.15)
-        loss = motor.torque_constant * motor.no_load_current * found.speed  # brushed: at the housing
+        dry, per_speed = by_hand.friction(motor)
+        loss = (dry + per_speed * found.speed) * found.speed  # brushed: at the housing
         if motor.kind == "brushless":
             R_th = motor.thermal_resistance_winding + motor.thermal_resistance_housing
             hot = motor.resistance * (1 + COPPER * (motor.max_winding_temperature - ROOM))
             left = motor.max_winding_temperature - ROOM - R_th * hot * motor.nominal_current**2
-            dry, per_speed = by_hand.friction(motor)
-            there, here = ((dry + per_speed * w) * w for w in (motor.nominal_speed, found.speed))
-            loss = max(left, 0) / motor.thermal_resistance_housing * here / there
+            there = (dry + per_speed * motor.nominal_speed) * motor.nominal_speed
+            loss *= max(left, 0) / motor.thermal_resistance_housing / there
         rows = found.continuous > 0
         current = (found.continuous + lost)[rows] / motor.torque_constant
         reached = steady_winding_temperature(
@@ -119,10 +119,12 @@ def test_continuous_torque_at_nominal_speed_is_that_of_the_nominal_current(spec,
         torque = np.interp(m.nominal_speed, found.speed, found.continuous)
         if m.kind == "brushed":
             R_th = m.thermal_resistance_winding, m.thermal_resistance_housing
+            dry, per_speed = by_hand.friction(m)
+            own = (dry + per_speed * m.nominal_speed) / m.torque_constant  # A, of friction at this speed
             by_law = nominal_current(
-                m.resistance, *R_th, m.max_winding_temperature, m.torque_constant, m.no_load_current, m.nominal_speed
+                m.resistance, *R_th, m.max_winding_temperature, m.torque_constant, own, m.nominal_speed
             )
-            assert torque == pytest.approx(m.torque_constant * max(by_law - m.no_load_current, 0), rel=1e-3)
+            assert torque == pytest.approx(m.torque_constant * max(by_law - own, 0), rel=1e-3)
         off.append(torque / m.nominal_torque - 1)
     assert len(off) > 5 and abs(np.median(off)) < 0.03  # against the printed nominal torque
 
@@ -156,10 +158,7 @@ def test_the_intermittent_line_is_the_lesser_of_gearhead_and_controller(spec, ch
     gear = chosen.gearhead
     assert torque * gear.ratio * gear.efficiency == pytest.approx(gear.intermittent_torque)
     weak = replace(chosen, controller=replace(chosen.controller, peak_current=1.7))
-    assert field(spec, weak).intermittent[0] == pytest.approx(
-        chosen.motor.torque_constant * (1.7 - chosen.motor.no_load_current)
-    )
+    dry, _ = by_hand.friction(chosen.motor)  # at rest nothing else rubs
+    assert field(spec, weak).intermittent[0] == pytest.approx(chosen.motor.torque_constant * 1.7 - dry)
     one_known = replace(strong, gearhead=replace(gear, intermittent_torque=nan))
-    assert field(spec, one_known).intermittent[0] == pytest.approx(
-        chosen.motor.torque_constant * (1e3 - chosen.motor.no_load_current)
-    )
+    assert field(spec, one_known).intermittent[0] == pytest.approx(chosen.motor.torque_constant * 1e3 - dry)

@@ -56,11 +56,11 @@ def test_the_best_efficiency_of_a_dc_motor_is_that_of_the_handbook(spec, best, v
 
 def test_a_gearhead_loses_on_the_side_the_power_comes_from(spec, best):
     found, i, e = set_cycle(spec, best), best.gearhead.ratio, best.gearhead.efficiency
-    R, k, I_0 = _hot(found), best.motor.torque_constant, best.motor.no_load_current
+    R, k, (dry, per_speed) = _hot(found), best.motor.torque_constant, by_hand.friction(best.motor)
     torque, speed = np.array([0.8, -0.8, 0.0, 0.8]), np.array([20.0, 20.0, 20.0, 0.0])
     does = operation(found, torque, speed)
     for n, at_motor in enumerate((0.8 / (i * e), -0.8 * e / i)):
-        I = at_motor / k + I_0
+        I = (at_motor + dry + per_speed * i * 20.0) / k
         power = (R * I + k * i * 20.0) * I
         share = 0.8 * 20.0 / power if n == 0 else -power / (0.8 * 20.0)
         assert 0.0 < share < 1.0
@@ -124,11 +124,13 @@ def test_current_and_voltage_of_the_robot_are_those_of_the_checks(spec, catalog)
     beside = {check.name: check for check in best.beside}
     found, cold = set_cycle(spec, best), beside["supply_voltage"]
     assert found.figures.I_peak[0] == pytest.approx(beside["controller_peak_current"].demand)
-    assert cold.status == "unknown"  # without time constants: with a cold winding at least this
+    assert cold.status == "open"  # without time constants: with a cold winding at least this, with a hot one too much
     d, p = found.drive, found.pieces
     volts = d.emf * np.array([p.w_0, p.w_1]) + best.motor.resistance * np.array([p.I_0, p.I_1])  # in 25 degC
     assert np.abs(volts).max() == pytest.approx(cold.demand)
     assert found.figures.voltage[0] > cold.demand
+    hottest = best.motor.resistance * (1 + 0.0039 * (413 - 298))  # as its peers bear
+    assert cold.demand < cold.limit < np.abs(volts + (hottest - best.motor.resistance) * np.array([p.I_0, p.I_1])).max()
 
 
 # --- warming

@@ -5,6 +5,7 @@ from itertools import combinations
 from math import nan, sqrt
 from xml.etree import ElementTree
 
+import by_hand
 import numpy as np
 import pytest
 from starters import starter
@@ -100,7 +101,8 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
     cases = [("", found)]
     (axes,) = canvas(field.efficiency_map, cases, 18.9).axes
     motor, head = result.sets[0].motor, result.sets[0].gearhead
-    R, k, I_0, i, e = (hot(found), motor.torque_constant, motor.no_load_current, head.ratio, head.efficiency)
+    R, k, i, e = hot(found), motor.torque_constant, head.ratio, head.efficiency
+    dry, per_speed = by_hand.friction(motor)
     seen = 0
     for lines in axes.collections:
         levels = getattr(lines, "levels", ())
@@ -109,7 +111,7 @@ def test_lines_of_efficiency_lie_where_the_efficiency_is(canvas, result):
         for level, path in zip(levels, lines.get_paths(), strict=True):
             for torque, rpm in path.vertices[:: max(len(path.vertices) // 7, 1)]:
                 speed, power = rpm * np.pi / 30.0, torque * rpm * np.pi / 30.0
-                I = (torque / (i * e) if torque > 0.0 else torque * e / i) / k + I_0
+                I = ((torque / (i * e) if torque > 0.0 else torque * e / i) + dry + per_speed * i * speed) / k
                 electrical = I * (R * I + k * i * speed)
                 share = power / electrical if torque > 0.0 else electrical / power
                 assert 100.0 * share == pytest.approx(level, abs=1.2), (torque, rpm)

@@ -11,8 +11,10 @@ from scipy.integrate import solve_ivp
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
+from drivesizer.errors import InputError
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.physics.thermal import TwoBodies
+from drivesizer.prediction.bench import predict_set
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.set_at_voltage import Heating, in_the_long_run, over_time, time_to_limit
 from drivesizer.results.prediction import Conditions
@@ -220,3 +222,10 @@ def test_a_stalled_brushless_motor_is_hottest_in_one_phase():
         mean, ROOM, State(ROOM, ROOM), motor["max_winding_temperature"], nominal(found, "hold_current")
     )
     assert 0.0 < nominal(found, "hold_time_cold") < alone
+
+
+def test_an_order_number_of_digits_is_a_part_and_a_ratio_is_none():
+    assert predict_set("148877", gearhead="260551", catalogs=["maxon"]).figures
+    for ratio in ("27:1", "27"):
+        with pytest.raises(InputError, match=rf'"{ratio}" is a ratio and no part'):
+            predict_set("148877", gearhead=ratio, catalogs=["maxon"])

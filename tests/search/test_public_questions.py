@@ -301,16 +301,29 @@ def test_of_undecided_drives_those_come_first_of_which_least_is_undecided() -> N
         assert not likely[n] or max(undecided[:n], default=0) <= count + 2
 
 
-def test_a_platform_on_a_slope_has_none_and_learns_what_would_help() -> None:
-    """f5b: 90 kg 9.81 (0.08 cos 10 + sin 10) / 2 of 0.1 m, 11.1 N*m at 57 rpm: each change, typed in, lets one pass."""
-    text = PLATFORM.replace("SLOPE", "10 deg").replace("UNKNOWN", "reject")
+def test_a_platform_on_a_slope_has_a_drive_if_its_controller_takes_little() -> None:
+    """f5b: 90 kg 9.81 (0.08 cos 10 + sin 10) / 2 of 0.1 m, 11.1 N*m at 57 rpm, and 2.7 N*m for 0.6 m/s in 1 s.
+
+    By an RE 50 and 42.9:1 of 75 %: 0.43 N*m for the load, 0.014 for the rotor and 0.007 of friction are 11.8 A at
+    38.5 mN*m/A, which take 1.2 V of 0.103 ohm cold and 1.7 V at 125 degC beside the 9.9 V of 257 rad/s. How much of
+    12 V the controller leaves nobody prints.
+    """
+    one = first_of(PLATFORM.replace("SLOPE", "10 deg").replace("UNKNOWN", "reject"))
+    (undecided,) = (check for check in one.checks if check.status == "open")
+    assert (one.status, undecided.name) == ("open", _VOLTS)
+    assert 9.9 + 1.2 < undecided.demand < 9.9 + 1.7
+
+
+def test_a_platform_on_a_steep_slope_has_none_and_learns_what_would_help() -> None:
+    """f5b at 14 deg: 14.0 N*m: each change, typed in, leaves one open."""
+    text = PLATFORM.replace("SLOPE", "14 deg").replace("UNKNOWN", "reject")
     found = size(spec(text), top=1)
     assert not found.sets and found.misses[0].status == "fail"
     written = {"load.mass": "mass: 90 kg", "supply.nominal": "nominal: 12 V"}
     changes = {one.field: one for one in found.relaxations}
     for field, now in written.items():
         changed = text.replace(now, f"{field.split('.')[1]}: {changes[field].needed}")
-        assert (first_of(changed).label, "pass") == (changes[field].set_label, changes[field].status)
+        assert (f"{first_of(changed).label}, open", "open") == (changes[field].set_label, changes[field].status)
 
 
 def test_a_battery_that_is_not_wholly_known_is_named_and_the_closest_are_known_drives() -> None:

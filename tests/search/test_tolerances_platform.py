@@ -29,7 +29,8 @@ pytestmark = pytest.mark.usefixtures("no_further_searches")
 
 NONE = (
     "tolerances: {motor: {resistance: none, torque_constant: none, friction: none, rotor_inertia: none, "
-    "dry_friction: none, thermal_resistance: none}, gearhead: {efficiency: none, peak_torque: none, inertia: none}, "
+    "dry_friction: none, commutation: none, thermal_resistance: none}, "
+    "gearhead: {efficiency: none, peak_torque: none, inertia: none}, "
     "controller: {losses: none}, samples: 64}\n"
 )
 # a slope tells wheels apart that are alike on the level; a limit of speed moves the way itself
