@@ -375,4 +375,4 @@ def check(
 
 
 app.command(epilog="Example: drivesizer catalog export motors -o motors.csv")(export)
-app.command("import", epilog="Example: drivesizer catalog import parts.xlsx -o my.yaml")(take_in)
+app.command("import", epilog="Example: drivesizer catalog import parts.csv -o my.yaml")(take_in)
