@@ -64,6 +64,7 @@ def test_figure_is_drawn(form, run, tmp_path):
         (("--figure", "bench.pdf"), "expected .svg or .png"),
         (("--controller", "GPX22HPKLSL44D0CPLW"), "is no controller but in gearheads"),
         (("--gearhead", "none"), "is in no catalogue"),
+        (("--gearhead", "9:1"), "is a ratio and no part"),
     ],
 )
 def test_wrong_input_is_one_line(words, said, run):
