@@ -206,8 +206,8 @@ def renewed(block: str, output: str) -> str:
     for n, part in enumerate(_chunks(block)):
         if not part:
             continue
-        first = _most_like(part[0], lines, at) if n else 0
-        last = _most_like(part[-1], lines, first) if len(part) > 1 else first
+        first = _most_like(part[0], lines, at, at) if n else 0
+        last = _most_like(part[-1], lines, first, first + len(part) - 1) if len(part) > 1 else first
         if n == 0 and not any(cut):
             last = len(lines) - 1
         if n:
@@ -219,13 +219,15 @@ def renewed(block: str, output: str) -> str:
     return "".join(f"{line}\n" for line in made)
 
 
-def _most_like(line: str, lines: list[str], start: int) -> int:
+def _most_like(line: str, lines: list[str], start: int, expected: int) -> int:
+    """The line from the start on that is most like another; of equals, the nearest to where it is expected."""
+
     def likeness(other: str) -> float:
         bare = [" ".join(re.sub(r"[\d.,]+", "0", text).split()) for text in (line, other)]
         begins = 0.5 if bare[1].startswith(bare[0]) else 0.0
         return difflib.SequenceMatcher(None, *bare, autojunk=False).ratio() + begins
 
-    return max(range(start, len(lines)), key=lambda n: (likeness(lines[n]), -n))
+    return max(range(start, len(lines)), key=lambda n: (likeness(lines[n]), -abs(n - expected)))
 
 
 def written(page: str, folder: Path, text_block: Callable[[Block, str], None]) -> None:
