@@ -36,12 +36,17 @@ def said_by(code):
     return [m[1] for m in re.finditer(r"^(?:print\(.*\)  )?# (.*)$", code, re.MULTILINE)]
 
 
+REST = {"name": "shown", "supply": "{nominal: 48 V}", "transmission": "[{kind: gearhead}]"}  # of a spec shown in part
+
+
 def read(text, folder):
-    """A spec or a catalogue by the strict reader."""
+    """A spec, which may be shown in part, or a catalogue by the strict reader."""
     if text.startswith("catalog:"):
         path = folder / "shown.yaml"
         path.write_text(text, encoding="utf-8")
         return load([str(path)])
+    if text.startswith("load:"):
+        text += "".join(f"{field}: {value}\n" for field, value in REST.items() if f"\n{field}:" not in text)
     source = YamlSource(text, "shown.yaml")
     return read_machine(source) if is_machine(source) else read_spec(source)
 
