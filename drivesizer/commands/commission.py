@@ -67,10 +67,13 @@ def commission(
     if output:
         for path in write_files(device_file.files(one, rows, remarks, output)):
             typer.echo(f"{path} written", err=True)
-    table = bare(("parameter", "left"), ("value", "right"), ("unit", "left"), ("exactly", "right"), ("", "left"))
-    for row in rows:
-        table.add_row(row.parameter.name, row.text, row.parameter.unit, f"{row.exact:.6g}", row.parameter.meaning)
     out = console()
+    said = out.width - max((len(row.parameter.name) for row in rows), default=0) > 60  # room for what it means
+    table = bare(("parameter", "left"), ("value", "right"), ("unit", "left"), *((("", "left"),) if said else ()))
+    table.columns[0].no_wrap = True
+    for row in rows:
+        meaning = (row.parameter.meaning,) if said else ()
+        table.add_row(row.parameter.name, row.text, row.parameter.unit, *meaning)
     out.print(f"{one.title}: {found.label}", markup=False)
     out.print(table)
     for line in _loops(proof, again):
