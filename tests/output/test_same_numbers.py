@@ -347,8 +347,9 @@ def nearest(expected: Fact, read: list[Fact]) -> Fact | None:
 
 
 def candidate(text: str, s: Any, expected: Facts) -> Facts:
+    motor = " ?".join(re.escape(letter) for letter in s.motor_name if letter != " ")  # a cell may break inside a name
     pattern = (
-        rf"\b{s.rank} {words(s.motor_name)} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} k?g|unknown) "
+        rf"\b{s.rank} {motor} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} k?g|unknown) "
         rf"(?P<price>{NUMBER}(?: EUR)?|unknown) .{{0,120}}?{STATUS}"
     )
     match = re.search(pattern, text[text.index("combinations of motor and gearhead, with") :])
@@ -459,9 +460,7 @@ def runs(spec: RobotSpec) -> dict[str, Run]:
 @pytest.mark.parametrize("suffix", READERS)
 def test_every_report_has_the_numbers_of_the_run(suffix, name, runs, tmp_path):
     records = recorded(runs[name])
-    unread = {("candidate", 7)} if (suffix, name) == (".pdf", "platform") else set()  # to be looked at on paper
-    found = differences(suffix, runs[name], tmp_path, records)
-    assert {key: value for key, value in found.items() if key[:2] not in unread} == {}
+    assert differences(suffix, runs[name], tmp_path, records) == {}
 
 
 def test_every_kind_of_report_is_read():
