@@ -56,7 +56,8 @@ export function chosen(schema, value) {
 }
 
 const BEGIN = { ratio: 2, efficiency: 0.95, name: "new" }; // where the schema has no example
-const ONE_OF = { belt: ["ratio"] }; // what a kind needs one of, beside what it requires
+// what a kind needs beside what it requires: the one of several ways to say it that the form begins with
+const ONE_WAY = { belt: ["ratio"], trapezoid: ["acceleration_time", "cruise_time"] };
 const BODY = ["inertia", "cylinders"]; // of another body in another kind of load
 const FOLLOWS = { arm: ["inertia"] }; // what follows from other fields where it is not given
 const had = new Map(); // fields of a group when it was of another kind, by place and kind
@@ -74,13 +75,13 @@ export function turnedInto(path, schema, value, name, root, { needed = [], start
   const another = old.title !== group.title;
   had.set(`${path} ${before}`, value ?? {});
   const kept = had.get(`${path} ${name}`) ?? {};
-  const essence = (one) => key === "profile" && old.required?.includes(one) && !group.required?.includes(one);
+  const musts = (of, kind) => [...(of.required ?? []), ...(ONE_WAY[kind] ?? [])];
+  const essence = (one) => key === "profile" && musts(old, before).includes(one) && !musts(group, name).includes(one);
   const lost = (one) => !(one in group.properties) || (another && (BODY.includes(one) || essence(one)));
   const edits = [[[...path, key], name, true]];
   for (const one of Object.keys(value ?? {})) if (one !== key && lost(one)) edits.push([[...path, one], null, false]);
-  const musts = [...(group.required ?? []), ...needed, ...(ONE_OF[name] ?? [])];
   const offered = another ? Object.keys(start).filter((one) => !FOLLOWS[name]?.includes(one)) : [];
-  for (const one of new Set([...Object.keys(kept), ...musts, ...offered])) {
+  for (const one of new Set([...Object.keys(kept), ...musts(group, name), ...needed, ...offered])) {
     if (one === key || (value && one in value && !lost(one)) || !(one in group.properties)) continue;
     const begin = kept[one] ?? start[one] ?? example(group.properties[one], root, one);
     if (begin !== "") edits.push([[...path, one], begin, isText(resolved(group.properties[one], root))]);
