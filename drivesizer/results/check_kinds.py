@@ -88,8 +88,7 @@ def rests_on(check: Check, drive_set: DriveParts) -> tuple[str, ...]:
     stepper, brushed = motor.kind == "stepper", motor.kind == "brushed"
     rubbing = [f"motor.{name}" for name in ("friction_torque", "viscous_friction") if not isnan(getattr(motor, name))]
     if len(rubbing) < 2:  # the rest is what the no-load current leaves
-        by_speed = bool(rubbing) or not brushed
-        rubbing += ["motor.no_load_current", *(["motor.no_load_speed"] if by_speed else [])]
+        rubbing += ["motor.no_load_current", "motor.no_load_speed"]
     current = [
         "gearhead.ratio", "gearhead.efficiency", "gearhead.inertia", "motor.rotor_inertia", "motor.torque_constant",
         *rubbing,

@@ -60,7 +60,6 @@ def taken_away(spec: RobotSpec, catalog: Catalog):
 
 SPECS = ["robot", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("hoist", "arm"))]
 WITHOUT_A_CONTROLLER = {"controller.supply_min", "controller.supply_max"}
-PARTS_OF_FRICTION = {"motor.no_load_speed"}  # only how much of the no-load torque grows with speed hangs on it
 WHERE_IT_BINDS = {
     *(f"controller.{name}" for name in ("full_current_ambient", "derating_slope", "ambient_max")),  # in a hot cabinet
     "controller.max_duty",  # unknown it is 0.9 at least, which most makers print
@@ -86,7 +85,7 @@ def test_a_check_that_changes_without_a_figure_says_that_it_rests_on_it(found):
     quiet = {name: changed - says for name, (changed, says) in found.items() if changed - says}
     for name in WITHOUT_A_CONTROLLER & set(quiet):  # then there is none to check
         assert {check for _, check in found[name][1]} >= {"controller_available"}
-    assert not set(quiet) - WITHOUT_A_CONTROLLER - PARTS_OF_FRICTION, quiet
+    assert not set(quiet) - WITHOUT_A_CONTROLLER, quiet
 
 
 def test_what_a_check_says_to_rest_on_changes_something(found):
