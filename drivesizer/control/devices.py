@@ -19,17 +19,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.spec.drive import Control, CurrentLoop, PositionLoop, VelocityLoop
 
 _PHASE = math.sqrt(3.0) / 2.0  # torque constant per amplitude of a phase's current, over that of block commutation
-_FIELDS = {
-    "form": "",
-    "line": "",
-    "after": "",
-    "load": "",
-    "first": "",
-    "source": "",
-    "note": "",
-    "root": "",
-    "match": "",
-}
+_WORDS = ("form", "line", "after", "load", "first", "source", "note", "root", "match")  # empty where not given
 _OF_POSITION = frozenset({"K_pos", "kp", "ki", "kd", "position"})
 _OF_LOOPS = frozenset({"K_i", "K_ii", "K_v", "K_vi", "A_p", "A_i", "K_pos", "kp", "ki", "kd", "b", "J", "M_c", "T_n"})
 _UNKNOWN = {
@@ -49,6 +39,11 @@ class Parameter(NamedTuple):
     confidence: str  # quoted, secondary or recalled
     meaning: str
 
+    @property
+    def decimals(self) -> int:
+        """Digits behind the point of one that is no float."""
+        return 0 if self.rounding == "whole" else int(self.rounding.split()[0])
+
 
 class Device(NamedTuple):
     """A controller's parameters, the structure of its loops, and the form in which it takes them."""
@@ -61,28 +56,20 @@ class Device(NamedTuple):
     parameters: tuple[Parameter, ...]
     words: dict[str, str]  # form, load, first, source ...
 
-    def matches(self, controller: str) -> bool:
-        """Whether it is the controller of that family and part."""
-        return bool(self.words["match"] and re.search(self.words["match"], controller, re.IGNORECASE))
-
 
 class Written(NamedTuple):
     """A parameter as it is written."""
 
     parameter: Parameter
     exact: float
-    value: float  # after rounding, NaN where it is not written
+    value: float  # after rounding
 
     @property
     def text(self) -> str:
         """The value as it stands in the file."""
         if self.parameter.rounding == "float":
             return repr(float(f"{self.value:.8g}")).removesuffix(".0")
-        return f"{self.value:.0f}" if self.parameter.rounding == "whole" else f"{self.value:.{self._decimals}f}"
-
-    @property
-    def _decimals(self) -> int:
-        return int(self.parameter.rounding.split()[0])
+        return f"{self.value:.{self.parameter.decimals}f}"
 
 
 @cache
@@ -93,13 +80,19 @@ def devices() -> dict[str, Device]:
     for entry in yaml.safe_load(text):
         rows = (line.split("|") for line in entry["parameters"].strip().splitlines())
         parameters = tuple(Parameter(*(cell.strip() for cell in cells)) for cells in rows)
-        words = {name: str(entry.get(name, default)) for name, default in _FIELDS.items()}
+        words = {name: str(entry.get(name, "")) for name in _WORDS}
         phase, (current, velocity, position) = entry["amperes"] == "phase", map(float, entry["rates"])
         rates = (current, velocity, position)
         found[entry["name"]] = Device(
             entry["name"], entry["title"], entry["structure"], phase, rates, parameters, words
         )
     return found
+
+
+def _known(controller: str) -> Device | None:
+    """The controller of that family and part, where the table has it."""
+    found = (one for one in devices().values() if one.words["match"])
+    return next((one for one in found if re.search(one.words["match"], controller, re.IGNORECASE)), None)
 
 
 def device_of(name: str | None, controller: str) -> Device:
@@ -131,9 +124,8 @@ def device_of(name: str | None, controller: str) -> Device:
             raise InputError(f"--device: {quoted(name)} is not known{nearest(name, devices())}; "
                              f"expected {', '.join(devices())}")  # fmt: skip
         return devices()[name]
-    for one in devices().values():
-        if one.matches(controller):
-            return one
+    if found := _known(controller):
+        return found
     raise InputError(f"--device: nothing is known of {quoted(controller or 'no controller')}; expected one of "
                      f"{', '.join(devices())}")  # fmt: skip
 
@@ -183,11 +175,8 @@ def figures(proof: Validation, device: Device) -> dict[str, float]:
         raise InputError("--device: a stepper's driver has no gains; expected a drive with a closed loop")
     if device.phase and one.motor.kind == "brushed":
         raise InputError(f"--device: {device.title} drives brushless motors; {one.motor_name} is brushed")
-    train, motor, scale = (
-        drive_train(proof.spec, one, gains.velocity_period)[0],
-        one.motor,
-        _PHASE if device.phase else 1.0,
-    )
+    train, motor = drive_train(proof.spec, one, gains.velocity_period)[0], one.motor
+    scale = _PHASE if device.phase else 1.0
     moved, turned = (np.abs(proof.series[name]).max() for name in ("speed", "motor_speed"))
     demand, steps = proof.series["speed_reference"] * (turned / moved), np.diff(proof.series["time"])
     ramps = np.abs(np.diff(demand)[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0)
@@ -204,43 +193,38 @@ def figures(proof: Validation, device: Device) -> dict[str, float]:
 
 def written(device: Device, values: dict[str, float]) -> tuple[list[Written], list[str]]:
     """Every parameter with its value as it is written; and those that are not written, with the reason."""
-    found, reasons = [], dict[str, list[str]]()
+    found, reasons = list[Written](), dict[str, list[str]]()
     for parameter in device.parameters:
-        if parameter.carries in _OF_POSITION and device.structure != "pid" and not values["K_pos"]:
-            reasons.setdefault("no position loop; control: {position: {}} in the spec adds it", []).append(
-                parameter.name
-            )
-            continue
-        names = _names(parameter.expression) & values.keys()
-        unknown = [_UNKNOWN.get(name, name) for name in sorted(names) if math.isnan(values[name])]
-        if unknown:
-            reasons.setdefault(f"unknown {', '.join(unknown)}", []).append(parameter.name)
-            continue
-        exact = float(eval(parameter.expression, {"__builtins__": {}},  # noqa: S307  of this table
-                           {**values, "pi": math.pi, "sqrt": math.sqrt}))  # fmt: skip
-        value = exact
-        if parameter.rounding == "float":
-            value = float(np.float32(exact))
-        elif parameter.rounding == "whole":
-            value = float(round(exact)) if math.isfinite(exact) else exact
+        one = _written(parameter, device, values)
+        if isinstance(one, str):
+            reasons.setdefault(one, []).append(parameter.name)
         else:
-            value = round(exact, int(parameter.rounding.split()[0]))
-        if not math.isfinite(value):
-            reasons.setdefault("the loop has no such part", []).append(parameter.name)
-        elif value == 0.0 and exact != 0.0:
-            reasons.setdefault(f"{exact:.3g} {parameter.unit} is less than the controller can express", []).append(
-                parameter.name
-            )
-        else:
-            found.append(Written(parameter, exact, value))
+            found.append(one)
     return found, [f"{', '.join(names)}: {reason}" for reason, names in reasons.items()]
+
+
+def _written(parameter: Parameter, device: Device, values: dict[str, float]) -> Written | str:
+    """A parameter as it is written, or the reason why it is not."""
+    if parameter.carries in _OF_POSITION and device.structure != "pid" and not values["K_pos"]:
+        return "no position loop; control: {position: {}} in the spec adds it"
+    names = sorted(_names(parameter.expression) & values.keys())
+    if unknown := [_UNKNOWN.get(name, name) for name in names if math.isnan(values[name])]:
+        return f"unknown {', '.join(unknown)}"
+    exact = float(eval(parameter.expression, {"__builtins__": {}},  # noqa: S307  of this table
+                       {**values, "pi": math.pi, "sqrt": math.sqrt}))  # fmt: skip
+    if not math.isfinite(exact):
+        return "the loop has no such part"
+    value = float(np.float32(exact)) if parameter.rounding == "float" else round(exact, parameter.decimals)
+    if value == 0.0 and exact != 0.0:
+        return f"{exact:.3g} {parameter.unit} is less than the controller can express"
+    return Written(parameter, exact, value)
 
 
 def controller_gains(
     cascade: Cascade, train: DriveTrain, controller: str
 ) -> tuple[tuple[ControllerGain, ...], list[str]]:
     """The gains of a cascade in the units of a controller that is known, and those for which it has no place."""
-    device = next((one for one in devices().values() if one.matches(controller)), None)
+    device = _known(controller)
     if device is None or device.structure != "cascade":
         return (), []
     values = gain_figures(cascade, train, phase=device.phase)
@@ -267,23 +251,18 @@ def as_written(device: Device, rows: list[Written], proof: Validation) -> Contro
     gains = proof.gains
     share = {row.parameter.carries: row.value / row.exact for row in rows if row.parameter.carries and row.exact}
     if isinstance(gains, Gains):
-        return loops_of(device, Control()).model_copy(
-            update={"kp": gains.kp * share.get("K_v", 1.0), "ki": gains.ki * share.get("K_vi", 1.0), "bandwidth": None}
-        )
+        kp, ki = gains.kp * share.get("K_v", 1.0), gains.ki * share.get("K_vi", 1.0)
+        return proof.spec.control.model_copy(update={"kp": kp, "ki": ki, "kd": 0.0, "bandwidth": None})
     assert isinstance(gains, Cascade)
     over = gains.counted_over * gains.velocity_period or None
     current_kp = gains.current_kp * share.get("K_i", 1.0)
     current_ki = gains.current_ki * share.get("K_ii", share.get("K_i", 1.0))
     if "T_i" in share:
         current_ki = current_kp / (gains.current_kp / gains.current_ki * share["T_i"])
-    kp, ki, outer = (
-        gains.velocity_kp * share.get("K_v", 1.0),
-        gains.velocity_ki * share.get("K_vi", 1.0),
-        gains.position_kp,
-    )
+    kp, ki = gains.velocity_kp * share.get("K_v", 1.0), gains.velocity_ki * share.get("K_vi", 1.0)
     if "T_n" in share or "1/T_n" in share:
         ki = kp * gains.velocity_ki / gains.velocity_kp * share.get("1/T_n", 1.0) / share.get("T_n", 1.0)
-    outer *= share.get("K_pos", 1.0)
+    outer = gains.position_kp * share.get("K_pos", 1.0)
     if device.structure == "pid" and outer:  # back from one PID to the cascade that it is
         d, p, i = (gain * share.get(name, 1.0) for name, gain in
                    (("kd", kp), ("kp", kp * outer + ki), ("ki", ki * outer)))  # fmt: skip
@@ -295,4 +274,4 @@ def as_written(device: Device, rows: list[Written], proof: Validation) -> Contro
         "current": CurrentLoop(kp=current_kp, ki=current_ki), "velocity": VelocityLoop(kp=kp, ki=ki),
         "position": PositionLoop(kp=outer) if outer else None, "count_time": over,
     }  # fmt: skip
-    return loops_of(device, Control(structure="cascade")).model_copy(update=found)
+    return proof.spec.control.model_copy(update=found)
