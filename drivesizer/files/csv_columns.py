@@ -11,6 +11,7 @@ import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -51,14 +52,16 @@ def path_from_spec(spec_file: str, name: str, where: str) -> Path:
     return path
 
 
-class Sheet:
-    """A CSV file: its header, and its rows with their lines."""
+class CsvFile:
+    """A CSV file, or one brought to its form: its header, and its rows with their lines."""
 
-    def __init__(self, path: Path, width: int, most: int | None = None) -> None:
+    def __init__(
+        self, path: Path, width: int, most: int | None = None, rows: Iterator[tuple[int, list[str]]] | None = None
+    ) -> None:
         self.path, self.most = path, _MOST_ROWS if most is None else most
-        self.text = read_text(path, self.most * _ROW)
+        self.text = "" if rows else read_text(path, self.most * _ROW)
         self.example = "e.g. " + ",".join(("0.5", "1.2", "0.3", "4.5")[:width])  # of a row
-        self.rows = self._rows()
+        self.rows = rows or self._rows()
         self.line, self.cells = next(self.rows, (1, []))  # of the header
         self.names = [cell.strip() for cell in self.cells]
 
@@ -178,7 +181,7 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Arra
     """Columns of a recording in SI, with rising times, or of a table with a first column that rises."""
     most = _MOST_ROWS if most is None else most
     try:
-        sheet = Sheet(path, len(forms[0]), most)
+        sheet = CsvFile(path, len(forms[0]), most)
         names = [name.lower() for name in sheet.names]
         form = next((form for form in forms if sorted(form) == sorted(names)), None)
         if form is None:
@@ -189,7 +192,8 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Arra
         logged = _logged(path, forms, most)
         if logged is None:
             raise error from None
-        sheet, names, form, factors = logged
+        sheet, form, factors = logged
+        names = sheet.names
     else:
         factors = sheet.factors(names, form)
     rising = "time" if "time" in form else next(iter(form))
@@ -197,7 +201,7 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Arra
     return {name: found[names.index(name)] for name in form}
 
 
-def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[Sheet, list[str], Form, list[float]] | None:
+def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[CsvFile, Form, list[float]] | None:
     """A recording as loggers and spreadsheets write it, as a sheet of plain numbers; None where it is none."""
     try:
         table = max(sheets(path, most * _ROW), key=lambda one: len(one.rows))
@@ -230,10 +234,7 @@ def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[Sheet, list[s
     plain = (
         (number, _plain_cells(path, number, some, [at[name] for name in form], decimal)) for number, some in numbers
     )
-    sheet = Sheet.__new__(Sheet)
-    sheet.path, sheet.most, sheet.text, sheet.rows = path, most, "", plain
-    sheet.example = "e.g. 0.5,1.2,0.3"
-    return sheet, list(form), form, factors
+    return CsvFile(path, len(form), most, chain([(line, list(form))], plain)), form, factors
 
 
 def _meant(cells: Sequence[str], forms: Sequence[Form]) -> list[tuple[Form, dict[str, int]]]:

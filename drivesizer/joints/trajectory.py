@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import Sheet
+from drivesizer.files.csv_columns import CsvFile
 from drivesizer.joints.inverse_dynamics import Array, JointMotion
 from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
 from drivesizer.physics.load_cycle import places
@@ -43,7 +43,7 @@ _TINY = 1e-300  # instead of a largest speed of 0
 
 def motion_in(path: Path, robot: Robot, smoothing: float = 0.0) -> JointMotion:
     """Joints over time as a file has them."""
-    sheet = Sheet(path, 2)
+    sheet = CsvFile(path, 2)
     header = sheet.names
     joints = _joints(path, sheet.line, header, robot)
     form = {_TIME: "time"} | {joint.name: "angle" if joint.turns else "length" for joint in joints}

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.csv_columns import Sheet
+from drivesizer.files.csv_columns import CsvFile
 from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.trajectory import (
@@ -293,7 +293,7 @@ def read_track(
         One line that says where, what was found and what is expected.
     """
     file = Path(path)
-    sheet = Sheet(file, len(_TIMED))
+    sheet = CsvFile(file, len(_TIMED))
     header = _header(sheet)
     factors = sheet.factors(header, _KINDS)
     if "time" not in header:
@@ -328,7 +328,7 @@ def read_track(
     return spline(time, made, smoothing)
 
 
-def _header(sheet: Sheet) -> list[str]:
+def _header(sheet: CsvFile) -> list[str]:
     """Names of the columns."""
     names = [_NAMES.get(name.lower(), name.lower()) for name in sheet.names]
     known, single = set(names), len(set(names)) == len(names)
@@ -338,7 +338,7 @@ def _header(sheet: Sheet) -> list[str]:
     return names
 
 
-def _waypoints(sheet: Sheet, header: list[str], factors: list[float]) -> list[Waypoint]:
+def _waypoints(sheet: CsvFile, header: list[str], factors: list[float]) -> list[Waypoint]:
     found: list[Waypoint] = []
     for line, cells in sheet.rows:
         sheet.refuse_miscount(line, cells, header)

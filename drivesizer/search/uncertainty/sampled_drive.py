@@ -529,17 +529,16 @@ def _servo_checks(spec: Any, at: AtSamples, drive: _Drive, energies: bool) -> tu
     return checks, Draw(draw.drawn * sets, draw.returned * sets, draw.power * sets)
 
 
+def _stepper_demands(at: AtSamples, parts: Parts) -> Demands:
+    """Demands at a stepper's shaft: its own friction is in its pull-out torque."""
+    return demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, brake_inertia(parts, at.belt))
+
+
 def _stepper_checks(spec: Any, at: AtSamples, drive: _Drive, _: bool) -> tuple[list[CheckColumn], Draw]:
     """The same of a stepper."""
     parts = drive.parts
     assert drive.pull_out is not None
-    required = demands(
-        at,
-        Frictionless(parts.motor),
-        parts.gearhead,
-        parts.encoder,
-        brake_inertia(parts, at.belt),
-    )
+    required = _stepper_demands(at, parts)
     found = steppers.torque_limits(spec, at, required, parts, drive.pull_out)
     found += limits.inertia_limits(spec, at, required, parts)
     if parts.brake is not None:
@@ -604,13 +603,7 @@ def _stepper_figures(spec: Any, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     """Figures of a stepper in one load case."""
     parts, pull_out = drive.parts, drive.pull_out
     assert pull_out is not None
-    required = demands(
-        at,
-        Frictionless(parts.motor),
-        parts.gearhead,
-        parts.encoder,
-        brake_inertia(parts, at.belt),
-    )
+    required = _stepper_demands(at, parts)
     torque, speed = (np.abs(x).max(axis=(1, 2)) for x in steppers.ends_of(at, required))
     at_rest, at_speed = (
         pull_out.torque(w[:, None], spec.supply.lowest)[:, 0] for w in (np.zeros_like(speed), speed)
