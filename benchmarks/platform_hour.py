@@ -13,7 +13,7 @@ import time
 import numpy as np
 from goals import line
 
-from drivesizer.platform.dynamics import Dynamics, Ground, dynamics, wheel_torques
+from drivesizer.platform.dynamics import Dynamics, Ground, Moving, dynamics, wheel_torques
 from drivesizer.platform.kinematics import to_robot, wheel_speeds
 from drivesizer.platform.matrix_equation import Array
 from drivesizer.platform.wheels import Platform, table_wheel
@@ -43,7 +43,7 @@ def course(seconds: float, rate: float) -> tuple[Array, Array, Array]:
 def in_columns(d: Dynamics, theta: Array, velocity: Array, change: Array) -> tuple[Array, Array]:
     eta, rate = to_robot(theta, velocity), to_robot(theta, change)
     rate += eta[2] * np.array([eta[1], -eta[0], np.zeros_like(theta)])  # the axes turn
-    return wheel_speeds(d.kinematics, eta), wheel_torques(d, eta, rate, theta=theta, ground=Ground(slope=SLOPE))
+    return wheel_speeds(d.kinematics, eta), wheel_torques(d, Moving(eta, rate, theta, Ground(slope=SLOPE)))
 
 
 def in_a_loop(d: Dynamics, theta: Array, velocity: Array, change: Array) -> tuple[Array, Array]:

@@ -159,6 +159,7 @@ class Problem:
     cases: tuple[LoadCase, ...]  # at least one
     belts: BeltDrives | None  # None where the spec names its belt ratios, or has no belt
     screw: ChosenScrew | None = None  # where the spec leaves it to the catalogues
+    opposite: Catalog | None = None  # the other end of the bands of estimated figures, where the catalogue is at one
 
     @property
     def spec(self) -> RobotSpec:

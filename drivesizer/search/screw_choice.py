@@ -150,7 +150,7 @@ def _allowed(spec: RobotSpec, catalog: Catalog) -> NDArray[np.int64]:
         wanted = getattr(choice, name)
         if wanted is not None:
             texts = np.char.lower(table[column])
-            good &= [any(fnmatch.fnmatchcase(str(t), w.lower()) for w in wanted) for t in texts]
+            good &= np.array([any(fnmatch.fnmatchcase(str(t), w.lower()) for w in wanted) for t in texts], bool)
     for name in ("diameter", "lead"):
         most = getattr(choice, f"{name}_max")
         good &= table[name] >= (getattr(choice, f"{name}_min") or 0.0) * (1.0 - 1e-9)

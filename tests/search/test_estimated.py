@@ -24,6 +24,7 @@ from drivesizer.search.passing import OPEN, sifted
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.uncertain_figures import holding_of_a_set
 from drivesizer.sizing import explain, explained, size
+from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
@@ -212,3 +213,17 @@ def test_of_open_drives_the_more_probable_come_first(maxon, table):
     tenths = [(-int(10.0 * one.probability), round(one.mass, 9)) for one in found]
     assert {one.status for one in found} == {"open"} and len({tenth for tenth, _ in tenths}) > 1
     assert tenths == sorted(tenths)
+
+
+def test_what_more_inertia_helps_and_what_it_harms_are_open_in_the_search_too(maxon, table, lacking):
+    """The inertia ratio fails at the low end of the band only, other limits at the high end: one drive, undecided."""
+    catalog = with_figure(maxon, "rotor_inertia", np.nan)
+    found = {}
+    for ratio in (30.0, 50.0, 100.0):
+        needs = table.needs.model_copy(update={"inertia_ratio": ratio})
+        chosen = {"motor": MotorChoice(part=[MOTOR]), "gearhead": Choice(part=[GEARHEAD])}
+        spec = selecting(table.model_copy(update={"needs": needs}), **chosen)
+        drive, result = one(spec, catalog), size(spec, catalog=catalog)
+        assert [shown.status for shown in result.sets] == [drive.status] * (drive.status != "fail")
+        found[ratio] = drive.status
+    assert found == {30.0: "fail", 50.0: "open", 100.0: "open"}

@@ -137,7 +137,8 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
     both[:, voltages(p)] -= (both[:, at.RES] * both[:, at.I])[:, None]
     limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand,
                        p[at.TOL_U], p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W]])  # fmt: skip
-    if np.any(np.abs(both[0] - both[1])[_COMPARED] > share * limits):
+    compared = both[:, _COMPARED]
+    if np.any(np.abs(compared[0] - compared[1]) > share * limits):
         return False
     return not p[at.PKP] or bool(abs(s[at.X] - before[at.X] - turned) <= share * p[at.TOL_X])
 

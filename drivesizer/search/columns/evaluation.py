@@ -46,7 +46,10 @@ def at_ends(problem: Problem) -> tuple[Problem, Problem]:
         return replace(table, columns={**table.columns, "mass": middle.table(name)["mass"]})
 
     favourable, unfavourable = middle.once("both ends", ends)
-    return replace(problem, catalog=favourable), replace(problem, catalog=unfavourable)
+    return (
+        replace(problem, catalog=favourable, opposite=unfavourable),
+        replace(problem, catalog=unfavourable, opposite=favourable),
+    )
 
 
 def estimated(problem: Problem, candidates: Candidates, method: str = "physics") -> NDArray[np.int64]:

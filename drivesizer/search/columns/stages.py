@@ -21,7 +21,7 @@ from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import on
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.winding import Parts, belts_of, heat
-from drivesizer.results.check_columns import CheckColumn, fits, together
+from drivesizer.results.check_columns import CheckColumn, fits, over_ends, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.columns import brakes, limits, steppers
@@ -40,6 +40,7 @@ _CELLS = 1_000_000  # candidates times segments that are computed together
 _SHORT = 256  # segments of a load cycle
 _MANY_BELTS, _BELTS = 64, 16  # whose load cycles are held at a time
 _WORD = 64  # bits of a word of the checks that are unknown
+_BY_INERTIA = {"inertia_ratio", "first_resonance", "gearhead_stop_torque"}  # more inertia at the motor may help these
 _BITS = {name: (place // _WORD, np.uint64(1 << place % _WORD)) for place, name in enumerate(CHECKS["physics"])}
 
 
@@ -358,18 +359,33 @@ def _combined(
     if offered.brakes:
         keep = sieve.through(limits.size_limits(spec, parts.motor, parts.gearhead, parts.brake))
         parts, cycles = parts.on(keep), [cycle.on(keep) for cycle in cycles]
-    turning = parts._replace(motor=steppers.Frictionless(parts.motor)) if steps else parts
-    moving = [in_motion(case, cycle, turning) for case, cycle in zip(cases, cycles, strict=True)]
+
+    def moved(k: int, each: Parts) -> Moving:
+        turning = each._replace(motor=steppers.Frictionless(each.motor)) if steps else each
+        return in_motion(cases[k], cycles[k], turning)
+
+    def at_moments(k: int, each: Parts, moving: Moving) -> list[CheckColumn]:
+        if steps:
+            checks = limits.inertia_limits(cases[k].spec, cycles[k], moving.demand, each)
+        else:
+            checks = limits.moving_limits(cases[k].spec, cycles[k], *moving, each)
+        if offered.brakes and each.brake is not None:
+            listed = offered.brakes.goes(each.motor.rows, each.brake.rows)
+            checks += brakes.brake_limits(cases[k].spec, cycles[k], each, moving.demand, listed)
+        return limits.unknown_where_doubtful(checks, moving.demand.complete)
+
+    moving = [moved(k, parts) for k in range(len(cases))]
 
     def by_moments(k: int) -> list[CheckColumn]:
-        if steps:
-            checks = limits.inertia_limits(cases[k].spec, cycles[k], moving[k].demand, parts)
-        else:
-            checks = limits.moving_limits(cases[k].spec, cycles[k], *moving[k], parts)
-        if offered.brakes and parts.brake is not None:
-            listed = offered.brakes.goes(parts.motor.rows, parts.brake.rows)
-            checks += brakes.brake_limits(cases[k].spec, cycles[k], parts, moving[k].demand, listed)
-        return limits.unknown_where_doubtful(checks, moving[k].demand.complete)
+        checks = at_moments(k, parts, moving[k])
+        if problem.opposite is None or not any(check.name in _BY_INERTIA for check in checks):
+            return checks
+        tables = [problem.opposite.table(name) for name in ("motors", "gearheads", "encoders", "controllers", "brakes")]
+        pairs = zip(tables, parts, strict=True)
+        there = Parts._make(None if part is None else Rows(table, part.rows) for table, part in pairs)
+        ends = {check.name: check for check in at_moments(k, there, moved(k, there))}
+        rows = np.arange(len(parts.motor.rows))
+        return [over_ends(c, [ends[c.name]], rows) if c.name in _BY_INERTIA else c for c in checks]
 
     keep = sieve.through(limits.worst_of_all(problem, by_moments))
     parts, cycles, moving = parts.on(keep), [c.on(keep) for c in cycles], [on(case, keep) for case in moving]
