@@ -22,7 +22,7 @@ from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting
 from drivesizer.results.check import gravest, worst
 from drivesizer.results.machine import MachineSizing
-from drivesizer.results.sizing import objective_figure
+from drivesizer.results.sizing import mass_text, objective_figure
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explained
 from drivesizer.spec.any_spec import read_any
@@ -147,7 +147,7 @@ def ranking(sizing: MachineSizing, proofs: Mapping[str, Validation] | None = Non
 def _set(one: Any) -> Piece:
     """A drive with the figures that a reader wants first; unknown ones are left out of the texts."""
     energy, figures = objective_figure(one, "energy").value, list[tuple[str, str]]()
-    each = [show(one.mass, "g", "mass")] if one.mass == one.mass else []
+    each = [mass_text(one)] if one.mass == one.mass else []
     each += [one.price_text] if one.price_of else []
     figures += [("a drive", ", ".join(each))] if each else []
     figures += [("energy per cycle", show(energy, "J", "energy"))] if energy == energy else []
@@ -229,7 +229,7 @@ def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         parts = [one.parts.get(role) for one in drives]
         names = [dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"] for part in parts]
         rows.append({"title": role, "group": "parts", "cells": [" ".join(filter(None, each)) for each in names]})
-    rows.append({"title": "mass of a drive", "group": "figures", "cells": [show(d.mass, "g", "mass") for d in drives]})
+    rows.append({"title": "mass of a drive", "group": "figures", "cells": [*map(mass_text, drives)]})
     rows.append({"title": "price of a drive", "group": "figures", "cells": [d.price_text for d in drives]})
     for name in dict.fromkeys(figure.name for one in drives for figure in one.figures):
         each = [{figure.name: figure for figure in one.figures}.get(name) for one in drives]

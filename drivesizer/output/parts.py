@@ -12,7 +12,6 @@ from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Sourc
 from drivesizer.catalog.query import Hit, origins
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.words import LESS, confidences, not_quoted
-from drivesizer.results import ratings
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import GearStage
@@ -251,7 +250,7 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
     """The parts list of the machine of a sizing."""
     spec = problem.machine
     lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
-    apart = any(check.note == ratings.OWN_SUPPLY for check in found.every_check)
+    apart = any(check.name == "brake_voltage" and check.note for check in found.every_check)
     own = apart if spec.supply.brakes is None else spec.supply.brakes != spec.supply.nominal
     if found.brake and not isnan(found.brake.supply) and own:
         lines = [replace(x, said=f"{x.said} {OWN_SUPPLY}") if x.role == "brake" else x for x in lines]

@@ -442,6 +442,7 @@ class DriveSet(DriveParts):
     changes: tuple[Relaxation, ...]  # where it fails: what would let it pass, each alone
     reliability: Reliability | None  # its probability, where tolerances were sampled
     estimated: tuple[EstimatedFigure, ...] = ()  # figures of its parts that no data sheet gives
+    mass_estimated: tuple[str, ...] = ()  # of ``mass_of`` those whose mass is estimated, or assumed
     pieces: tuple[MotorPiece, ...] = ()  # its motor's torque piece by piece of the motion, of the first load cases
     probability: float = nan  # that none of its checks fails, where estimated figures leave one open
 

@@ -26,7 +26,9 @@ _CLASS = 1.5
 _BY_RULE = "by a rule, as its maker prints no highest voltage: 1.5 times the nominal one, or 75 V where that is more"
 _OF_A_CLASS = "assumed: its winding is that for this supply, as its maker prints no voltage"
 _COIL = 0.1  # share of its voltage: 24 V +- 10 % (Bosch Rexroth MSK, project planning, 10.10; Siemens SINAMICS S120)
-OWN_SUPPLY = "assumed: from a supply of its own, of the voltage that its coil needs"
+_CONTROL = 24.0  # V, of the control supply that machines have beside that of their drives: IEC 61131-2
+OWN_SUPPLY = "assumed: it is fed with the voltage that its coil needs, from a supply of its own where that is another"
+_HIGHER = "no such voltage is known of the machine, and it must be made out of a lower one: supply.brakes"
 _COLDER = "at most: the permitted winding temperature is unknown"
 _COOLER = "at most: thermal figures are unknown"
 _COOLED = "unknown: thermal figures by which its mounting, cooler than the printed one, raises the rating"
@@ -207,15 +209,22 @@ def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
 
 
 def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
-    """Voltage that feeds a brake against that of its coil: ``supply.brakes``, else what it needs."""
+    """Voltage that feeds a brake against that of its coil: ``supply.brakes``, else what it needs.
+
+    Up to the voltage of the machine, or of a usual control supply, that can be had; above both it is unknown.
+    """
     coil, given, there = brake["supply"], supply.brakes, brake["part"] != ""
     low, high = (supply.lowest, supply.highest) if given in (None, supply.nominal) else (given, given)
     least, most = (1.0 - _COIL) * coil, (1.0 + _COIL) * coil
     weak = low < least
     demand, limit = np.where(weak, least, high), np.where(there, np.where(weak, low, most), np.inf)
     apart = there & ~(demand <= limit) & (given is None)
+    at_hand = max(supply.highest, _CONTROL)
+    higher = apart & (least > at_hand)
     demand, limit = np.where(apart, coil, demand), np.where(apart, most, limit)
-    return at_most("brake_voltage", demand, limit, by_choice=True).assuming(apart, OWN_SUPPLY)
+    limit = Range(np.where(higher, at_hand, limit), np.where(higher, np.nan, limit))
+    column = at_most("brake_voltage", demand, limit, by_choice=True, undecided=_HIGHER)
+    return column.assuming(apart & ~higher, OWN_SUPPLY)
 
 
 def unstated_ambient(sets: Iterable[DriveSet]) -> tuple[str, ...]:

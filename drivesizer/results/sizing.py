@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isnan, nan
 from typing import Any, NamedTuple
@@ -183,7 +183,7 @@ def _row(one: DriveSet) -> tuple[str, ...]:
         str(one.rank),
         one.motor_name,
         one.gearhead_name,
-        show(one.mass, "g", "mass"),
+        mass_text(one),
         one.price_text,
         margin,
         one.status,
@@ -201,10 +201,24 @@ class Explanation(NamedTuple):
 # -- Figures of a drive for each objective.
 
 
-def ranked_by(objective: str, drives: Iterable[DriveSet]) -> str:
-    """Words on what ranked drives: those of which no price is known stand in the order of their masses."""
+def ranked_by(objective: str, drives: Sequence[DriveSet]) -> str:
+    """Words on what ranked drives: those of which no price is known stand in the order of their masses.
+
+    Of which parts the mass is estimated is that of the first one.
+    """
+    said = f"ranked by {objective.replace('_', ' ')}"
     unknown = objective == "price" and all(isnan(one.objective) for one in drives)
-    return f"ranked by {objective.replace('_', ' ')}" + (", of which none is known: by mass" if unknown else "")
+    said += ", of which none is known: by mass" if unknown else ""
+    guessed = drives[0].mass_estimated if drives and (unknown or "mass" in objective.split()) else ()
+    return said + (f", that of {' and '.join(guessed)} estimated" if guessed else "")
+
+
+def mass_text(one: DriveSet) -> str:
+    """The mass of a drive as it is printed: at least that where a part's is unknown, about where one is estimated."""
+    if isnan(one.mass):
+        return "unknown"
+    mark = "≥ " if unknown_parts(one, "mass", one.mass_of) else "≈ " if one.mass_estimated else ""
+    return mark + show(one.mass, "g", "mass")
 
 
 def objective_figure(drive_set: DriveSet, objective: str) -> Figure:

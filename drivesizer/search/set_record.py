@@ -14,6 +14,7 @@ from drivesizer.catalog.parts import one_row
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.budgets import MachineBudget
+from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.machine.part_curves import curves_of, torque_of_part
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
@@ -162,7 +163,9 @@ def _sums(evaluation: Evaluation, index: int, parts: DriveParts) -> dict[str, An
     mass, mass_of = _summed(evaluation, index, parts, "mass")
     value, value_of = _objective(evaluation, index, parts)
     of_parts = {field.name: getattr(parts, field.name) for field in fields(parts)}
-    return of_parts | {"mass": mass, "mass_of": mass_of, "objective": value, "objective_of": value_of}
+    bands = {row.name for row in drive_rows(parts, 1, evaluation.catalog) if row.band}
+    masses = {"mass": mass, "mass_of": mass_of, "mass_estimated": tuple(role for role in mass_of if role in bands)}
+    return of_parts | masses | {"objective": value, "objective_of": value_of}
 
 
 def _summed(evaluation: Evaluation, index: int, one: DriveParts, objective: str) -> tuple[float, tuple[str, ...]]:

@@ -122,7 +122,7 @@ class Supply(fields.Section):
 
     brakes: fields.Voltage | None = fields.optional(
         "that holding brakes are fed with, as nominal where they share this supply; where not given "
-        "brakes of another voltage have a supply of their own"
+        "brakes of another voltage have a supply of their own, of no more than this one's voltage or 24 V"
     )
 
     @model_validator(mode="after")

@@ -52,7 +52,7 @@ class Map(NamedTuple):
 # A column of the table as a map; one that the table lacks, or that is unknown everywhere, is left out.
 MAPS: tuple[Map, ...] = (
     Map("best_set", "set", "Best drive"),
-    Map("mass", "machine_mass_kg", "Mass of motors and gearheads, all drives (kg)", lacks="mass_lacks"),
+    Map("mass", "machine_mass_kg", "Mass of the parts, all drives (kg)", lacks="mass_lacks"),
     Map("price", "machine_price_EUR", "Price of the parts, all drives (EUR)", lacks="price_lacks"),
     Map("peak_power", "peak_W", "Power out of the supply of all axes, largest (W)"),
     Map("smallest_margin", "smallest_margin", "Smallest margin (%)", scale=100.0, signed=True),

@@ -107,6 +107,7 @@ _DRIVE = (
     _number("total_ratio", "1", lambda one: one.total_ratio),
     _number("mass_kg", "kg", lambda one: one.mass),  # as the objective counts it
     _text("mass_lacks", lambda one: " + ".join(_mass_lacks(one))),
+    _text("mass_estimated", lambda one: " + ".join(one.mass_estimated)),
     _number("price_EUR", "EUR", lambda one: one.price),  # of all parts whose price is known
     _text("price_lacks", lambda one: " + ".join(_price_lacks(one))),
     _number("objective_si", "", lambda one: one.objective),
@@ -130,7 +131,7 @@ def _known_price(sizing: MachineSizing) -> float:
 
 
 def _lacking(sizing: MachineSizing, of: Callable[[DriveSet], Sequence[str]]) -> str:
-    """Parts that a sum does not cover, by axis: ``lift: motor + encoder; slide: encoder``."""
+    """Parts that a sum does not cover or estimates, by axis: ``lift: motor + encoder; slide: encoder``."""
     parts = [(one.name, of(one.best)) for one in sizing.axes if one.best] if sizing.complete else []
     return "; ".join(f"{name}: {' + '.join(some)}" for name, some in parts if some)
 
@@ -147,8 +148,9 @@ _MACHINE = (
         Column("kinds", "whole"),  # of motor and gearhead
         lambda sizing: len({(one.best.motor.part, one.best.gearhead.part) for one in sizing.axes if one.best}),
     ),
-    _number("machine_mass_kg", "kg", lambda sizing: _sum(sizing, lambda one: one.mass)),  # of motors and gearheads
+    _number("machine_mass_kg", "kg", lambda sizing: _sum(sizing, lambda one: one.mass)),
     _text("mass_lacks", lambda sizing: _lacking(sizing, _mass_lacks)),
+    _text("mass_estimated", lambda sizing: _lacking(sizing, lambda one: one.mass_estimated)),
     _number("machine_price_EUR", "EUR", _known_price),
     _text("price_lacks", lambda sizing: _lacking(sizing, _price_lacks)),
     _number("objective_si", "", lambda sizing: sizing.total),

@@ -9,7 +9,8 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.output.parts import machine_parts
 from drivesizer.output.terminal.sizing import explained
-from drivesizer.results.sizing import Explanation
+from drivesizer.results.ratings import coil_voltage
+from drivesizer.results.sizing import Explanation, mass_text, ranked_by
 from drivesizer.search import ranking
 from drivesizer.search.passing import sifted
 from drivesizer.search.shortlist import load_parts
@@ -160,6 +161,25 @@ def test_a_coil_that_is_fed_with_another_voltage_fails(supply, demand, limit):
     assert (coil.status, coil.demand, coil.limit) == ("fail", pytest.approx(demand), pytest.approx(limit))
 
 
+def test_a_coil_for_more_than_there_is_needs_a_supply_that_nobody_named():
+    """A wheelchair at 24 V had a brake of 205 V; 24 V is had beside any voltage, and less than its own too."""
+    for volts, coil, status in (
+        (24, 24, "pass"),
+        (24, 205, "unknown"),
+        (12, 24, "pass"),
+        (48, 24, "pass"),
+        (325, 205, "pass"),
+    ):
+        spec = read(
+            VEHICLE.format(catalogs="maxon").replace("nominal: 48 V, min: 42 V, max: 54 V", f"nominal: {volts} V")
+        )
+        one = coil_voltage({"supply": np.array([float(coil)]), "part": np.array(["brake"])}, spec.supply).at(
+            0, "physics"
+        )
+        assert one.status == status, (volts, coil)
+        assert ("supply" in one.note) == (volts != coil)
+
+
 def test_a_motor_for_extra_low_voltage_is_not_first_at_the_mains():
     """Rectified mains of 230 V, 325 V: motors for 48 V are unknown and behind; one for 283 V is within 1.5 times."""
     text = SERVO.replace("VOLTS", "325 V").replace("panasonicMORE", "maxon")
@@ -275,6 +295,11 @@ def test_mass_is_that_of_all_that_is_bought():
     assert (light.motor.part, light.mass) == ("RS00", pytest.approx(0.310, abs=1e-6))
     assert (bare.motor.part, bare.encoder) == ("AKE60-8 KV80", None)
     assert bare.mass == bare.objective == pytest.approx(0.260 + 0.020 + 0.045, abs=1e-6)
+    # what is assumed is marked wherever it is printed, and said where it ranks
+    assert (mass_text(light), mass_text(bare)) == ("310 g", "≈ 325 g")
+    assert (bare.mass_estimated, light.mass_estimated) == (("encoder", "controller"), ())
+    assert ranked_by("mass", (light, bare)) == "ranked by mass"
+    assert ranked_by("mass", (bare,)) == "ranked by mass, that of encoder and controller estimated"
 
 
 def test_an_unknown_mass_of_encoder_or_controller_stands_last():

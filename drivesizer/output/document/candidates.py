@@ -16,8 +16,8 @@ from drivesizer.output.words import confidence, likely, loop_text, meeting, move
 from drivesizer.results.check import Driver, Reliability, Spread, Uncertainty, worst
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.sizing import SizingResult, objective_figure, ranked_by, unknown_parts
-from drivesizer.units import KINDS, show
+from drivesizer.results.sizing import SizingResult, mass_text, objective_figure, ranked_by, unknown_parts
+from drivesizer.units import KINDS
 
 
 def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, DriveSet]]:
@@ -56,18 +56,21 @@ def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mas
     name = f"{family}{gearhead}{f' × {one.belt_name}' if one.belt_name else ''}"
     numbers = "" if first else numbers
     least = "≥ " if unknown_of(one, one.price_of) and one.price_of else ""
-    light = "≥ " if not isnan(one.mass) and unknown_parts(one, "mass", one.mass_of) else ""
-    mass = doc.Quantity(one.mass, "g", "mass")
     own: doc.Cell = "" if objective in _SHOWN else objective_quantity(one, objective)
     return doc.Row({
         "drive": (doc.Strong(name) if one.rank == 1 else name, doc.Small("; ".join(filter(None, [numbers, *lacks])))),
         "objective": own,
-        "mass": doc.Quantity(one.mass, "g", "mass", own=light + mass.text if light else ""),
+        "mass": mass_quantity(one),
         "price": doc.Quantity(one.price, "EUR", "money", own="" if isnan(one.price) else f"{least}{one.price:.0f} EUR"),
         "energy": doc.Quantity(energy.value, energy.unit, energy.kind, own="–" if isnan(energy.value) else ""),
         "margin": doc.Quantity(tight.margin, "%", "margin") if tight else "–", "tight": tight.title if tight else "",
         "status": (doc.Status(one.status),),
     }, name=f"{one.motor.part}_{one.gearhead.part}", status=one.status, data={"rank": str(one.rank)})  # fmt: skip
+
+
+def mass_quantity(one: DriveSet) -> doc.Quantity:
+    """The mass of a drive, marked where a part's is unknown or estimated."""
+    return doc.Quantity(one.mass, "g", "mass", own=mass_text(one))
 
 
 def objective_quantity(one: DriveSet, objective: str) -> doc.Quantity:
@@ -79,7 +82,8 @@ def objective_quantity(one: DriveSet, objective: str) -> doc.Quantity:
     declared = OBJECTIVES[objective]
     lacks = declared.over and unknown_parts(one, objective, one.objective_of)
     note = f"{' and '.join(one.objective_of)} only" if lacks and one.objective_of else ""
-    return doc.Quantity(one.objective, declared.unit, declared.kind, note=note)
+    own = mass_text(one) if objective == "mass" else ""
+    return doc.Quantity(one.objective, declared.unit, declared.kind, own=own, note=note)
 
 
 def short_table(caption: str, drives: Sequence[DriveSet], objective: str, name: str) -> Iterator[doc.Block]:
@@ -110,7 +114,7 @@ def alternatives(content: Content) -> Iterator[doc.Block]:
         more = [f"{role} {part.part}" for role, part in (("brake", other.brake), ("encoder", other.encoder)) if part]
         more += [f"controller {other.controller.family}"] if other.controller else []
         price = f"{other.price:.2f} EUR, sum of {' + '.join(other.price_of)}" if other.price_of else "unknown"
-        mass = f"{show(other.mass, 'g', 'mass')}, sum of {' + '.join(other.mass_of)}"
+        mass = f"{mass_text(other)}, sum of {' + '.join(other.mass_of)}"
         yield doc.Words(("Without the families and parts that the spec names, the whole catalogue gives ",
                          doc.Strong(", ".join([other.label, *more])), f" (mass {mass}; price {price})."))  # fmt: skip
 
@@ -187,7 +191,7 @@ def _drives(content: Content) -> doc.Table:
     caption = f"The best drives{reach}{below}" if result.sets else "The closest rejected drives"
     rows = [doc.Row({"rank": doc.Quantity(one.rank), "motor": one.motor_name, "gearhead": gearhead_words(one,
                                                                                                          belt=False),
-                     "ratio": doc.Quantity(one.total_ratio, "1", "plain"), "mass": doc.Quantity(one.mass, "g", "mass"),
+                     "ratio": doc.Quantity(one.total_ratio, "1", "plain"), "mass": mass_quantity(one),
                      "price": doc.Quantity(one.price, "EUR", "money", own="" if isnan(one.price)
                                            else f"{one.price:.2f}"), "margin": doc.Quantity(_smallest(one), "%",
                                                                                             "margin"),
@@ -497,6 +501,7 @@ _SET = (  # head, and where a drive has it
     ("screw_part", "chosen_screw.screw.part"), ("brake_family", "brake.family"), ("brake_part", "brake.part"),
     ("encoder_family", "encoder.family"), ("encoder_part", "encoder.part"), ("controller_family", "controller.family"),
     ("controller_part", "controller.part"), ("total_ratio", "total_ratio"), ("mass_kg", "mass"), ("mass_of", "mass_of"),
+    ("mass_estimated_of", "mass_estimated"),
     ("price_EUR", "price"), ("price_of", "price_of"),
 )  # fmt: skip
 _WHOLE = (  # of its probability

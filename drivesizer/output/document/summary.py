@@ -418,11 +418,12 @@ def _identity(s: DriveSet) -> doc.Table:
              "status": "" if part else (doc.Status("unknown"),)}, name=role.replace(" ", "_"))
         for role, part in parts.items()
     ]  # fmt: skip
+    guessed = f"; estimated: {', '.join(s.mass_estimated)}" if s.mass_estimated else ""
     figures: dict[str, tuple[str, doc.Cell, str]] = {
         "gearhead_ratio": ("Ratio of the gearhead", doc.Quantity(s.gearhead.ratio, "1", "plain"), ""),
         "belt_ratio": ("Ratio of the belt", doc.Quantity(s.belt_ratio, "1", "plain"), ""),
         "total_ratio": ("Total ratio", doc.Quantity(s.total_ratio, "1", "plain"), ""),
-        "mass": ("Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}"),
+        "mass": ("Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}{guessed}"),
         "price": ("Price", doc.Quantity(s.price, "EUR", "money"),
                   f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
         "objective": ("Objective", doc.Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),

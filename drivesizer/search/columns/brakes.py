@@ -275,8 +275,7 @@ def _of_options(problem: Problem, cycles: Sequence[AtGearhead], parts: Parts) ->
         if spec.needs.emergency_stops:
             inertia = drive_inertia(parts.motor, gearhead, parts.encoder, brake_inertia(parts, cycle.belt))
             found += _stop_limits(spec, cycle, gearhead, brake, inertia)
-        if spec.supply.brakes is not None:
-            found.append(coil_voltage(brake, spec.supply))
+        found.append(coil_voltage(brake, spec.supply))
     return found
 
 
