@@ -222,8 +222,8 @@ def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
     at_hand = max(supply.highest, _CONTROL)
     higher = apart & (least > at_hand)
     demand, limit = np.where(apart, coil, demand), np.where(apart, most, limit)
-    limit = Range(np.where(higher, at_hand, limit), np.where(higher, np.nan, limit))
-    column = at_most("brake_voltage", demand, limit, by_choice=True, undecided=_HIGHER)
+    ends = Range(np.where(higher, at_hand, limit), np.where(higher, np.nan, limit))
+    column = at_most("brake_voltage", demand, ends, by_choice=True, undecided=_HIGHER)
     return column.assuming(apart & ~higher, OWN_SUPPLY)
 
 
