@@ -108,10 +108,15 @@ def __getattr__(name: str) -> typer.Typer:
 
 def _command_line_of(arguments: list[str]) -> typer.Typer:
     """The command line with the one command that is run: loading the others would take as long as to parse."""
-    named = arguments[:1]
-    if {*named} & {"-h", "--help", "--version"}:
+    completes = "_DRIVESIZER_COMPLETE" in os.environ  # a shell wants to know what may stand where the cursor is
+    if completes:
+        arguments = (os.environ.get("_TYPER_COMPLETE_ARGS") or os.environ.get("COMP_WORDS", "")).split()[1:]
+    named = {*arguments[:1]}
+    if named & (_COMMANDS.keys() | _GROUPS.keys()):
+        return _with_commands(named)
+    if completes or named & {"-h", "--help", "--version"}:
         return _with_commands(_COMMANDS | _GROUPS, loaded=False)
-    return _with_commands(named) if {*named} & (_COMMANDS.keys() | _GROUPS.keys()) else _whole()
+    return _whole()
 
 
 def main() -> None:

@@ -43,13 +43,16 @@ def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
         raise InputError(f"{spec.where(('battery', 'part'))}: {str(error).removeprefix('battery.part: ')}") from None
 
 
-def machine_requirements(spec: RobotSpec) -> MachineBudget | None:
-    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without."""
+def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudget | None:
+    """Requirements, and room, footing and grip of a platform, which are the same whatever drives it; None without.
+
+    In brief without figures that have no limit.
+    """
     if spec.platform is None and spec.requirements is None:
         return None
     from drivesizer.machine.platform_budget import worst_case_budget
 
-    return MachineBudget(*worst_case_budget(spec))
+    return MachineBudget(*worst_case_budget(spec, brief=brief))
 
 
 def machine_budget(

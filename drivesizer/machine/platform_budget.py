@@ -234,7 +234,7 @@ def _noted(columns: Sequence[CheckColumn], case: str = "") -> tuple[Check, ...]:
     return tuple(c.at((), "budget", cases=(case,)) for c in columns)
 
 
-def worst_case_budget(spec: RobotSpec) -> tuple[tuple[Check, ...], tuple[Figure, ...]]:
+def worst_case_budget(spec: RobotSpec, *, brief: bool = False) -> tuple[tuple[Check, ...], tuple[Figure, ...]]:
     """Requirements of a machine, and room, footing and grip of its platform: limits, and figures that have none."""
     checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
     if spec.platform is None:
@@ -248,7 +248,8 @@ def worst_case_budget(spec: RobotSpec) -> tuple[tuple[Check, ...], tuple[Figure,
             gains = cycle.radius * float(np.abs(cycle.acceleration).max())
         given = case.environment.gravity, spec.margins.torque, trajectory, gains
         found.append((name, PlatformOnFloor(case.platform, case.load, dynamics_of(case), *given)))
-    return checks + worst_of_cases([(name, platform_checks(s)) for name, s in found]), platform_figures(found[0][1])
+    checks += worst_of_cases([(name, platform_checks(s)) for name, s in found])
+    return checks, () if brief else platform_figures(found[0][1])
 
 
 def platform_checks(s: PlatformOnFloor) -> tuple[Check, ...]:

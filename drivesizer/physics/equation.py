@@ -11,6 +11,7 @@ import inspect
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from math import inf, isfinite, nan
 from numbers import Real
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ from drivesizer.physics.notation import computed
 from drivesizer.units import KINDS, kind_of_unit, noun
 
 Value = float | NDArray[np.float64]
+_signature = cache(inspect.signature)
 
 EQUATIONS: dict[int, Equation] = {}  # the paper's, by number
 COMPANIONS: dict[str, Equation] = {}  # what the paper uses without a number, by function name
@@ -104,7 +106,7 @@ class Equation(Declared):
             except (TypeError, ValueError):
                 pass  # the reason is found below
         try:
-            given = inspect.signature(self.formula).bind(*args, **kwargs).arguments
+            given = _signature(self.formula).bind(*args, **kwargs).arguments
         except TypeError as error:
             wanted = ", ".join(f"{term.name} [{term.unit}]" for term in self.terms)
             raise InputError(f"{self.label}: {error}; expected {wanted}") from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from operator import itemgetter
 from typing import Any
 
@@ -141,16 +142,22 @@ def contact_loads(
     >>> contact_loads(cart, ground=Ground(gravity=10.0))  # levers 0.3 and 0.2 of 0.5
     array([300., 200.])
     """
-    places = np.array(platform.contacts)
-    middle = places.mean(axis=0)
-    apart = places - middle
+    middle, share = _tilting(tuple(platform.contacts))
     normal = platform.mass * ground.gravity * np.cos(ground.slope)
     floor = [platform.mass * (np.asarray(a) - g) for a, g in zip(accelerated, _downhill(theta, ground), strict=True)]
     lever = [c - m for c, m in zip((platform.x, platform.y), middle, strict=True)]
     tilt = [normal * c - platform.height * f for c, f in zip(lever, floor, strict=True)]
     lean = np.array(np.broadcast_arrays(*tilt, np.zeros(samples)))[:2]
-    share = apart @ np.linalg.pinv(apart.T @ apart, rcond=1e-12, hermitian=True)
-    return np.asarray(normal / len(places) + np.tensordot(share, lean, axes=1))
+    return np.asarray(normal / len(share) + np.tensordot(share, lean, axes=1))
+
+
+@lru_cache(maxsize=64)
+def _tilting(contacts: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
+    """Middle of contact points, and the load of each over the two moments that tilt the platform about it [1/m]."""
+    places = np.array(contacts)
+    middle = places.mean(axis=0)
+    apart = places - middle
+    return middle, apart @ np.linalg.pinv(apart.T @ apart, rcond=1e-12, hermitian=True)
 
 
 # -- Torques of a platform's wheels, and the motion that they make.

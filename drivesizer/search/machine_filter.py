@@ -276,13 +276,13 @@ def _pieces(rows: NDArray[np.int64], alone: int, first: int, most: int) -> Itera
 
 def any_in_machine(problem: Problem) -> bool:
     """Whether any drive passes by itself and in its machine."""
-    machine = machine_requirements(problem.machine)
+    machine = machine_requirements(problem.machine, brief=True)
     return any_drive(problem, machine_filter(problem, machine, weighing(problem, machine)))
 
 
 def best_in_machine(problem: Problem, aside: frozenset[str] = frozenset()) -> DriveSet | None:
     """The best drive that passes the machine's budgets too; None where none does."""
-    machine = machine_requirements(problem.machine)
+    machine = machine_requirements(problem.machine, brief=True)
     judge = machine_filter(problem, machine, weighing(problem, machine), aside)
     found = search(problem, top=1, misses=None, judge=judge)
     return drive_set(found.evaluation, 0, 1) if found.passing else None
@@ -290,7 +290,7 @@ def best_in_machine(problem: Problem, aside: frozenset[str] = frozenset()) -> Dr
 
 def passes_budgets(problem: Problem, one: DriveParts) -> bool:
     """Whether a drive passes the budgets of its machine, which need not have been computed."""
-    machine = machine_requirements(problem.machine)
+    machine = machine_requirements(problem.machine, brief=True)
     if machine and _fails(problem, machine.checks):
         return False
     return not _fails(problem, machine_budget(problem, one, machine).checks)

@@ -198,7 +198,7 @@ def shortlist(
     problem = problem.ranked_by(spec.select.objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = machine_requirements(problem.machine)
+    machine = machine_requirements(problem.machine, brief=checks_alone)
     weigh = weighing(problem, machine, brief=checks_alone)
     judge = machine_filter(problem, machine, weigh, counted=not checks_alone)
     found = search(
