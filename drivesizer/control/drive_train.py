@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.load_cases.platform import AtShaft, at_shaft
 from drivesizer.loads.course import Profile
-from drivesizer.physics.drive_train import through_gears
+from drivesizer.physics.drive_train import commutation, through_gears
 from drivesizer.physics.thermal import resistance_25
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.ratings import unstated_temperature
@@ -107,6 +107,7 @@ class DriveTrain(Mechanics):
     torque_constant: float  # N*m/A
     back_emf_constant: float  # V*s/rad
     viscous: float = 0.0  # N*m*s/rad at the motor
+    commutation: float = 0.0  # V*s/(A*rad), that it takes of the voltage
     stiffness: float = inf  # N*m/rad of the driven shaft; infinite: rigid
     damping: float = 0.0  # N*m*s/rad of the driven shaft
     gap: float = 0.0  # rad of backlash at the driven shaft, from contact to contact
@@ -180,6 +181,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         torque_constant=own.k_t,
         back_emf_constant=own.k_e,
         viscous=0.0 if isnan(own.viscous) else own.viscous,
+        commutation=float(commutation(motor)),
     )
     if not all(isfinite(getattr(train, f.name)) for f in fields(train) if f.name != "stiffness"):
         raise InputError("the load's figures leave the range of numbers that can be computed with")

@@ -362,6 +362,19 @@ def mean_line(d: Drive, s: Segment, rise: float) -> Line:
     return Line(s.I_0, s.I_1, d.emf * s.w_0 + R * s.I_0, d.emf * s.w_1 + R * s.I_1)
 
 
+def top_voltage(s: Segment, V_0: float, V_1: float, X: float) -> Top:
+    """The largest voltage over a piece, with what commutation takes where the motor drives, and when."""
+    first, last = V_0 + X * max(s.I_0 * s.w_0, 0.0), V_1 + X * max(s.I_1 * s.w_1, 0.0)
+    rise_I, rise_w, share = s.I_1 - s.I_0, s.w_1 - s.w_0, 1.0 if last > first else 0.0
+    bend, slope = X * rise_I * rise_w, V_1 - V_0 + X * (s.I_0 * rise_w + s.w_0 * rise_I)
+    drives = s.I_0 * s.w_0 >= 0.0 and s.I_1 * s.w_1 >= 0.0
+    if drives and bend < 0.0 and slope > 0.0 and slope + 2.0 * bend < 0.0:
+        share = -slope / (2.0 * bend)
+        inner = first + share * (slope + share * bend)
+        return Top(inner, inner, share * s.t)
+    return Top(max(first, last), max(first, last), share * s.t)
+
+
 def halves(s: Segment) -> tuple[Segment, Segment, float]:
     """A piece up to where its current changes its sign, what follows, and the share of the first."""
     share = s.I_0 / (s.I_0 - s.I_1)
@@ -414,7 +427,7 @@ def over_cycle(
     b, course, time = bodies_of(d.R, d.R_rise, d.R_th1, d.R_th2, d.C_w, d.C_h), not math.isnan(start[0]), 0.0
     w, h = start
     none = Top(-math.inf, -math.inf, 0.0)
-    current, winding, voltage, power, least = none, none, none, none, w
+    current, winding, voltage, lower, power, least = none, none, none, none, none, w
     square_time = mean_time = copper = 0.0
     above, store = Above(0.0, 0.0, -1.0, 0.0), Store(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     drawn = returned = heat = motor = unlike = 0.0
@@ -444,8 +457,10 @@ def over_cycle(
             copper += p.t * (d.R + d.R_rise * rises.mean) * square
             v_0 = d.emf * p.w_0 + (d.R + d.R_rise * rises.start) * p.I_0
             v_1 = d.emf * p.w_1 + (d.R + d.R_rise * rises.end) * p.I_1
-            voltage = larger(voltage, max(abs(v_0), abs(v_0 + d.leads * p.I_0)), time)
-            voltage = larger(voltage, max(abs(v_1), abs(v_1 + d.leads * p.I_1)), time + p.t)
+            v_0, v_1 = max(abs(v_0), abs(v_0 + d.leads * p.I_0)), max(abs(v_1), abs(v_1 + d.leads * p.I_1))
+            most, least_of = top_voltage(p, v_0, v_1, d.commutation), top_voltage(p, v_0, v_1, d.least_commutation)
+            voltage = larger(voltage, most.value, time + most.time)
+            lower = larger(lower, least_of.value, time + least_of.time)
             current = larger(larger(current, abs(p.I_0), time), abs(p.I_1), time + p.t)
             if level >= POWER:
                 above = time_above(above, d.limit, p.I_0, p.I_1, time, p.t)
@@ -476,7 +491,7 @@ def over_cycle(
         math.sqrt(square_time / time), current.value, current.time,
         winding.value if course else held.highest, winding.time if course else math.nan, mean_time / time,
         least, start[0], start[1], w, h,
-        voltage.value, voltage.time, copper / time,
+        voltage.value, voltage.time, lower.value, lower.time, copper / time,
         longest_above(above, time) if level >= POWER and not math.isnan(d.limit) else math.nan,
         above.in_all if level >= POWER and not math.isnan(d.limit) else math.nan,
         power.value if level >= POWER else math.nan, power.time if level >= POWER else math.nan,
@@ -538,6 +553,7 @@ def drive_of(x: Array) -> Drive:
     return Drive(
         x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7], x[8], x[9], x[10], x[11], x[12], x[13], x[14], x[15], x[16],
         x[17], x[18], x[19], x[20], x[21], x[22], x[23], x[24], x[25], x[26], x[27], x[28], x[29], x[30], x[31], x[32],
+        x[33], x[34],
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
+from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import COPPER, resistance_at, two_bodies
@@ -28,6 +29,7 @@ def drives_of(
     kept: Any = 0.0,
     limit: Any = np.nan,
     error: float = _ERROR,
+    band: tuple[float, float] = COMMUTATION_BAND,
 ) -> Drive:
     """Drives as columns; a winding whose course cannot be computed has to be held at a rise.
 
@@ -52,6 +54,8 @@ def drives_of(
     error
         Permitted at the end of a segment, as a share of what the change within it does to the winding [1]; a cycle of
         several samples is cut by the time constant of each, another by the shortest.
+    band
+        Of what commutation takes of the voltage, least and most of ``drive_train.commutation`` [1].
 
     Returns
     -------
@@ -61,6 +65,7 @@ def drives_of(
     bodies, k_t, belt, e = two_bodies(motor), motor["torque_constant"], np.asarray(cycle.belt), cycle.base.efficiency
     several = cycle.base.load_cycle.speed.shape[2:]
     c, stage = demand.coefficients / np.reshape(k_t, (-1, 1)), feed.stage
+    X = commutation(motor) * demand.total_ratio * belt
     with np.errstate(divide="ignore", invalid="ignore"):  # of unknown figures
         C_w, C_h = bodies.capacity_w, bodies.capacity_h
     drive = Drive(
@@ -95,6 +100,8 @@ def drives_of(
         drives=float(feed.drives),
         kept=kept,
         limit=limit,
+        commutation=band[1] * X,
+        least_commutation=band[0] * X,
     )
     current = sum(drive[:6])
     known = bodies.known & ~np.isnan(current + heating.friction + heating.iron + ambient)

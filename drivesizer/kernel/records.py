@@ -44,6 +44,8 @@ class Drive(NamedTuple):
     drives: Any  # 1, alike at this source
     kept: Any  # 1, share of what is returned that stays on the bus
     limit: Any  # A, of which the time above counts
+    commutation: Any  # V*s/(A*rad), that commutation takes of a motor that drives, at most
+    least_commutation: Any  # V*s/(A*rad), at least
     winding_start: Any = nan  # K, rises with which a cycle begins; NaN: those with which it ends, too
     housing_start: Any = nan
 
@@ -62,8 +64,10 @@ class Figures(NamedTuple):
     housing_start: Any  # K
     winding_end: Any  # K, where it ends
     housing_end: Any  # K
-    voltage: Any  # V, largest, the winding as warm as it then is
+    voltage: Any  # V, largest, the winding as warm as it then is, with the most that commutation takes
     voltage_time: Any  # s
+    least_voltage: Any  # V, with the least
+    least_voltage_time: Any  # s
     copper: Any  # W, mean heat of the winding
     above: Any  # s, longest without a break above the limit
     above_in_all: Any  # s, all such time

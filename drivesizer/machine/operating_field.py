@@ -14,11 +14,12 @@ from drivesizer.catalog.parts import one_row
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.part_curves import torque_of_part
 from drivesizer.machine.set_cycle import SetCycle, turned
+from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, CycleAtBelt
-from drivesizer.physics.drive_train import friction
+from drivesizer.physics.drive_train import commutation, friction
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
-from drivesizer.physics.winding import heat, housing_loss, volts_of
+from drivesizer.physics.winding import heat, housing_loss
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.mounting import loss_at_flange, rise_left
 from drivesizer.spec.robot import RobotSpec
@@ -57,23 +58,26 @@ def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
     own = c[DIRECTION] * np.sign(speed) + c[SPEED] * speed
     current = (c[DRIVING] * np.maximum(torque, 0.0) + c[BRAKING] * np.minimum(torque, 0.0) + own) / k_t
     hot = resistance_at(resistance_25(found.motor), found.winding if np.isfinite(found.winding) else ambient)
-    voltage = hot * current + found.demands.back_emf * found.demands.total_ratio * speed
+    turning = found.demands.total_ratio * speed
+    voltage = hot * current + found.demands.back_emf * turning
     surplus = found.demands.surplus(k_t) * speed * current  # what the two constants differ by is lost both ways
     electrical, mechanical = current * voltage + np.maximum(-2.0 * surplus, 0.0), torque * speed
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(mechanical > 0.0, mechanical / electrical, np.maximum(electrical / mechanical, 0.0))
-    return Operation(current, voltage, np.where(mechanical == 0.0, np.nan, share))
+    taken = commutation(found.motor) * np.abs(turning) * np.where(turning * current > 0.0, current, 0.0)
+    return Operation(current, voltage + taken, np.where(mechanical == 0.0, np.nan, share))
 
 
 # -- The torque-speed field of a drive's motor, winding cold and hot, and the load cycle in it: data for figures.
 #
 # Torque is that at the motor's shaft, its own friction taken off, the rotor's acceleration included:
 #
-# .. math:: M_V(w) = \frac{k_t (V - k_e w)}{R(T)} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
+# .. math:: M_V(w) = \frac{k_t (V - k_e w)}{R(T) + X w} - M_f(w), \qquad M_c(w) = k_t I_c(w) - M_f(w),
 #
 # with the usable voltage V, the continuous current I_c at the motor's own loss at that speed, and the friction M_f
 # of the drive model in ``physics``, whose coefficients all of this is made of. Symbols: w speed of the motor
-# [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A], k_e back-EMF constant [V*s/rad], i ratio.
+# [rad/s], M torque [N*m], R resistance [ohm], k_t torque constant [N*m/A], k_e back-EMF constant [V*s/rad], i ratio,
+# X what commutation takes (``drive_train.commutation``) [V*s/(A*rad)].
 
 
 _POINTS = 201  # of each line
@@ -136,17 +140,20 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         at_flange = loss_at_flange(spec, cycle, gearhead)
         steady = float(heat(ambient, cycle, demand, motor, from_gearhead=at_flange).winding[0])
         hot = steady if isfinite(steady) else hot
-    lines = []  # torque at standstill [N*m] and its change with speed [N*m s/rad] behind stage and supply
-    for temperature in (ambient, hot):
-        R = float(resistance_at(resistance_25(drive_set.motor), temperature) + feed.leads)
-        volts = volts_of(demand, np.array([k_t]), np.array([R]))[0]
-        lines.append(((voltage - volts[DIRECTION]) * k_t / R, -volts[SPEED] / ratio * k_t / R))
+    k_e, X = float(demand.back_emf[0]), float(commutation(motor)[0])
+    cold, warm = (float(resistance_at(resistance_25(drive_set.motor), T) + feed.leads) for T in (ambient, hot))
+
+    def by_voltage(R: float, w: Any) -> Any:
+        """Torque at the shaft that the voltage gives behind stage and supply [N*m]."""
+        return k_t * (voltage - k_e * w) / (R + X * w) - rubbed(w)
+
     at_shaft = c.copy()
     at_shaft[[DIRECTION, SPEED]] = 0.0
     cycle_speed, cycle_torque = cycle.functions[:, :, SPEED] * ratio, cycle.line(at_shaft)
-    no_load = -lines[0][0] / lines[0][1] if lines[0][1] < 0.0 else 0.0
+    no_load, _ = operating_point(Winding(cold, nan, k_t, k_e, X), voltage, c[DIRECTION], c[SPEED] / ratio)
     fastest = float(np.abs(cycle_speed).max())
-    w = np.linspace(0.0, np.fmax(no_load, fastest), _POINTS)  # as far as the cycle goes where friction is unknown
+    farthest = np.fmax(max(no_load, 0.0), fastest)  # as far as the cycle goes where friction is unknown
+    w = np.linspace(0.0, farthest, _POINTS)
     rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     permitted, left = motor["max_winding_temperature"], rise_left(spec.environment)
@@ -167,8 +174,8 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         hot_permitted=hot_permitted,
         permissible_speed=float(np.fmin(drive_set.motor.max_speed, drive_set.gearhead.intermittent_input_speed)),
         speed=w,
-        voltage_cold=lines[0][0] + lines[0][1] * w,
-        voltage_hot=lines[1][0] + lines[1][1] * w,
+        voltage_cold=by_voltage(cold, w),
+        voltage_hot=by_voltage(warm, w),
         continuous=continuous,
         thermal=thermal,
         intermittent=np.fmin(k_t * peak - rubbed(w), drive_set.gearhead.intermittent_torque * c[DRIVING]),

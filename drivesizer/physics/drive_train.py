@@ -245,6 +245,7 @@ def lost_in_gearhead(driving: Figure, braking: Figure, speed: Figure, gearhead: 
 
 
 _SIX_STEPS = 3.0 / (2.0 * np.pi)  # six commutations in an electrical period, each through half of L
+COMMUTATION_BAND = 0.4, 1.15  # of X, 5 to 95 %: sinusoidal currents take less than half, see ``commutation``
 
 
 def commutation(motor: Figures) -> Array:

@@ -105,6 +105,7 @@ def rests_on(check: Check, drive_set: DriveParts) -> tuple[str, ...]:
         "HOUSING": rated if stepper else [] if brushed else iron,
         "COUNTS": ["encoder.steps_per_turn" if absolute else "encoder.counts_per_turn"],
         "LEVER": [] if isnan(gearhead.max_radial_load) else ["gearhead.radial_load_distance"],  # of a limit at one
+        "COMMUTATION": ["motor.inductance", "motor.pole_pairs"] if motor.kind == "brushless" else [],
         "DERATING": ["motor.max_winding_temperature"],
         "CONTROLLER_DERATING": [
             f"controller.{name}" for name in ("full_current_ambient", "derating_slope", "ambient_max") if derated

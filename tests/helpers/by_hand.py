@@ -132,7 +132,7 @@ class Asked:
     I_rms: float
     I_peak: float
     V_start: float  # V, cold
-    V_peak: Pair  # at least, at most; the same where heat is known
+    V_peak: Pair  # at least, at most: by heat where it is not known, and by commutation
     copper: float  # W, mean
     settled: float  # K, steady mean
     winding: Pair  # K, peak over the repeating cycle
@@ -204,9 +204,10 @@ def asked(
         bounds = (steady, all_the_time) if math.isnan(winding) else bounds
     at_start = largest([abs(v) for p in pieces for v in volts(p, motor, cold.left)])
     V = [
-        largest([at_start, *(abs(v) for p, T in zip(fine, Ts, strict=True) for v in hottest_volts(p, motor, T))])
-        for Ts in (both if unknown else both[:1])
-    ]
+        largest([at_start, *(abs(v) + x for p, T in zip(fine, Ts, strict=True)
+                             for v, x in zip(hottest_volts(p, motor, T), commutating(p, motor, share), strict=True))])
+        for Ts, share in zip(both, (0.4, 1.15), strict=True)
+    ]  # fmt: skip
     if unknown and math.isfinite(steady):  # without time constants: as a cycle makes it that is short against them
         temperatures = [Warm(steady, steady, steady, steady)] * len(fine)
     copper = (
@@ -228,7 +229,7 @@ def asked(
         I_rms=I_rms,
         I_peak=I_peak,
         V_start=at_start,
-        V_peak=(V[0], V[-1]),
+        V_peak=(V[0], V[1]),
         copper=copper,
         settled=steady,
         winding=bounds,
@@ -288,6 +289,18 @@ def hottest_volts(piece: Piece, motor: Any, T: Warm) -> Pair:
     if piece.current[0] != piece.current[1] or piece.speed[0] != piece.speed[1]:
         return volts(piece, motor, T.left, T.right)
     return volts(piece, motor, T.left, T.top) if T.right >= T.left else volts(piece, motor, T.top, T.right)
+
+
+def commutation(motor: Any) -> float:
+    """What six commutations in a period take of the voltage, per current and speed: 3/(2 pi) p L [V*s/(A*rad)]."""
+    X = 0.0 if motor.kind == "brushed" else 3.0 / (2.0 * math.pi) * motor.pole_pairs * motor.inductance
+    return 0.0 if math.isnan(X) else X
+
+
+def commutating(piece: Piece, motor: Any, share: float) -> Pair:
+    """A share of it at both ends, where the motor drives [V]."""
+    X = share * commutation(motor)
+    return tuple(X * max(piece.current[n] * piece.speed[n], 0.0) for n in (0, 1))  # type: ignore[return-value]
 
 
 def hottest(pieces: list[Piece], motor: Any, ambient: float, I_peak: float) -> float:

@@ -53,6 +53,7 @@ def friction(found: OperatingField, one: DriveSet, ambient: float) -> np.ndarray
     """What Ohm's law leaves over: torque by current less torque at the shaft, at every speed."""
     k_t = one.motor.torque_constant
     resistance = one.motor.resistance * (1 + COPPER * (ambient - ROOM))
+    resistance = resistance + by_hand.commutation(one.motor) * found.speed
     return k_t * (found.voltage - k_t * found.speed) / resistance - found.voltage_cold
 
 

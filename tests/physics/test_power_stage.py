@@ -138,8 +138,8 @@ def test_the_voltage_of_the_search_is_that_of_the_closed_loop(current):
                     stage_resistance=0.05)  # fmt: skip
     p = of_the_engine(supply)
     left = feed.usable - feed.leads * current
-    assert available_voltage(p, current, 1.0) == pytest.approx(left, abs=2e-3)
-    assert available_voltage(p, -current, -1.0) == available_voltage(p, current, 1.0)
+    assert available_voltage(p, current, 0.0, 1.0) == pytest.approx(left, abs=2e-3)
+    assert available_voltage(p, -current, 0.0, -1.0) == available_voltage(p, current, 0.0, 1.0)
 
 
 def of_the_engine(supply: Supply) -> np.ndarray:

@@ -101,10 +101,11 @@ def keep_peak(g: Array, place: int, value: float, t: float) -> None:
         g[place], g[place + 1] = abs(value), t
 
 
-def keep_demand(p: Array, g: Array, demand: float, i: float, t: float) -> None:
-    """Keep the largest voltage demand, and that at the power stage with what resistances take of its voltage."""
+def keep_demand(p: Array, s: Array, g: Array, demand: float, t: float) -> None:
+    """Keep the largest voltage demand, and that at the power stage with what resistances and commutation take."""
     keep_peak(g, at.G_U_DEMAND, demand, t)
-    keep_peak(g, at.G_U_STAGE, abs(demand) + p[at.LEADS] * max(0.0, i if demand >= 0.0 else -i), t)
+    along = max(0.0, s[at.I] if demand >= 0.0 else -s[at.I])
+    keep_peak(g, at.G_U_STAGE, abs(demand) + p[at.LEADS] * along + commutated(p, s[at.I], s[at.W], demand), t)
 
 
 def square_of(first: float, last: float, area: float, dt: float) -> float:
@@ -330,8 +331,13 @@ def follow(p: Array, s: Array, square: float, dt: float) -> None:
 # -- Limits of voltage by the bus and of current by the I2t integral.
 
 
-def available_voltage(p: Array, i: float, demand: float) -> float:
-    """Largest voltage at full duty under a current, by the law of ``physics.power_stage``.
+def commutated(p: Array, i: float, w: float, demand: float) -> float:
+    """Voltage that commutation takes while the motor drives in the direction of a demand."""
+    return float(p[at.X_C] * i * w) if i * demand > 0.0 and w * demand > 0.0 else 0.0
+
+
+def available_voltage(p: Array, i: float, w: float, demand: float) -> float:
+    """Largest voltage at full duty under a current at a speed, by the law of ``physics.power_stage``.
 
     V_s = V_0 - R_s n I_s with V_s I_s = (duty (V_s - drop) + loss) i; of that duty (V_s - drop) - R_b i is left.
     """
@@ -341,7 +347,8 @@ def available_voltage(p: Array, i: float, demand: float) -> float:
     if r != 0.0:
         half = 0.5 * (p[at.V_0] - r * p[at.DUTY])
         V = half + math.sqrt(max(0.0, half * half - r * (p[at.LOSS] - p[at.DUTY] * p[at.DROP])))
-    return float(max(0.0, float(p[at.DUTY]) * (V - p[at.DROP]) - p[at.R_B] * along))
+    left = float(p[at.DUTY]) * (V - p[at.DROP]) - p[at.R_B] * along
+    return float(max(0.0, left - commutated(p, i, w, demand)))
 
 
 def record_bus(p: Array, g: Array, power: float, t: float, dt: float) -> None:
@@ -437,8 +444,8 @@ def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: fl
 
 def limited_voltage(p: Array, s: Array, g: Array, demand: float, t: float, weight: float) -> float:
     """A voltage demand limited by the bus [V]."""
-    keep_demand(p, g, demand, s[at.I], t)
-    most = available_voltage(p, s[at.I], demand)
+    keep_demand(p, s, g, demand, t)
+    most = available_voltage(p, s[at.I], s[at.W], demand)
     u = min(max(demand, -most), most)
     s[at.U_CUT] = demand - u
     if u != demand:
@@ -472,7 +479,7 @@ def voltage_loop(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
     s[at.LIMIT] = permitted_current(p, s, p[at.H])
     if abs(idle + per_volt * u) > s[at.LIMIT]:
         g[at.G_LIMITED] += weight
-        most = available_voltage(p, s[at.I], u)
+        most = available_voltage(p, s[at.I], s[at.W], u)
         u = ((s[at.LIMIT] if idle + per_volt * u > 0.0 else -s[at.LIMIT]) - idle) / per_volt
         u = min(max(u, -most), most)
     error = speed - measured_speed(p, s, ring)
@@ -510,7 +517,7 @@ def carry_state(p: Array, s: Array, g: Array, u: float, l: float, t: float, dura
     power = (u + rise) * s[at.I] + p[at.LOSS] * abs(s[at.I]) + p[at.R_B] * s[at.I] * s[at.I]
     record_bus(p, g, power, t + duration, duration)
     keep_peak(g, at.G_U, u + rise, t + duration)
-    keep_demand(p, g, u + rise + s[at.U_CUT], s[at.I], t + duration)
+    keep_demand(p, s, g, u + rise + s[at.U_CUT], t + duration)
     if power > g[at.G_POWER]:
         keep_peak(g, at.G_POWER, power, t + duration)
 
@@ -543,7 +550,7 @@ def periods_within_voltage(p: Array, s: Array, left: int) -> int:
     """
     current = abs(s[at.I])
     u = s[at.RES] * s[at.I] + p[at.K_E] * s[at.W]
-    room = available_voltage(p, s[at.I], u) - abs(u)
+    room = available_voltage(p, s[at.I], s[at.W], u) - abs(u)
     rise = room / (p[at.ALPHA] * current + 1e-300)  # K
     rate = abs(slopes(heat_law(p, current * current, 0.0), s[at.T_W], s[at.T_H])[0])
     least = min(at.FRESH / (rate * p[at.H] + 1e-300), 1.0 * left)

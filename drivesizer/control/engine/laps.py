@@ -191,7 +191,7 @@ def _until_warm(run: Run, before: Array, lap: Lap, left: int) -> float:
     near = float(_CLOSE / max(abs(s[at.T_W] - before[at.T_W]), 1e-300))
     if not (p[at.CKI] if p[at.CASCADE] else p[at.KI]) or lap.g[at.G_SATURATED] != 0.0:
         return near
-    room = available_voltage(p, current, 1.0) - lap.g[at.G_U_DEMAND]
+    room = available_voltage(p, current, float(lap.g[at.G_W]), 1.0) - lap.g[at.G_U_DEMAND]
     start, n = (s[at.T_W], s[at.T_H], 0.0, 1.0), left
     while n and p[at.ALPHA] * ((np.linalg.matrix_power(lap.A, n) @ start)[0] - s[at.T_W]) * current > room:
         n //= 2

@@ -169,7 +169,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
         "TWO": float(m.flexible), "EDGES": drive.edges, "WINDOW": max(c.counted_over, 1),
         "V_0": supply.voltage, "R_S": supply.resistance, "SETS": supply.sets, "DUTY": supply.max_duty,
         "DROP": supply.voltage_drop, "LOSS": supply.loss, "R_B": supply.stage_resistance, "STANDBY": supply.standby,
-        "LEADS": supply.leads, "PEAK": limit.peak, "CONT2": square,
+        "LEADS": supply.leads, "X_C": m.commutation, "PEAK": limit.peak, "CONT2": square,
         "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
         "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts, "RESTS": _RESTS * full_w,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,

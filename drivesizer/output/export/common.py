@@ -155,7 +155,8 @@ class OpenLoopStepper(NamedTuple):
 
 def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
     """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s]."""
-    winding = Winding(train.resistance, train.inductance, train.torque_constant, train.back_emf_constant)
+    one = train
+    winding = Winding(one.resistance, one.inductance, one.torque_constant, one.back_emf_constant, one.commutation)
     return float(operating_point(winding, voltage, torque, train.viscous)[0])
 
 

@@ -20,6 +20,7 @@ from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
+from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
 from drivesizer.physics.figures import Range, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
@@ -35,7 +36,7 @@ Array = NDArray[np.float64]
 # what is computed from the waveform: nothing, what bounds leave open, peaks and heat of all drives, energies too
 Waveform = Literal["bounds", "open", "limits", "all"]
 _STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
-_NOT_PRINTED = "the limit at least: what the controller takes of the supply's voltage is not printed"
+_TAKEN = "at least: what controller and commutation take of the voltage is known within a band"
 _HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 _ROUNDING = 1e-9  # of a figure
 _SOME = 1e-100  # s, more than nothing, of a time that is not known yet
@@ -108,7 +109,7 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
     checks = [
         winding_limit(spec, winding, parts.motor, warmest),
         at_most("supply_voltage", volts, spec.feed(controller).usable_range, needed=speed, time=at_volts,
-                undecided=_NOT_PRINTED),
+                undecided=_TAKEN),
         waived(spec, at_most("controller_peak_time", above, controller["peak_time"])),
         bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
         controller_power_limit(power, controller, supply.highest, needed=torque, time=at_power),
@@ -171,6 +172,7 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     limit, total = controller_current(parts.controller, ambient), cycle.load_cycle.total
     with np.errstate(divide="ignore", invalid="ignore"):  # what is exceeded so long has that mean square
         longest = total * np.minimum(np.square(demand.rms_current / limit) * (1.0 + _ROUNDING), 1.0)
+    volts = volts + COMMUTATION_BAND[1] * commutation(motor) * demand.total_ratio * cycle.peak_speed * current
     beyond = 2.0 * np.abs(demand.surplus(k_t)) * cycle.peak_speed * current  # where two constants differ
     power = current * at_hot + np.where(np.isnan(beyond), np.inf, beyond)
     high = low._replace(
@@ -258,29 +260,30 @@ def exact(
     parts: Parts,
     what: Waveform = "all",
     error: float = 1e-3,
+    band: tuple[float, float] = COMMUTATION_BAND,
 ) -> Pair:
     """Peaks and heat over the waveform, of candidates over one cycle or of samples each over its own.
 
-    A winding of unknown heat is between one as cold as the ambient and one as warm as it may be.
+    A winding of unknown heat is between one as cold as the ambient and one as warm as it may be. Commutation takes of
+    the voltage what lies in a band; of samples, which have a factor each, that alone.
     """
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
     kept = _kept_on_the_bus(spec)
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
     drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
-        limit=controller_current(parts.controller, ambient), error=error,
+        limit=controller_current(parts.controller, ambient), error=error, band=band,
     )  # fmt: skip
     every, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
     if not len(rows):
-        found = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
-        return found, found
+        return _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
     warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), every.shape)
     mean = np.broadcast_to(heating.winding, every.shape)
     held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
     drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
-    high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
-    cold = _moments(ambient, cycle, held(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
-    low = Moments(*(column.copy() for column in high))
+    least_of, high = _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
+    cold, _ = _moments(ambient, cycle, held(drives, 0.0, 0.0), feed, stresses.cold_voltage, level, rows)
+    low = Moments(*(column.copy() for column in least_of))
     for name in ("voltage", "voltage_time", "power", "power_time"):
         getattr(low, name)[rows] = getattr(cold, name)
     high.stored[rows] = cold.stored  # the more the winding takes, the less is regenerated
@@ -319,18 +322,24 @@ def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:
 
 def _moments(
     ambient: Any, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: NDArray[np.int64]
-) -> Moments:
-    """Figures of some rows, with the voltage of a cold start, standby power and what the source adds."""
+) -> Pair:
+    """Figures of some rows, with the voltage of a cold start, standby power and what the source adds.
+
+    Commutation takes the least and the most of the voltage.
+    """
     count, total = len(drives.course), cycle.load_cycle.total
     feed = feed.broadcast(count).on(rows)
     ambient, total, volts, when = (np.broadcast_to(x, count)[rows] for x in (ambient, total, *cold))
     found, standby = evaluate(drives, cycle.load_cycle, level, rows), feed.stage.standby
-    colder = volts > found.voltage
-    return Moments(
+    ends = (found.least_voltage, found.least_voltage_time), (found.voltage, found.voltage_time)
+    (low, when_low), (top, when_high) = (
+        (np.where(volts > V, volts, V), np.where(volts > V, when, t)) for V, t in ends
+    )  # fmt: skip
+    high = Moments(
         winding=found.winding + ambient,
         winding_time=found.winding_time,
-        voltage=np.where(colder, volts, found.voltage),
-        voltage_time=np.where(colder, when, found.voltage_time),
+        voltage=top,
+        voltage_time=when_high,
         copper=found.copper,
         power=of_the_source(found.power + standby, feed),
         power_time=found.power_time,
@@ -339,3 +348,4 @@ def _moments(
         stored=np.zeros_like(found.power) if level == POWER else found.stored,
         above=found.above,
     )
+    return high._replace(voltage=low, voltage_time=when_low), high
