@@ -75,11 +75,11 @@ MAKERS: dict[str, dict[str, int]] = {
     "kelimotor": pin(steppers=5), "ldo": pin(steppers=63),
     "moons": pin(steppers=20, brakes=3), "motech": pin(steppers=22),
     "oukeda": pin(steppers=5), "rattm": pin(steppers=5), "shengyang": pin(steppers=6), "siboor": pin(steppers=7),
-    "stepperonline": pin(steppers=38, brakes=1, controllers=3), "usongshine": pin(steppers=4),
+    "stepperonline": pin(steppers=39, brakes=1, controllers=3), "usongshine": pin(steppers=4),
     "wantai": pin(steppers=4),
     # belts and pulleys: the lists of ReCalc, whole
     "last_anvil": counted(belts=24, pulleys=8), "sds": counted(belts=3), "swyft": counted(belts=54),
-    "thrifty": counted(belts=103, pulleys=20), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
+    "thrifty": counted(belts=103, pulleys=20, controllers=1), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
     # screws: the tables of the makers' catalogues, by program; HIWIN without 3 rows that are cut in print
     "thk": counted(screws=616 + 13), "hiwin": counted(screws=31 + 4 + 2 + 21 + 41 + 37),
     "rexroth": counted(screws=65, motors=27, brakes=9),
@@ -107,10 +107,11 @@ MAKERS: dict[str, dict[str, int]] = {
     "banebots": counted(motors=2),
     "beckhoff": counted(motors=7 + 1 + 20, steppers=5, brake_resistors=5 + 4, power_supplies=1)
     | pin(controllers=8),  # AM8122 has two windings; AM8000
-    "ctre": counted(motors=3, controllers=3),  # two kinds of commutation are one motor; the Falcon is VEX's
-    "kollmorgen": counted(motors=3),
+    "ctre": counted(motors=3, controllers=4),  # two kinds of commutation are one motor; the Falcon is VEX's
+    "ipower": counted(motors=3 - 2), "no_maker": counted(motors=2), "waveshare": counted(motors=4),
+    "zltech": counted(motors=2), "kollmorgen": counted(motors=3),
     "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3 + 1),
-    "odrive": counted(motors=5 - 2, brake_resistors=1) | pin(controllers=5),  # without M5312s and BotWheel
+    "odrive": counted(motors=5 - 2, brake_resistors=1) | pin(controllers=5 + 2),  # without M5312s and BotWheel
     "rev": counted(motors=6 - 1, belts=25, pulleys=12, controllers=3),  # without Core Hex
     "tamagawa": counted(motors=19),
     "tq": counted(motors=3),
@@ -120,23 +121,26 @@ MAKERS: dict[str, dict[str, int]] = {
     "wittenstein": counted(gearheads=31 + 30 + 25 + 32 + 60, motors=6, brakes=4),  # NPT, NPS, NP, TP, SP; premo
     # actuators
     "cubemars": pin(actuators=8 + 6 + 2 + 3 + 2, motors=7 + 7 + 2),
-    "damiao": pin(actuators=14 - 6 + 2 + 3),  # 14 counted, less 6 without R or k_t; P of two; 48 V of three
+    "damiao": pin(actuators=14 - 6 + 2 + 3 + 5),  # 14 counted, less 6 without R or k_t; P of two; 48 V of three; a survey
     "dfrobot": pin(actuators=4 - 2 + 1),  # 4 counted, less FIT0277 and FIT0450; FIT0522 is of another page
     "encos": counted(actuators=10 - 5),
     "feetech": pin(actuators=3 + 1),  # 3 counted; ST-3235 is of the maker's wiki
     "gobilda": counted(actuators=10, motors=1),
     "harmonic_drive": counted(actuators=4 + 5 + 5 + 6 + 6 + 6 + 5 + 5, gearheads=21, brakes=4),
     "lktech": pin(actuators=5),
-    "myactuator": pin(actuators=25 - 20 + 10),  # 25 names of V2 and V3 counted; ten V4 of the brochure
+    "myactuator": pin(actuators=25 - 20 + 10 + 3),  # 25 names of V2 and V3 counted; ten V4 of the brochure, V4.1
     # 37D without the two bare motors, 25D, LP without 5:1 and 10:1, HPCB and 3052, the Romi's: counted but one 25D
-    "pololu": pin(actuators=(20 - 2) + (3 + 1) + (11 - 2) + 2 + 1, controllers=15 + 4, brake_resistors=4 - 2),
+    "pololu": pin(actuators=(20 - 2) + (3 + 1 + 2) + (11 - 2) + 2 + 1, controllers=15 + 4, brake_resistors=4 - 2),
     # X, MX, AX-12A, XL-320, P and Y counted, one per voltage; PRO
     "robotis": pin(actuators=67 + 3 * 3 + 1 + 1 + 6 + 6 + 11),
     "robstride": pin(actuators=7 + 1 + 1),  # RS00 to RS06 and EduLite counted; RS10P is of the maker's page
     "studica": counted(actuators=1), "tetrix": counted(actuators=3),
-    "unitree": counted(actuators=3 - 2),  # without A1, B1
-    "vex": counted(motors=4, actuators=3), "xiaomi": counted(actuators=1),
+    "steadywin": counted(actuators=13), "deep_robotics": counted(actuators=2),
+    "towerpro": counted(actuators=3), "dsservo": counted(actuators=4), "hiwonder": counted(actuators=1),
+    "unitree": counted(actuators=3 - 2 + 1),  # without A1, B1
+    "vex": counted(motors=4, actuators=3 + 1), "xiaomi": counted(actuators=1),
     # controllers
+    "adafruit": counted(controllers=1), "makerbase": counted(controllers=1), "simplefoc": counted(controllers=6 - 2),
     "amc": counted(controllers=3), "basicmicro": pin(controllers=9), "cytron": pin(controllers=2 + 2),
     "dimension_engineering": pin(controllers=2), "granite_devices": pin(controllers=3),
     "mjbots": counted(controllers=4 * 2),  # with and without cooling
@@ -155,7 +159,7 @@ MAKERS: dict[str, dict[str, int]] = {
 
 def test_every_file_is_counted(shelf: dict[str, Catalog]) -> None:
     assert set(shelf) == set(MAKERS)
-    assert len(MAKERS) == 116 + 3
+    assert len(MAKERS) == 116 + 3 + 12
 
 
 def test_how_many_parts(shelf: dict[str, Catalog]) -> None:
