@@ -109,17 +109,19 @@ def _laws() -> Iterator[Law]:
     for section, rows in _TABLE["bands"].items():
         for name, figure, least, most, other, reason, *little in rows:
             source = "body" if re.search(r"\bmass\b", f"{figure} {other}") else "usage"
+            shares = [float(Fraction(str(end))) for end in (least, most)]
+            usual = f"usually {shares[0]:.3g} to {shares[1]:.6g} {_in_words(other)}; {reason}"
             for relation, side, word in ends:
-                share = float(Fraction(str((least, most)[side])))
-                yield _law(section, f"{name}, at {word}", figure, f"{figure} {relation} {other}",
-                           f"{share:g} of it at {word}", 0.0, reason, *little, source=source, share=share)  # fmt: skip
+                yield _law(section, f"{name}, at {word}", figure, f"{figure} {relation} {other}", usual, 0.0, reason,
+                           *little, source=source, share=shares[side])  # fmt: skip
     for section, rows in _TABLE["similar"].items():
         for figure, times, alike, reason in rows:
             for relation, side, word in ends:
                 share = (1.0 / times, float(times))[side]
                 median = f"median({figure}, excluded, {', '.join(alike.split())})"
                 yield _law(section, f"{figure.replace('_', ' ')} beside similar parts, at {word}", figure,
-                           f"{figure} {relation} {median}", f"{share:.3g} of the median at {word}", 0.0, reason,
+                           f"{figure} {relation} {median}",
+                           f"usually {1.0 / times:.2g} to {times:g} times the median {reason}", 0.0, reason,
                            source="usage", rounds=False, share=share)  # fmt: skip
     for section, figures in _TABLE["shares"].items():
         some = " where abs(ratio - 1) > 0" if "ratio" in columns_of(section) else ""
@@ -137,6 +139,20 @@ def _laws() -> Iterator[Law]:
                 yield _law(section, f"{column.name.replace('_', ' ')} is above zero", column.name,
                            f"{column.name} > 0{some}", "0 is not unknown (~)", 0.0, "none", source="definition",
                            rounds=False)  # fmt: skip
+
+
+def _in_words(expression: str | float) -> str:
+    """An expression of a band as people write it, 1 left out.
+
+    >>> _in_words("pi / 4 * diameter ** 2 * nut_length where kind == 'ball'"), _in_words(1.0)
+    ('times π/4 · diameter² · nut length', 'in SI units')
+    """
+    if not isinstance(expression, str):
+        return "in SI units"
+    text = "times " + expression.partition(" where ")[0]
+    for printed, sign in ((" ** 2", "²"), (" ** 3", "³"), (" * ", " · "), ("pi / 4", "π/4"), ("_", " ")):
+        text = text.replace(printed, sign)
+    return text
 
 
 LAWS: tuple[Law, ...] = tuple(_laws())

@@ -79,7 +79,8 @@ MAKERS: dict[str, dict[str, int]] = {
     "wantai": pin(steppers=4),
     # belts and pulleys: the lists of ReCalc, whole
     "last_anvil": counted(belts=24, pulleys=8), "sds": counted(belts=3), "swyft": counted(belts=54),
-    "thrifty": counted(belts=103, pulleys=20, controllers=1), "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
+    "thrifty": counted(belts=103, pulleys=20, controllers=1),
+    "vbelt": counted(belts=872), "wcp": counted(belts=141, pulleys=36),
     # screws: the tables of the makers' catalogues, by program; HIWIN without 3 rows that are cut in print
     "thk": counted(screws=616 + 13), "hiwin": counted(screws=31 + 4 + 2 + 21 + 41 + 37),
     "rexroth": counted(screws=65, motors=27, brakes=9),
@@ -121,7 +122,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "wittenstein": counted(gearheads=31 + 30 + 25 + 32 + 60, motors=6, brakes=4),  # NPT, NPS, NP, TP, SP; premo
     # actuators
     "cubemars": pin(actuators=8 + 6 + 2 + 3 + 2, motors=7 + 7 + 2),
-    "damiao": pin(actuators=14 - 6 + 2 + 3 + 5),  # 14 counted, less 6 without R or k_t; P of two; 48 V of three; a survey
+    "damiao": pin(actuators=14 - 6 + 2 + 3 + 5),  # less 6 without R or k_t; P of two; 48 V of three; a survey
     "dfrobot": pin(actuators=4 - 2 + 1),  # 4 counted, less FIT0277 and FIT0450; FIT0522 is of another page
     "encos": counted(actuators=10 - 5),
     "feetech": pin(actuators=3 + 1),  # 3 counted; ST-3235 is of the maker's wiki
