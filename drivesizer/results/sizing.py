@@ -201,16 +201,17 @@ class Explanation(NamedTuple):
 # -- Figures of a drive for each objective.
 
 
-def ranked_by(objective: str, drives: Sequence[DriveSet]) -> str:
-    """Words on what ranked drives: those of which no price is known stand in the order of their masses.
+def ranked_by(objective: str, best: Sequence[DriveSet]) -> str:
+    """Words on what ranked drives, by the best of each axis: of unknown price by mass; of which parts it is estimated.
 
-    Of which parts the mass is estimated is that of the first one.
+    Unknown prices stand last: where that of the best is unknown, all are.
     """
     said = f"ranked by {objective.replace('_', ' ')}"
-    unknown = objective == "price" and all(isnan(one.objective) for one in drives)
+    unknown = objective == "price" and bool(best) and all(isnan(one.objective) for one in best)
     said += ", of which none is known: by mass" if unknown else ""
-    guessed = drives[0].mass_estimated if drives and (unknown or "mass" in objective.split()) else ()
-    return said + (f", that of {' and '.join(guessed)} estimated" if guessed else "")
+    by_mass = best if unknown or "mass" in objective.split() else ()
+    guessed = dict.fromkeys(role for one in by_mass for role in one.mass_estimated)
+    return said + (f", that of {', '.join(guessed)} estimated" if guessed else "")
 
 
 def mass_text(one: DriveSet) -> str:

@@ -351,7 +351,7 @@ def test_unknown_prices_are_ordered_by_mass() -> None:
     found = size(spec(SERVO.replace("MAKERS", "yaskawa, panasonic")), objective="price", top=4, brief=True).sets
     assert [one.mass for one in found] == sorted(one.mass for one in found)
     assert all(one.motor.price != one.motor.price for one in found)
-    assert ranked_by("price", found) == "ranked by price, of which none is known: by mass"
+    assert ranked_by("price", found).startswith("ranked by price, of which none is known: by mass")
 
 
 def test_a_catalogue_of_low_voltage_loses_no_servo_at_the_mains() -> None:

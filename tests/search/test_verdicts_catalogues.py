@@ -298,8 +298,8 @@ def test_mass_is_that_of_all_that_is_bought():
     # what is assumed is marked wherever it is printed, and said where it ranks
     assert (mass_text(light), mass_text(bare)) == ("310 g", "≈ 325 g")
     assert (bare.mass_estimated, light.mass_estimated) == (("encoder", "controller"), ())
-    assert ranked_by("mass", (light, bare)) == "ranked by mass"
-    assert ranked_by("mass", (bare,)) == "ranked by mass, that of encoder and controller estimated"
+    assert ranked_by("mass", [light]) == "ranked by mass"
+    assert ranked_by("mass", [light, bare]) == "ranked by mass, that of encoder, controller estimated"
 
 
 def test_an_unknown_mass_of_encoder_or_controller_stands_last():

@@ -31,7 +31,7 @@ from drivesizer.output.words import moved, number_of
 from drivesizer.results.check import Status as CheckStatus
 from drivesizer.results.check import gravest, tightest, worst
 from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
-from drivesizer.results.sizing import SizingResult
+from drivesizer.results.sizing import SizingResult, ranked_by
 from drivesizer.units import show
 
 if TYPE_CHECKING:
@@ -159,7 +159,8 @@ class MachineContent:
 def _verdict(content: MachineContent) -> Iterator[Any]:
     sizing = content.sizing
     without = [one.name for one in sizing.axes if one.best is None]
-    drives, ranked = number_of(content.drives, "drive"), f"ranked by {sizing.objective.replace('_', ' ')}"
+    best = [one.best for one in sizing.axes if one.best]
+    drives, ranked = number_of(content.drives, "drive"), ranked_by(sizing.objective, best)
     failed = [
         f"{name} fails on {proof.failed}".removesuffix(" on ")
         for name, proof in content.proofs.items()

@@ -166,7 +166,7 @@ def candidates(content: Content) -> Iterator[doc.Block]:
     yield doc.Words(f"{number_of(counts.considered, 'combination')} of motor and gearhead, with the belt, "
                 f"{'was' if counts.considered == 1 else 'were'} examined; "
                 f"of them {meeting(counts, result.sets[0].status if result.sets else None)}. "
-                f"{ranked_by(result.objective, result.sets).capitalize()}.")  # fmt: skip
+                f"{ranked_by(result.objective, result.sets[:1]).capitalize()}.")  # fmt: skip
     if result.sets or result.misses:
         yield _drives(content)
         margins = ("The drives by mass and smallest margin, numbered as in the table; those of unknown mass are left "

@@ -209,7 +209,7 @@ def _found(content: Content) -> Iterator[Any]:
         numbers += f", at nominal figures; {sampled.reached} of {sampled.examined} sampled {reach} the confidence of "
         numbers += required
     yield from (doc.Status(content.status), " ", doc.Strong(f"A drive was found{but}."))
-    yield f" {numbers}; {ranked_by(result.objective, result.sets)}."
+    yield f" {numbers}; {ranked_by(result.objective, result.sets[:1])}."
 
 
 def _missed(content: Content) -> Iterator[Any]:
