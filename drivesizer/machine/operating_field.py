@@ -152,7 +152,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     cycle_speed, cycle_torque = cycle.functions[:, :, SPEED] * ratio, cycle.line(at_shaft)
     no_load, _ = operating_point(Winding(cold, nan, k_t, k_e, X), voltage, c[DIRECTION], c[SPEED] / ratio)
     fastest = float(np.abs(cycle_speed).max())
-    farthest = np.fmax(max(no_load, 0.0), fastest)  # as far as the cycle goes where friction is unknown
+    farthest = np.fmax(max(float(no_load), 0.0), fastest)  # as far as the cycle goes where friction is unknown
     w = np.linspace(0.0, farthest, _POINTS)
     rubbing, iron = housing_loss(motor, np.ones(1))
     R_th = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]

@@ -21,7 +21,14 @@ from drivesizer.catalog.tolerances import Class, classes, lognormal, usual_of_sp
 from drivesizer.catalog.view.search_view import split_actuators
 from drivesizer.kernel.warming import State, after
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.drive_train import ELECTRONICS, MotorAndGears, commutation, friction, motor_and_gears
+from drivesizer.physics.drive_train import (
+    ELECTRONICS,
+    MotorAndGears,
+    commutation,
+    friction,
+    motor_and_gears,
+    usual_idle,
+)
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -42,9 +49,6 @@ Array = NDArray[np.float64]
 Figures = Mapping[str, NDArray[Any]]
 _SEED = 1
 _STAGE = {"max_duty": (0.9, 1.0), "voltage_drop": (0.0, 1.0)}  # [1], [V]: to those of maxon's EPOS4
-_IDLE = {  # of the continuous torque over the ratio, per stage, and the band: a factor either way
-    "planetary": (0.02, 3.0), "spur": (0.02, 3.0), "strain wave": (0.09, 2.5),
-}  # fmt: skip
 _IDLE_LAW = (
     "assumed: of the continuous torque over the ratio 0.7 to 6 % a stage; 157 gearheads of Wittenstein print 2 to "
     "17 %, of 42 strain wave actuators the no-load current takes 6 to 23 %"
@@ -137,13 +141,10 @@ def _idle(motor: Figures, gear: Figures, share: Array, identified: bool) -> Arra
     """
     from scipy.special import ndtri
 
-    kind, geared = str(gear["kind"][0]), bool(gear["ratio"][0] > 1.0)
-    if kind not in _IDLE or not geared or not isnan(gear["no_load_torque"][0]) or isnan(gear["continuous_torque"][0]):
+    low, usual, high = usual_idle(gear)
+    if gear["ratio"][0] <= 1.0 or not isnan(gear["no_load_torque"][0]) or isnan(usual[0]):
         return None
-    factor, spread = _IDLE[kind]
-    stages = np.where(gear["stages"] > 0.0, gear["stages"], 1.0) if kind != "strain wave" else 1.0
-    usual = factor * stages * gear["continuous_torque"] / gear["ratio"]
-    found = lognormal(usual / spread, usual, usual * spread, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
+    found = lognormal(low, usual, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
     if motor["inside"][0]:
         if motor["kind"][0] == "brushed" or identified:
             return None  # what rubs is known, or an estimate of peers

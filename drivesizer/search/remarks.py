@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from math import isnan
 from typing import Any
 
@@ -12,7 +13,9 @@ import numpy as np
 from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
 from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.machine import belts as pulleys
+from drivesizer.machine.set_cycle import driven
 from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.physics.drive_train import usual_idle
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check_kinds import unknown_figures
 from drivesizer.results.drive_set import DriveSet
@@ -164,6 +167,7 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
         for check in best.own_checks
         if check.name == "hottest_phase" and check.status == "fail"
     ]
+    sentences += _idle_gearhead(problem, best)
     figures = {figure.name: figure for figure in best.figures}
     if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
         both = figures["current_limit"].text, figures["peak_current"].text
@@ -174,6 +178,22 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
         volts = [show(v, "V", "voltage") for v in (best.motor.nominal_voltage, spec.supply.highest)]
         sentences.append(f"the best drive's motor is wound for {volts[0]}, the supply gives {volts[1]} at most")
     return tuple(sentences)
+
+
+def _idle_gearhead(problem: Problem, best: DriveSet) -> Iterable[str]:
+    """A warning where friction of the gearhead without load, which is not printed, decides of the RMS current."""
+    gearhead, ends = best.gearhead, [float(one) for one in usual_idle(best.gearhead)]
+    check = next((one for one in best.own_checks if one.name == "motor_nominal_current"), None)
+    if check is None or check.status != "pass" or isnan(ends[1]) or not isnan(gearhead.no_load_torque) or best.steps:
+        return
+    idling = [replace(best, gearhead=replace(gearhead, no_load_torque=torque)) for torque in ends]
+    low, usual, high = (max(float(driven(c.spec, one)[2].rms_current[0]) for c in problem.cases) for one in idling)
+    if high * (1.0 + check.needed) > check.limit:
+        figures = [show(x, "A", "current", 3) for x in (low, high, usual, check.limit)]
+        yield (
+            "friction of the best drive's gearhead without load is not printed; with what is usual of its kind the "
+            "motor's RMS current is {} to {}, {} in the middle, of permitted {}"
+        ).format(*figures)
 
 
 _LONE = 0.8  # of the peak, below which the largest torque beside it says that it is one sample's

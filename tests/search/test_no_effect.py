@@ -161,3 +161,11 @@ def test_what_a_capacitor_need_not_hold_is_unknown(shop):
     heavy = STOPPING.replace("0.02 kg", "2 kg").replace("300 rpm", "3000 rpm").replace("{braking}", "500 ms")
     assert shop.drive(load=heavy).status == "unknown"
     assert shop.drive(load=heavy, capacitance=", capacitance: 10 mF").status == "pass"
+
+
+def test_friction_of_a_gear_without_load_is_said_where_it_decides(shop):
+    """0.45 N*m / 4 / 50 mN*m/A (1/0.9 - s) + 0.13 A + 0.05 A + s 2 N*m / 4 / 50 mN*m/A: s 0.7, 2 and 6 %, of 3 A."""
+    (shop.folder / "slow.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,800,0.45\n10,800,0.45\n", encoding="utf-8")
+    shop.drive("G", LEVEL.replace("level", "slow"))
+    (said,) = (text for text in size(load_spec(shop.folder / "robot.yaml")).warnings if "gearhead" in text)
+    assert said.endswith("current is 2.73 A to 3.14 A, 2.83 A in the middle, of permitted 3 A")
