@@ -12,17 +12,16 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.control import remedies
+from drivesizer.control import devices, remedies
 from drivesizer.control.closed_loop.checks import checks, columns, figures
 from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.closed_loop.run import ClosedLoop, run
-from drivesizer.control.devices import controller_gains
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation
 from drivesizer.errors import InputError
@@ -40,6 +39,7 @@ from drivesizer.results.check import GRAVEST, Check, verdict, worst
 from drivesizer.results.drive_set import DriveSet, loss_assumptions
 from drivesizer.results.problem import SHIFT, for_drive
 from drivesizer.results.sizing import SizingResult
+from drivesizer.spec.drive import Control
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -85,8 +85,9 @@ _MET_BY_THE_LOOP = {
 
 
 def validate(
-    spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None
-) -> Validation:
+    spec: RobotSpec, drive_set: DriveSet, *, profile: str | Profile | None = None, load_case: str | None = None,
+    device: devices.Device | None = None,
+) -> Validation:  # fmt: skip
     """Simulate a drive along a profile in closed loop; a stepper behind its pulses.
 
     Parameters
@@ -99,6 +100,8 @@ def validate(
         A name such as ``trapezoid``, a CSV file, or a profile; the spec's own motion with ``spec``, or when not given.
     load_case
         Name of the load case to simulate, such as that of :func:`hardest_case`; the first when not given.
+    device
+        The controller in whose units gains are given too; the drive's own when not given.
 
     Returns
     -------
@@ -149,8 +152,9 @@ def validate(
         )
     own: tuple[ControllerGain, ...] = ()
     lacking: list[str] = []
-    if controller is not None and isinstance(case.controller, Cascade):
-        own, lacking = controller_gains(case.controller, case.train, controller.family)
+    known = device or (devices.known(controller.family) if controller else None)
+    if known and isinstance(case.controller, Cascade):
+        own, lacking = devices.controller_gains(case.controller, case.train, known)
     return Validation(
         spec=spec,
         drive_set=drive_set,
@@ -168,6 +172,76 @@ def validate(
         loops=case.loops.all,
         linear=linear_run(case),
     )
+
+
+class Commissioned(NamedTuple):
+    """A drive behind a controller of the table: what is written there, and its loops before and after rounding."""
+
+    exact: Validation
+    rows: list[devices.Written]
+    left_out: list[str]  # with the reason
+    rounded: Validation
+
+
+def commissioned(
+    spec: RobotSpec, drive: DriveSet, device: devices.Device, *, settings: Mapping[str, float] | None = None,
+    unconfirmed: bool = False, profile: str | Profile | None = None, load_case: str | None = None,
+) -> Commissioned:  # fmt: skip
+    """A drive's loops for a controller of the table, its parameters as they are written, and the motion with those.
+
+    Parameters
+    ----------
+    spec, drive
+        The machine and the drive.
+    device
+        The controller.
+    settings
+        Figures of the user's board, by the names that the controller has.
+    unconfirmed
+        Whether what is known from memory alone is written too.
+    profile, load_case
+        As :func:`validate`.
+
+    Returns
+    -------
+    Commissioned
+
+    Raises
+    ------
+    InputError
+        When the controller cannot express what the spec requires, or a gain of the loops.
+    """
+    controller, (current, velocity, position) = drive.controller, device.rates
+    if controller and not drive.steps:
+        rated = replace(controller, current_loop=current, speed_loop=velocity, position_loop=position)
+        drive = replace(drive, controller=rated)
+
+    def simulated(control: Control, one: DriveSet = drive) -> Validation:
+        own = spec.changed(lambda case: case.model_copy(update={"control": control}))
+        return validate(own, one, profile=profile, load_case=load_case, device=device)
+
+    proof = simulated(devices.loops_of(device, spec, drive))
+    values = devices.figures(proof, device, settings or {})
+    if (slower := devices.within_limits(device, proof, values)) is not None:
+        proof = simulated(slower)
+        values = devices.figures(proof, device, settings or {})
+    rows, left_out, refused = devices.written(device, values)
+    if refused:
+        raise InputError(f"--device: {device.title} cannot express {refused[0]}; expected another bandwidth or gain "
+                         "under control in the spec")  # fmt: skip
+    recalled = [row for row in rows if row.parameter.confidence == "recalled" and not unconfirmed]
+    rows = [row for row in rows if row not in recalled]
+    if recalled:
+        names = (f"{row.parameter.name} = {row.text} {row.parameter.unit}".strip() for row in recalled)
+        left_out.append(f"{', '.join(names)}: known from memory alone (--unconfirmed)")
+    if not rows:
+        raise InputError(f"--device: all that is known of {device.title} is from memory alone; expected --unconfirmed")
+    most = float(device.words["pulses"] or math.inf)
+    if values.get("rate", 0.0) > most:
+        raise InputError(f"--device: {device.title} cannot express {values['rate'] / 1e3:.3g} kHz of pulses: "
+                         f"{most / 1e3:.3g} kHz at most; expected fewer control.microsteps")  # fmt: skip
+    limited = devices.with_limit(device, rows, drive)
+    return Commissioned(proof, rows, left_out, simulated(devices.as_written(device, rows, proof, values), limited))
 
 
 def with_remedies(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands import common
+from drivesizer.commands import commission, common
+from drivesizer.commands.commission import OfDevice, OfFirmware
 from drivesizer.commands.common import DEFAULT, Chosen, Json, More, OfAxis, Profile, Spec, file_argument, file_option
 from drivesizer.errors import InputError, NoLoopError, quoted
 
@@ -33,6 +34,8 @@ def validate(
     everything: Annotated[bool, typer.Option("--all", help="The best drives of the search, ranked anew.")] = False,
     top: Annotated[int, common.whole_option("--top", 5, 1, 100, meaning="How many, with --all; at most 100.")] = 5,
     checks: Annotated[bool, typer.Option("--checks", help="Also every check, the gains, and the loops.")] = False,
+    device: OfDevice = None,
+    firmware: OfFirmware = None,
     axis: OfAxis = None,
     catalogs: More = None,
 ) -> None:
@@ -46,11 +49,16 @@ def validate(
     reports.accept([], tables=[csv] if csv else [])
     _known_case(robot, case)
     if everything:
-        if drives or csv or drawings:
-            raise InputError("--all: it takes the drives of the search; --set, --csv and --figures are for one of them")
+        if drives or csv or drawings or device or firmware:
+            raise InputError("--all: it takes the drives of the search; --set, --csv, --figures and --device are for "
+                             "one of them")  # fmt: skip
         raise typer.Exit(_all_of(robot, case, profile, top, json))
     axes, several = common.with_drives(robot, drives)[0], robot.is_several
-    proofs = _proofs(axes, case, profile)
+    if device or firmware:
+        made = commission.proofs(axes, device, firmware, profile, case)
+        proofs = {name: one.rounded for name, one in made.items()}
+    else:
+        proofs = _proofs(axes, case, profile)
     for name, proof in proofs.items():
         if drawings:
             folder = drawings.with_name(f"{drawings.name}_{name}") if several else drawings

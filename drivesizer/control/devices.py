@@ -4,28 +4,47 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
+from scipy.optimize import newton
 
-from drivesizer.control.drive_train import DriveTrain, drive_train
-from drivesizer.control.gains import feedforward
+from drivesizer.control.drive_train import DriveTrain, drive_train, mechanics
+from drivesizer.control.gains import feedforward, position_on_voltage
 from drivesizer.control.loop_design import edges_of
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Stepping, Validation
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.spec.drive import Control, CurrentLoop, PositionLoop, VelocityLoop
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.drive import Control, CurrentLoop, Feedforward, PositionLoop, VelocityLoop
+from drivesizer.spec.robot import RobotSpec
 
 _PHASE = math.sqrt(3.0) / 2.0  # torque constant per amplitude of a phase's current, over that of block commutation
-_WORDS = ("form", "line", "after", "load", "first", "source", "note", "root", "match")  # empty where not given
-_OF_POSITION = frozenset({"K_pos", "kp", "ki", "kd", "position"})
-_OF_LOOPS = frozenset({"K_i", "K_ii", "K_v", "K_vi", "A_p", "A_i", "K_pos", "kp", "ki", "kd", "b", "J", "M_c", "T_n"})
+_WORDS = (  # empty where not given
+    "form", "suffix", "line", "after", "remarks", "load", "first", "source", "note", "root", "match", "family",
+    "firmware", "own_rate", "planned_speed", "count_time", "pulses",
+)  # fmt: skip
+_OF_POSITION = frozenset({"K_pos", "kp", "ki", "kd"})
+_OF_LOOPS = {
+    "K_i": "V/A", "K_ii": "V/(A·s)", "T_i": "s", "K_v": "N·m·s/rad", "K_vi": "N·m/rad", "T_n": "s", "A_p": "A·s/rad",
+    "A_i": "A/rad", "volt_p": "V·s/rad", "volt_i": "V/rad", "K_pos": "1/s", "kp": "N·m/rad", "ki": "N·m/(rad·s)",
+    "kd": "N·m·s/rad",
+}  # fmt: skip
+_SI = _OF_LOOPS | {
+    "J": "kg·m²", "b": "N·m·s/rad", "M_c": "N·m", "omega": "rad/s", "alpha": "rad/s²", "M_max": "N·m", "i": "", "p": "",
+    "V": "V", "counts": "", "T_w": "s", "k": "N·m/A", "k_e": "V·s/rad", "R": "Ω", "L": "H", "I_max": "A",
+    "I_cont": "A", "tau_w": "s", "turn": "m or rad", "v": "m/s or rad/s", "a": "m/s² or rad/s²", "full": "",
+    "microsteps": "", "I_rms": "A", "I_hold": "A", "R_s": "Ω",
+}  # fmt: skip
 _UNKNOWN = {
     "p": "pole pairs", "counts": "counts of an encoder", "I_max": "peak current", "I_cont": "nominal current",
-    "L": "inductance", "R": "resistance",
+    "L": "inductance", "R": "resistance", "tau_w": "thermal time constant", "I_rms": "phase current",
 }  # fmt: skip
+_FUNCTIONS = {"pi": math.pi, "sqrt": math.sqrt, "log2": math.log2, "round": round, "min": min, "max": max}
 
 
 class Parameter(NamedTuple):
@@ -35,14 +54,43 @@ class Parameter(NamedTuple):
     expression: str
     unit: str
     rounding: str  # float, whole, or N decimals
-    carries: str  # the gain that hangs on it; empty: none
+    carries: str  # the figure that hangs on it; position: only where there is a position loop
+    range: str  # of its values; empty: any
     confidence: str  # quoted, secondary or recalled
     meaning: str
+
+    @property
+    def figure(self) -> str:
+        """The figure that it stands for; empty where there is none."""
+        return self.carries.removesuffix("position").rstrip(", ")
 
     @property
     def decimals(self) -> int:
         """Digits behind the point of one that is no float."""
         return 0 if self.rounding == "whole" else int(self.rounding.split()[0])
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the largest value."""
+        low, _, high = self.range.partition(" .. ")
+        return float(low or -math.inf), float(high or math.inf)
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Its exact value; infinite where it divides by zero."""
+        try:
+            return float(eval(self.expression, {"__builtins__": {}}, {**_FUNCTIONS, **values}))  # noqa: S307  of this table
+        except ZeroDivisionError:
+            return math.inf
+
+    def figure_at(self, value: float, values: Mapping[str, float]) -> float:
+        """The figure for which a value stands, where all others are as they are."""
+        exact, figure = self.at(values), values.get(self.figure, math.nan)
+        if not figure or math.isnan(figure) or math.isclose(value, exact, rel_tol=1e-14):
+            return figure
+        found = newton(
+            lambda share: self.at({**values, self.figure: figure * share}) - value, 1.0, tol=1e-12, disp=False
+        )
+        return figure * float(found)
 
 
 class Device(NamedTuple):
@@ -50,11 +98,17 @@ class Device(NamedTuple):
 
     name: str
     title: str
-    structure: str  # cascade, speed (without a position loop), pid, voltage
+    structure: str  # see the head of the table
     phase: bool  # whether its amperes are the amplitude of a phase's current
     rates: tuple[float, float, float]  # Hz, of the current, velocity and position loops
+    settings: dict[str, tuple[float, str]]  # figures of the user's board: what is taken (NaN: nothing), and of what
     parameters: tuple[Parameter, ...]
     words: dict[str, str]  # form, load, first, source ...
+
+    @property
+    def figures(self) -> set[str]:
+        """Figures that its parameters are made of."""
+        return set().union(*(_names(row.expression) for row in self.parameters))
 
 
 class Written(NamedTuple):
@@ -63,6 +117,7 @@ class Written(NamedTuple):
     parameter: Parameter
     exact: float
     value: float  # after rounding
+    si: float = math.nan  # the figure that it carries, after rounding
 
     @property
     def text(self) -> str:
@@ -70,6 +125,21 @@ class Written(NamedTuple):
         if self.parameter.rounding == "float":
             return repr(float(f"{self.value:.8g}")).removesuffix(".0")
         return f"{self.value:.{self.parameter.decimals}f}"
+
+    @property
+    def stands_for(self) -> str:
+        """The figure in SI that the written value is; empty where it is none."""
+        if math.isnan(self.si):
+            return ""
+        return f"{self.parameter.figure} = {self.si:.6g} {_SI[self.parameter.figure]}".rstrip()
+
+
+class Writing(NamedTuple):
+    """What is written into a controller, and what is not."""
+
+    rows: list[Written]
+    left_out: list[str]  # with the reason
+    refused: list[str]  # gains of the loops that it cannot express
 
 
 @cache
@@ -81,29 +151,35 @@ def devices() -> dict[str, Device]:
         rows = (line.split("|") for line in entry["parameters"].strip().splitlines())
         parameters = tuple(Parameter(*(cell.strip() for cell in cells)) for cells in rows)
         words = {name: str(entry.get(name, "")) for name in _WORDS}
-        phase, (current, velocity, position) = entry["amperes"] == "phase", map(float, entry["rates"])
-        rates = (current, velocity, position)
+        current, velocity, position = map(float, entry.get("rates", (0.0, 0.0, 0.0)))
+        settings = {}
+        for one in filter(None, entry.get("settings", "").split("; ")):
+            name, value, what = re.split(r" = | ", one, maxsplit=2)
+            settings[name] = math.nan if value == "?" else float(value), what
         found[entry["name"]] = Device(
-            entry["name"], entry["title"], entry["structure"], phase, rates, parameters, words
-        )
+            entry["name"], entry["title"], entry["structure"], entry.get("amperes") == "phase",
+            (current, velocity, position), settings, parameters, words,
+        )  # fmt: skip
     return found
 
 
-def _known(controller: str) -> Device | None:
+def known(controller: str) -> Device | None:
     """The controller of that family and part, where the table has it."""
     found = (one for one in devices().values() if one.words["match"])
     return next((one for one in found if re.search(one.words["match"], controller, re.IGNORECASE)), None)
 
 
-def device_of(name: str | None, controller: str) -> Device:
+def device_of(name: str | None, controller: str, firmware: str | None = None) -> Device:
     """The controller that is named, or the one that the drive has.
 
     Parameters
     ----------
     name
-        Of the table; None: by the drive's controller.
+        Of the table, or of a family of which the firmware decides; None: by the drive's controller.
     controller
         Family and part of the drive's controller.
+    firmware
+        Its version, where that decides.
 
     Returns
     -------
@@ -112,35 +188,139 @@ def device_of(name: str | None, controller: str) -> Device:
     Raises
     ------
     InputError
-        When the table has none of that name, or none for the drive's controller.
+        When the table has none of that name or firmware, or none for the drive's controller.
 
     Examples
     --------
     >>> device_of(None, "EPOS4 Compact 50/5").name
     'epos4'
+    >>> device_of("moteus", "", firmware="0x0109").name
+    'moteus-old'
     """
-    if name is not None:
-        if name not in devices():
-            raise InputError(f"--device: {quoted(name)} is not known{nearest(name, devices())}; "
-                             f"expected {', '.join(devices())}")  # fmt: skip
-        return devices()[name]
-    if found := _known(controller):
+    table = devices()
+    found = table.get(name) if name else known(controller)
+    family = found.words["family"] if found else name or ""
+    members = [one for one in table.values() if family and one.words["family"] == family]
+    if firmware is None and found:
         return found
+    if members:
+        each = ", ".join(f"{one.words['firmware'].replace(' .. ', ' to below ')} ({one.name})" for one in members)
+        if firmware is None:
+            raise InputError(f"--device: of {quoted(family)} the firmware decides; expected --firmware, {each}")
+        version = _version(firmware)
+        for one in members:
+            low, high = map(_version, one.words["firmware"].split(" .. "))
+            if low <= version < high:
+                return one
+        raise InputError(f"--firmware: {quoted(firmware)} is not known of {family}; expected {each}")
+    if found:
+        raise InputError(f"--firmware: it decides nothing of {found.title}; leave it out")
+    if name is not None:
+        raise InputError(f"--device: {quoted(name)} is not known{nearest(name, table)}; expected {', '.join(table)}")
     raise InputError(f"--device: nothing is known of {quoted(controller or 'no controller')}; expected one of "
-                     f"{', '.join(devices())}")  # fmt: skip
+                     f"{', '.join(table)}")  # fmt: skip
 
 
-def loops_of(device: Device, own: Control) -> Control:
-    """The loops of a controller as the section ``control``: those that the spec requires, in its structure."""
-    if device.structure == "voltage":
-        given = own if own.structure == "voltage_pid" else Control()
-        return given.model_copy(update={"rate": device.rates[1]})
-    position = own.position if own.position or device.structure == "speed" else None
+def _version(text: str) -> tuple[int, ...]:
+    """A version as numbers.
+
+    >>> _version("0.5.6"), _version("0x010e")
+    ((0, 5, 6), (270,))
+    """
+    try:
+        return tuple(int(part, 16 if part.lower().startswith("0x") else 10) for part in text.split("."))
+    except ValueError:
+        raise InputError(f"--firmware: {quoted(text)} is no version; expected e.g. 0.5.6 or 0x010e") from None
+
+
+# -- The loops of a controller as the section ``control``: in its structure, at its rates, with what it has a place for.
+
+
+def loops_of(device: Device, spec: RobotSpec, drive: DriveSet) -> Control:
+    """The loops of a controller: those that the spec requires, refused where it cannot express them.
+
+    Parameters
+    ----------
+    device
+        The controller.
+    spec, drive
+        The machine and the drive.
+
+    Returns
+    -------
+    Control
+        The spec's own section for that controller.
+
+    Raises
+    ------
+    InputError
+        When the spec requires what the controller has no place for.
+    """
+    own = spec.control
+    if (device.structure == "steps") != drive.steps:
+        which, other = ("servo motors", "is one that steps") if drive.steps else ("steppers", "runs in a closed loop")
+        raise InputError(f"--device: {device.title} drives {which}; {drive.motor_name} {other}")
+    if drive.steps:
+        return own
+    if device.phase and drive.motor.kind == "brushed":
+        raise InputError(f"--device: {device.title} drives brushless motors; {drive.motor_name} is brushed")
+    on_voltage, has = device.structure in {"voltage", "servo"}, device.figures
+    _refuse_foreign(device, spec, on_voltage=on_voltage)
+    rate = own.rate if own.rate and device.words["own_rate"] else device.rates[1]
+    train = drive_train(spec, drive, 1.0 / rate)[0]
+    if on_voltage:
+        kept: dict[str, Any] = {"rate": rate, "structure": "voltage_pid", "position": None}
+        if {"b", "J", "M_c"} & has:
+            ahead = dict(zip(("acceleration", "velocity", "friction"), feedforward(train), strict=True))
+            kept["feedforward"] = Feedforward(
+                **{name: ahead[name] * (figure in has) for name, figure in _AHEAD.items()}
+            )
+        if device.structure == "servo":
+            kept |= {"kp": 0.0, "ki": own.ki or position_on_voltage(train, 1.0 / rate), "at_rest": "hold"}
+        if own.structure == "cascade" and own.velocity.bandwidth is not None:
+            kept["bandwidth"] = own.velocity.bandwidth
+        return (own if own.structure == "voltage_pid" else Control()).model_copy(update=kept)
+    given, position = own.feedforward, None if device.structure == "speed" else own.position
     if device.structure == "pid" and position is None:
         position = PositionLoop()
-    update = {"structure": "cascade", "position": None if device.structure == "speed" else position}
-    kept = own if own.structure == "cascade" else Control(structure="cascade")
-    return kept.model_copy(update=update | {"rate": device.rates[1]})
+    if position and device.words["planned_speed"]:
+        position = position.model_copy(update={"planned_speed": False})
+    none = {name: 0.0 for name, figure in _AHEAD.items() if figure not in has}
+    kept = {"structure": "cascade", "position": position, "rate": rate, "feedforward": given.model_copy(update=none)}
+    if own.structure == "voltage_pid" and own.bandwidth is not None:  # which is required of that structure too
+        kept |= {"velocity": VelocityLoop().model_copy(update={"bandwidth": own.bandwidth}), "bandwidth": None}
+    return own.model_copy(update=kept)
+
+
+_AHEAD = {"velocity": "b", "friction": "M_c", "acceleration": "J"}  # fields of the feed-forward, and their figures
+
+
+def _refuse_foreign(device: Device, spec: RobotSpec, *, on_voltage: bool) -> None:
+    """Refuse gains of a spec for which a controller has no place."""
+    own, has = spec.control, device.figures
+    given = own.feedforward
+    of_cascade = own.current != CurrentLoop() or own.velocity.kp is not None or own.velocity.ki is not None
+    wrong = [
+        ("kp", own.kp is not None and not on_voltage,
+         "it has current and velocity loops; expected structure: cascade"),
+        ("structure", on_voltage and of_cascade, "its loop acts on the voltage; expected voltage_pid"),
+        ("position", own.position and device.structure in {"speed", "voltage"}, "it has no position loop here"),
+        ("kp", device.structure == "servo" and own.kp, "its position loop has P alone; expected kp: 0 and ki, the gain "
+         "of the position"),
+        ("kd", on_voltage and own.kd, "it has no place for it"),
+        ("velocity.kd", own.velocity.kd, "it has no place for it"),
+        ("current.ki", own.current.ki and own.current.kp and "K_i" in has and not {"K_ii", "T_i"} & has,
+         "it makes its own of kp, resistance and inductance"),
+        *((f"feedforward.{name}", getattr(given, name) and figure not in has, "it has no place for it")
+          for name, figure in _AHEAD.items()),
+    ]  # fmt: skip
+    for name, is_wrong, why in wrong:
+        if is_wrong:
+            place = spec.where(("control", *name.split(".")))
+            raise InputError(f"{place}: {device.title} cannot express it: {why}")
+
+
+# -- Figures that parameters are made of.
 
 
 def gain_figures(gains: Cascade | Gains, train: DriveTrain, *, phase: bool) -> dict[str, float]:
@@ -154,124 +334,198 @@ def gain_figures(gains: Cascade | Gains, train: DriveTrain, *, phase: bool) -> d
             "K_vi": gains.velocity_ki * k_t, "K_pos": gains.position_kp, "J": gains.feedforward_acceleration * k_t,
             "b": gains.feedforward_velocity * k_t, "M_c": gains.feedforward_friction * k_t,
         }  # fmt: skip
+        found["T_i"] = found["K_i"] / found["K_ii"] if found["K_ii"] else math.inf
     else:
         per_volt = k_t / train.resistance
         acceleration, velocity, friction = feedforward(train)
         found |= {
             "volt_p": gains.kp, "volt_i": gains.ki, "K_v": gains.kp * per_volt, "K_vi": gains.ki * per_volt,
-            "K_pos": 0.0,
-            "J": acceleration * k_t, "b": velocity * k_t, "M_c": friction * k_t,
+            "K_pos": 0.0, "J": acceleration * k_t, "b": velocity * k_t, "M_c": friction * k_t,
         }  # fmt: skip
-    found |= {"A_p": found["K_v"] / k, "A_i": found["K_vi"] / k}
+    found |= {"A_p": found["K_v"] / k, "A_i": found["K_vi"] / k, "T_w": gains.counted_over * gains.velocity_period}
     found["T_n"] = found["K_v"] / found["K_vi"] if found["K_vi"] else math.inf
     place = found["K_pos"]
     return found | {"kd": found["K_v"], "kp": found["K_v"] * place + found["K_vi"], "ki": found["K_vi"] * place}
 
 
-def figures(proof: Validation, device: Device) -> dict[str, float]:
-    """The figures that parameters are made of: of the loops, the parts and the motion that was simulated."""
+def figures(proof: Validation, device: Device, settings: Mapping[str, float]) -> dict[str, float]:
+    """The figures that parameters are made of: of the loops, the parts, the motion that was simulated, the board."""
     gains, one = proof.gains, proof.drive_set
+    found = {name: value for name, (value, _) in device.settings.items()} | dict(settings)
+    moved, steps = proof.series["speed_reference"], np.diff(proof.series["time"])
+    top, ramps = np.abs(moved).max(), np.abs(np.diff(moved)[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0)
+    turns = mechanics(proof.spec, one)[0].motor_per_speed  # rad of the motor per m, or rad, of the load
+    found |= {"v": float(top), "a": float(ramps), "omega": float(top * turns), "alpha": float(ramps * turns)}
     if isinstance(gains, Stepping):
-        raise InputError("--device: a stepper's driver has no gains; expected a drive with a closed loop")
-    if device.phase and one.motor.kind == "brushed":
-        raise InputError(f"--device: {device.title} drives brushless motors; {one.motor_name} is brushed")
+        amperes = one.motor.nominal_current / math.sqrt(2.0)
+        idle = proof.spec.control.idle_current
+        return found | {
+            "turn": 2.0 * math.pi / turns, "mm": 1e3 if proof.spec.load.axis == "linear" else 180.0 / math.pi,
+            "full": 4.0 * one.motor.pole_pairs, "microsteps": gains.microsteps, "I_rms": amperes,
+            "I_hold": amperes * (1.0 if idle is None else idle), "rate": gains.pulse_rate,
+        }  # fmt: skip
     train, motor = drive_train(proof.spec, one, gains.velocity_period)[0], one.motor
     scale = _PHASE if device.phase else 1.0
-    moved, turned = (np.abs(proof.series[name]).max() for name in ("speed", "motor_speed"))
-    demand, steps = proof.series["speed_reference"] * (turned / moved), np.diff(proof.series["time"])
-    ramps = np.abs(np.diff(demand)[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0)
     peaks = [one.controller.peak_current if one.controller else math.nan, motor.peak_torque / train.torque_constant,
              motor.stall_current]  # fmt: skip
     most = min((peak for peak in peaks if not math.isnan(peak)), default=math.nan)
-    return gain_figures(gains, train, phase=device.phase) | {
+    return found | gain_figures(gains, train, phase=device.phase) | {
         "i": train.gear_ratio, "p": motor.pole_pairs, "V": proof.spec.supply.nominal,
-        "counts": float(edges_of(proof.spec, one)) or math.nan, "omega": float(np.abs(demand).max()),
-        "alpha": float(ramps), "I_max": most / scale, "I_cont": motor.nominal_current / scale,
-        "M_max": most * train.torque_constant,
+        "counts": float(edges_of(proof.spec, one)) or math.nan, "I_max": most / scale,
+        "I_cont": motor.nominal_current / scale, "M_max": most * train.torque_constant,
+        "tau_w": motor.winding_time_constant,
     }  # fmt: skip
 
 
-def written(device: Device, values: dict[str, float]) -> tuple[list[Written], list[str]]:
-    """Every parameter with its value as it is written; and those that are not written, with the reason."""
-    found, reasons = list[Written](), dict[str, list[str]]()
+# -- Parameters as they are written, and what stands in the controller then.
+
+
+def written(device: Device, values: Mapping[str, float]) -> Writing:
+    """Every parameter with its value as it is written; and those that are not written, with the reason.
+
+    Parameters
+    ----------
+    device
+        The controller.
+    values
+        Figures by the names of the table's head.
+
+    Returns
+    -------
+    Writing
+        A later parameter may be made of those before it, as they are written.
+    """
+    found, known = Writing([], [], []), dict(values)
+    reasons = dict[str, list[str]]()
     for parameter in device.parameters:
-        one = _written(parameter, device, values)
-        if isinstance(one, str):
-            reasons.setdefault(one, []).append(parameter.name)
+        one = _written(parameter, known)
+        if isinstance(one, Written):
+            found.rows.append(one)
+            known[parameter.name] = one.value
+        elif one.startswith("="):
+            line = f"{parameter.name}, {re.split('[;:]', parameter.meaning)[0]}, would be {one.removeprefix('= ')}"
+            (found.refused if parameter.figure in _OF_LOOPS else found.left_out).append(line)
         else:
-            found.append(one)
-    return found, [f"{', '.join(names)}: {reason}" for reason, names in reasons.items()]
+            reasons.setdefault(one, []).append(parameter.name)
+    found.left_out.extend(f"{', '.join(names)}: {reason}" for reason, names in reasons.items())
+    return found
 
 
-def _written(parameter: Parameter, device: Device, values: dict[str, float]) -> Written | str:
-    """A parameter as it is written, or the reason why it is not."""
-    if parameter.carries in _OF_POSITION and device.structure != "pid" and not values["K_pos"]:
+def _written(parameter: Parameter, values: dict[str, float]) -> Written | str:
+    """A parameter as it is written, or the reason why it is not; that of a value with the value."""
+    of_position = parameter.carries.endswith("position") or parameter.figure in _OF_POSITION
+    if of_position and not values["K_pos"]:
         return "no position loop; control: {position: {}} in the spec adds it"
     names = sorted(_names(parameter.expression) & values.keys())
     if unknown := [_UNKNOWN.get(name, name) for name in names if math.isnan(values[name])]:
         return f"unknown {', '.join(unknown)}"
-    exact = float(eval(parameter.expression, {"__builtins__": {}},  # noqa: S307  of this table
-                       {**values, "pi": math.pi, "sqrt": math.sqrt}))  # fmt: skip
+    exact = parameter.at(values)
     if not math.isfinite(exact):
         return "the loop has no such part"
     value = float(np.float32(exact)) if parameter.rounding == "float" else round(exact, parameter.decimals)
-    if value == 0.0 and exact != 0.0:
-        return f"{exact:.3g} {parameter.unit} is less than the controller can express"
-    return Written(parameter, exact, value)
+    said = f"= {exact:.4g} {parameter.unit}".rstrip()
+    if value == 0.0 and abs(exact) > 1e-30 and not parameter.expression.startswith("8 - log2"):
+        return f"{said}, less than the controller can express"
+    low, high = parameter.ends
+    if not low <= value <= high:
+        return f"{said}, and it takes {low:.10g} to {high:.10g}"
+    return Written(parameter, exact, value, parameter.figure_at(value, values) if parameter.figure else math.nan)
+
+
+def read_back(rows: list[Written]) -> dict[str, float]:
+    """The figures in SI for which written values stand; of several parameters the first counts."""
+    return {row.parameter.figure: row.si for row in reversed(rows) if not math.isnan(row.si)}
 
 
 def controller_gains(
-    cascade: Cascade, train: DriveTrain, controller: str
+    cascade: Cascade, train: DriveTrain, device: Device
 ) -> tuple[tuple[ControllerGain, ...], list[str]]:
-    """The gains of a cascade in the units of a controller that is known, and those for which it has no place."""
-    device = _known(controller)
-    if device is None or device.structure != "cascade":
+    """The gains of a cascade in the units of a controller, and those for which it has no place."""
+    if device.structure in {"voltage", "servo", "steps"}:
         return (), []
     values = gain_figures(cascade, train, phase=device.phase)
-    of_gains = [row for row in device.parameters if not _names(row.expression) - values.keys() - {"pi", "sqrt"}
-                and _names(row.expression) & _OF_LOOPS]  # fmt: skip
-    rows, _ = written(device._replace(parameters=tuple(of_gains)), values)
+    of_gains = [row for row in device.parameters if not _names(row.expression) - values.keys() - _FUNCTIONS.keys()
+                and row.figure in {*_OF_LOOPS, "b", "J", "M_c"}]  # fmt: skip
+    rows = written(device._replace(parameters=tuple(of_gains)), values).rows
+    if not rows:
+        return (), []
     found = tuple(
         ControllerGain(place=row.parameter.name, name=row.parameter.meaning, unit=row.parameter.unit,
                        value=int(row.value) if row.parameter.rounding == "whole" else row.value)
         for row in rows
     )  # fmt: skip
-    used = set().union(*(_names(row.expression) for row in device.parameters))
-    lacking = [what for what, name, gain in (("velocity kd", "", cascade.velocity_kd),
-               ("feedforward friction", "M_c", cascade.feedforward_friction)) if gain and name not in used]  # fmt: skip
-    return found, [f"{device.title} has no place for {what}" for what in lacking]
+    lacking = {"velocity kd": cascade.velocity_kd}
+    lacking |= {"feedforward friction": cascade.feedforward_friction} if "M_c" not in device.figures else {}
+    return found, [f"{device.title} has no place for {what}" for what, gain in lacking.items() if gain]
 
 
 def _names(expression: str) -> set[str]:
     return set(re.findall(r"(?<![\w.])[A-Za-z_]\w*", expression))
 
 
-def as_written(device: Device, rows: list[Written], proof: Validation) -> Control:
+def within_limits(device: Device, proof: Validation, values: Mapping[str, float]) -> Control | None:
+    """The loops again with a current loop and a measurement of the speed no faster than the controller has them.
+
+    None: they are within, or given in the spec.
+    """
+    own, update = proof.spec.control, dict[str, Any]()
+    if not isinstance(proof.gains, Cascade):
+        return None
+    for row in device.parameters:
+        high = row.ends[1]
+        if row.figure == "K_i" and own.current == CurrentLoop() and row.at(values) > high:
+            most = row.figure_at(0.999 * high, values)
+            update["current"] = CurrentLoop(kp=proof.gains.current_kp * most / values["K_i"])
+    least = float(device.words["count_time"] or 0.0)
+    if own.count_time is None and 0.0 < values["T_w"] < least:
+        update["count_time"] = least
+    return own.model_copy(update=update) if update else None
+
+
+def with_limit(device: Device, rows: list[Written], drive: DriveSet) -> DriveSet:
+    """A drive whose controller limits the current to what is written."""
+    limit, known = drive.controller, read_back(rows).get("I_max", math.nan)
+    if limit is None or math.isnan(known):
+        return drive
+    peak = np.fmin(limit.peak_current, known * (_PHASE if device.phase else 1.0))
+    return replace(drive, controller=replace(limit, peak_current=float(peak)))
+
+
+def as_written(device: Device, rows: list[Written], proof: Validation, values: Mapping[str, float]) -> Control:
     """The section ``control`` of what stands in the controller: its loops with the gains after rounding."""
-    gains = proof.gains
-    share = {row.parameter.carries: row.value / row.exact for row in rows if row.parameter.carries and row.exact}
-    if isinstance(gains, Gains):
-        kp, ki = gains.kp * share.get("K_v", 1.0), gains.ki * share.get("K_vi", 1.0)
-        return proof.spec.control.model_copy(update={"kp": kp, "ki": ki, "kd": 0.0, "bandwidth": None})
-    assert isinstance(gains, Cascade)
+    gains, own = proof.gains, proof.spec.control
+    share = {name: si / values[name] for name, si in read_back(rows).items() if values.get(name)}
+
+    def rounded(gain: float, *names: str) -> float:
+        return gain * next((share[name] for name in names if name in share), 1.0)
+
+    if isinstance(gains, Stepping):
+        return own.model_copy(update={"microsteps": max(1, round(rounded(gains.microsteps, "microsteps")))})
     over = gains.counted_over * gains.velocity_period or None
-    current_kp = gains.current_kp * share.get("K_i", 1.0)
-    current_ki = gains.current_ki * share.get("K_ii", share.get("K_i", 1.0))
+    if isinstance(gains, Gains):
+        update = {"kp": rounded(gains.kp, "volt_p"), "ki": rounded(gains.ki, "volt_i"), "kd": 0.0, "bandwidth": None}
+        return own.model_copy(update=update | {"count_time": over})
+    current_kp, current_ki = rounded(gains.current_kp, "K_i"), rounded(gains.current_ki, "K_ii", "K_i")
     if "T_i" in share:
-        current_ki = current_kp / (gains.current_kp / gains.current_ki * share["T_i"])
-    kp, ki = gains.velocity_kp * share.get("K_v", 1.0), gains.velocity_ki * share.get("K_vi", 1.0)
-    if "T_n" in share or "1/T_n" in share:
-        ki = kp * gains.velocity_ki / gains.velocity_kp * share.get("1/T_n", 1.0) / share.get("T_n", 1.0)
-    outer = gains.position_kp * share.get("K_pos", 1.0)
-    if device.structure == "pid" and outer:  # back from one PID to the cascade that it is
-        d, p, i = (gain * share.get(name, 1.0) for name, gain in
-                   (("kd", kp), ("kp", kp * outer + ki), ("ki", ki * outer)))  # fmt: skip
+        current_ki = current_kp * gains.current_ki / gains.current_kp / share["T_i"]
+    kp, ki = rounded(gains.velocity_kp, "K_v", "A_p"), rounded(gains.velocity_ki, "K_vi", "A_i")
+    if "T_n" in share:
+        ki = kp * gains.velocity_ki / gains.velocity_kp / share["T_n"]
+    outer = rounded(gains.position_kp, "K_pos")
+    if device.structure in {"pid", "either"} and outer:  # back from one PID to the cascade that it is
+        d, p, i = (rounded(gain, name) for name, gain in
+                   (("kd", gains.velocity_kp), ("kp", gains.velocity_kp * gains.position_kp + gains.velocity_ki),
+                    ("ki", gains.velocity_ki * gains.position_kp)))  # fmt: skip
         root = math.sqrt(max(0.0, p * p - 4.0 * i * d))
         fast, slow = (p + root) / (2.0 * d), (p - root) / (2.0 * d)
         inner = min((fast, slow), key=lambda one: abs(one - ki / kp))
         kp, ki, outer = d, d * inner, fast + slow - inner
     found: dict[str, Any] = {
         "current": CurrentLoop(kp=current_kp, ki=current_ki), "velocity": VelocityLoop(kp=kp, ki=ki),
-        "position": PositionLoop(kp=outer) if outer else None, "count_time": over,
+        "position": PositionLoop(kp=outer, planned_speed=gains.planned_speed) if outer else None, "count_time": over,
+        "feedforward": Feedforward(
+            velocity=rounded(gains.feedforward_velocity, "b"), friction=rounded(gains.feedforward_friction, "M_c"),
+            acceleration=rounded(gains.feedforward_acceleration, "J"),
+        ),
     }  # fmt: skip
-    return proof.spec.control.model_copy(update=found)
+    return own.model_copy(update=found)

@@ -72,7 +72,7 @@ def design(
         filter_time = max(period, c.kd / c.kp / _FILTER) if c.kp and c.kd else period if c.kd else 0.0
         over = max(counts.periods, 1) if counts else 0
         return Gains(kp=c.kp, ki=c.ki, kd=c.kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN,
-                     source="")  # fmt: skip
+                     source="", **_ahead(c, train))  # fmt: skip
     every, (periods, late) = modes(train), lags(counts, period)
     tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
     lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
@@ -101,8 +101,31 @@ def design(
     rule = f"{RULE}, tau_c = {show(tau_c, 'ms', 'time', 3)}{' (tight)' if tau_c == least.min() else ''}"
     return Gains(
         kp=kp, ki=kp / tau_i, kd=0.0, filter_time=0.0, period=period, counted_over=int(periods[n]), rule=rule,
-        source=SOURCE,
+        source=SOURCE, **_ahead(c, train),
     )  # fmt: skip
+
+
+def _ahead(c: Control, train: DriveTrain) -> dict[str, float]:
+    """Feedforward of the voltage for the currents that are given: of a controller that has it, else none."""
+    given = c.feedforward
+    if given.velocity is None or given.friction is None or given.acceleration is None:
+        return {}
+    return {
+        "feedforward_velocity": train.back_emf_constant + train.resistance * given.velocity,
+        "feedforward_friction": train.resistance * given.friction,
+        "feedforward_acceleration": train.resistance * given.acceleration,
+    }
+
+
+def position_on_voltage(train: DriveTrain, period: float) -> float:
+    r"""Gain of a position loop that acts on the voltage [V/rad], with no velocity loop inside: magnitude optimum [1].
+
+    .. math:: k_p = \frac{k_e}{2 (\tau_1 + \theta)}
+
+    Of an integral behind the lag and the delay of :func:`effective_delay`: damping 0.707, phase margin 65 deg.
+    """
+    lag, delay = effective_delay(train, modes(train)[Regime.FORWARD_DRIVING], period)
+    return train.back_emf_constant / (2.0 * (lag + delay))
 
 
 # -- Gains of the servo cascade by named rules, from the inside out.
@@ -263,6 +286,7 @@ def design_cascade(
         feedforward_acceleration=acceleration if given.acceleration is None else given.acceleration,
         feedforward_velocity=velocity if given.velocity is None else given.velocity,
         feedforward_friction=friction if given.friction is None else given.friction,
+        planned_speed=place is None or place.planned_speed,
         current_period=every.current,
         velocity_period=every.velocity,
         position_period=every.position if outer else 0.0,
@@ -278,7 +302,7 @@ def _refuse(wanted: Control, where: Where) -> None:
     for section in ("current", "velocity", "position", "feedforward"):
         figures = getattr(wanted, section)
         for name, value in figures.model_dump().items() if figures else ():
-            if value is not None and not 0.0 <= value <= _LARGEST_GAIN:
+            if value is not None and not 0.0 <= value <= _LARGEST_GAIN:  # a yes or no is within
                 what = where(("control", section, name))
                 raise InputError(f"{what}: {value:g} is no use; expected 0 to {_LARGEST_GAIN:g}")
     own = wanted.velocity

@@ -47,6 +47,7 @@ class Cascade:
     feedforward_velocity: float = 0.0  # A/(rad/s): viscous friction and iron
     feedforward_friction: float = 0.0  # A, in the direction of the demand
     feedforward_acceleration: float = 0.0  # A/(rad/s^2): the inertia
+    planned_speed: bool = True  # goes to the velocity loop beside the position loop's demand
     current_period: float  # s
     velocity_period: float  # s, a whole multiple of the current loop's
     position_period: float = 0.0  # s, a whole multiple of the velocity loop's; 0: no position loop
@@ -181,6 +182,9 @@ class Gains:
     filter_time: float  # s, of the derivative
     period: float  # s, at which the controller runs
     counted_over: int = 0  # periods, over which counts are taken for a speed; 0: it is measured exactly
+    feedforward_velocity: float = 0.0  # V/(rad/s): back-EMF and viscous friction
+    feedforward_friction: float = 0.0  # V, in the direction of the demand
+    feedforward_acceleration: float = 0.0  # V/(rad/s^2): the inertia
     rule: str  # "given in the spec", or the design rule's name
     source: str  # the rule's citation
 

@@ -300,6 +300,7 @@ class PositionLoop(fields.Section):
     """The position loop; without this section there is none."""
 
     kp: fields.Gain | None = fields.optional("speed demand per position error [1/s]")
+    planned_speed: bool = fields.default(True, "whether the planned speed is fed forward to the velocity loop")
 
 
 class Feedforward(fields.Section):

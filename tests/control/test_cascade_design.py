@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from linear_machines import cascade_control
 
-from drivesizer.control.devices import controller_gains
+from drivesizer.control.devices import controller_gains, devices
 from drivesizer.control.drive_train import DriveTrain, Regime, modes
 from drivesizer.control.gains import (
     design_cascade,
@@ -146,7 +146,7 @@ def test_units_of_the_epos4():
         current_kp=1.17188, current_ki=3906.25, velocity_kp=0.02, velocity_ki=0.5, current_period=4e-5,
         velocity_period=4e-4, feedforward_velocity=20.858e-3, feedforward_acceleration=6.274e-3,
     )  # fmt: skip
-    gains, said = controller_gains(cascade, train_of(), "EPOS4 Compact 50/5 CAN")
+    gains, said = controller_gains(cascade, train_of(), devices()["epos4"])
     assert [(g.place, g.value, g.unit) for g in gains] == [
         ("0x30A0:01", 1_171_880, "µV/A"),
         ("0x30A0:02", 3_906_250, "µV/(A·ms)"),
@@ -156,7 +156,7 @@ def test_units_of_the_epos4():
         ("0x30A2:04", 6_274, "µA·s²/rad"),
     ]
     assert said == []
-    assert controller_gains(cascade, train_of(), "ESCON 50/5") == ((), [])
+    assert controller_gains(cascade, train_of(), devices()["escon"]) == ((), [])
 
 
 def test_an_auto_tuned_epos4_has_these_gains():
@@ -172,7 +172,7 @@ def test_an_auto_tuned_epos4_has_these_gains():
 
 def test_the_epos4_s_position_pid_is_the_cascade_with_the_path_s_velocity():
     cascade = replace(designed(position=True, bandwidth=40.0), velocity_kd=1e-4)
-    gains, said = controller_gains(cascade, train_of(), "EPOS4 50/5")
+    gains, said = controller_gains(cascade, train_of(), devices()["epos4"])
     pid = {g.place: g.value * 1e-6 for g in gains}
     kv, pi = cascade.position_kp, cascade.velocity_kp + cascade.velocity_ki / S
     ours, theirs = pi * (kv + S), pid["0x30A1:01"] + pid["0x30A1:02"] / S + pid["0x30A1:03"] * S

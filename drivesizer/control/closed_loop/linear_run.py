@@ -152,7 +152,8 @@ def _simulated(case: ClosedLoop, course: _Course) -> dict[str, Array]:
         opened = (position_open_loop if steps else velocity_open_loop)(case.train, mode, c, fine=True)
     loop = closed(opened, [*[0.0] * (opened.noutputs - 1), 1.0])  # with all its inputs; the last output is fed back
     period = c.velocity_period * max(steps, 1)
-    inputs = np.stack([speed, fed, load])
+    ahead = float(not steps or not isinstance(c, Cascade) or c.planned_speed)
+    inputs = np.stack([ahead * speed, fed, load])
     if steps:
         angle = np.concatenate([[0.0], np.cumsum(0.5 * (course.speed[1:] + course.speed[:-1]))[:-1]])
         inputs = np.vstack([
@@ -195,9 +196,7 @@ def _joined(runs: list[dict[str, Array]]) -> dict[str, Array]:
 
 
 def _feedforward(c: Gains | Cascade, speed: Array, slope: Array) -> Array:
-    """Current that a cascade adds to its demand by the reference [A]."""
-    if isinstance(c, Gains):
-        return np.zeros(len(speed))
+    """What a controller adds to its demand by the reference: current [A], or voltage [V]."""
     found: Array = (
         c.feedforward_velocity * speed + c.feedforward_friction * np.sign(speed) + c.feedforward_acceleration * slope
     )

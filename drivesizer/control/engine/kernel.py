@@ -416,7 +416,7 @@ def measured_speed(p: Array, s: Array, ring: Array) -> float:
 
 
 def feedforward_current(p: Array, speed: float, slope: float) -> float:
-    """Feedforward of the current by the model's friction and inertia."""
+    """Feedforward by friction and inertia: of the current, or of the voltage where the loop acts on that."""
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
     return float(p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope)
 
@@ -435,7 +435,7 @@ def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: fl
         if p[at.EDGES] != 0.0:  # in whole counts, so that a motor within its count may rest
             lag = (whole_counts(p, angle) - whole_counts(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
         s[at.W_ADD], s[at.W_NEXT] = s[at.W_NEXT], p[at.PKP] * lag
-    error = speed + s[at.W_ADD] - w
+    error = p[at.AHEAD] * speed + s[at.W_ADD] - w
     drain(p, s, error, speed, slope, l)
     s[at.I_NEXT] = feedforward_current(p, speed, slope) + pid(
         p, s, at.OUTER, error, s[at.I_CUT] * error > 0.0 or s[at.U_CUT] * error > 0.0
@@ -485,7 +485,7 @@ def voltage_loop(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
     error = speed - measured_speed(p, s, ring)
     drain(p, s, error, speed, slope, l)
     s[at.I_CUT] = demand - u - s[at.U_CUT]
-    s[at.PEND] = pid(p, s, at.OUTER, error, (demand - u) * error > 0.0)
+    s[at.PEND] = feedforward_current(p, speed, slope) + pid(p, s, at.OUTER, error, (demand - u) * error > 0.0)
     return u
 
 

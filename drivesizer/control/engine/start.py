@@ -173,7 +173,8 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
         "BUDGET": max(budget, 0.0) if not math.isnan(budget) else math.inf, "MOST": most,
         "TOL_I": tight * full_i, "TOL_W": tight * full_w, "TOL_U": tight * volts, "RESTS": _RESTS * full_w,
         "TOL_F": tight * m.ratio * m.torque_constant * full_i / m.stiffness if m.flexible else math.inf,
-        "TOL_X": math.inf, "AMBIENT": DATA_TEMPERATURE, "EVERY": 1.0,
+        "TOL_X": math.inf, "AMBIENT": DATA_TEMPERATURE, "EVERY": 1.0, "AHEAD": 1.0,
+        "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
     }  # fmt: skip
     if isinstance(c, Gains):
         velocity, kp, ki, kd = c.period, c.kp, c.ki, c.kd
@@ -184,7 +185,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
             "CASCADE": 1.0, "H": c.current_period, "N_V": c.current_steps, "N_P": c.velocity_steps,
             "CKP": c.current_kp, "CKI": c.current_ki * c.current_period,
             "PKP": c.position_kp if c.velocity_steps else 0.0,
-            "FFV": c.feedforward_velocity, "FFF": c.feedforward_friction, "FFA": c.feedforward_acceleration,
+            "AHEAD": float(c.planned_speed or not c.velocity_steps),
             "PROMPT": float(drive.prompt),
             "TOL_X": named["TOL_W"] / c.position_kp if c.velocity_steps else math.inf,
         }  # fmt: skip
@@ -223,12 +224,17 @@ def _start(p: Array, pieces: Array, drive: Drive, ki: tuple[bool, bool]) -> Arra
     s[at.RES] = p[at.R_A] + p[at.ALPHA] * s[at.T_W] if p[at.HEAT] else p[at.R25]
     s[at.CODE] = mode_of(p, i, w, s[at.F], s[at.V], l)
     volts = s[at.RES] * i + p[at.K_E] * w  # the integral holds the last demand
+    known = feedforward_current(p, w, 0.0)
     if p[at.CASCADE]:
-        known = feedforward_current(p, w, 0.0)
         s[at.OUTER], s[at.INNER] = (i - known) * ki[0], volts * ki[1]
         s[at.I_NEXT], s[at.PEND] = known + s[at.OUTER], s[at.INNER]
+        if not p[at.AHEAD]:  # the position loop alone demands the speed
+            s[at.W_ADD] = s[at.W_NEXT] = w
+            s[at.X] = -w / p[at.PKP]
+            s[at.Y] = s[at.X] / p[at.RATIO]
     else:
-        s[at.PEND] = s[at.OUTER] = volts * ki[0]
+        s[at.OUTER] = (volts - known) * ki[0]
+        s[at.PEND] = known + s[at.OUTER]
     return s
 
 

@@ -13,12 +13,20 @@ import yaml
 from drivesizer.control.devices import Device, Written
 from drivesizer.errors import InputError, quoted
 
-SUFFIXES = {"json": ".json", "assignments": ".txt", "xml": ".xml", "yaml": ".yaml", "dcf": ".dcf", "sheet": ".txt"}
+_SUFFIXES = {
+    "json": ".json", "assignments": ".txt", "xml": ".xml", "yaml": ".yaml", "dcf": ".dcf", "sheet": ".txt",
+    "ini": ".cfg",
+}  # fmt: skip
+
+
+def suffix_of(device: Device) -> str:
+    """The end of the names of a controller's files."""
+    return device.words["suffix"] or _SUFFIXES[device.words["form"]]
 
 
 def accept(device: Device, path: Path) -> None:
     """Refuse a name that the controller's tool does not open."""
-    suffix = SUFFIXES[device.words["form"]]
+    suffix = suffix_of(device)
     if path.suffix.lower() != suffix:
         raise InputError(
             f"--output: {quoted(path)} is no name for {device.title}; expected a file that ends in {suffix}"
@@ -27,13 +35,7 @@ def accept(device: Device, path: Path) -> None:
 
 def files(device: Device, rows: Sequence[Written], remarks: Sequence[str], path: Path) -> dict[Path, bytes]:
     """The controller's file; where its form takes no remarks these are a text beside it."""
-    form = device.words["form"]
-    if form == "json":
-        text = json.dumps(_tree(rows), indent=2) + "\n"
-        return {
-            path: text.encode(),
-            path.with_suffix(".read_back.txt"): "".join(f"{one}\n" for one in remarks).encode(),
-        }
+    form, mark = device.words["form"], device.words["remarks"] or "#"
     if form == "xml":
         root = Element(device.words["root"])
         root.append(Comment("\n" + "\n".join(remarks).replace("--", "- -") + "\n"))
@@ -41,8 +43,11 @@ def files(device: Device, rows: Sequence[Written], remarks: Sequence[str], path:
             SubElement(root, row.parameter.name).text = row.text
         indent(root)
         return {path: tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"}
-    body = {"yaml": _yaml, "dcf": _dcf}.get(form, _lines)(device, rows)
-    return {path: ("".join(f"# {one}".rstrip() + "\n" for one in remarks) + "\n" + body).encode()}
+    body = {"json": _json, "yaml": _yaml, "dcf": _dcf, "ini": _ini}.get(form, _lines)(device, rows)
+    if form == "json" or mark == "beside":
+        said = "".join(f"{one}\n" for one in remarks)
+        return {path: body.encode(), path.with_suffix(".read_back.txt"): said.encode()}
+    return {path: ("".join(f"{mark} {one}".rstrip() + "\n" for one in remarks) + "\n" + body).encode()}
 
 
 def _tree(rows: Sequence[Written]) -> dict[str, Any]:
@@ -55,6 +60,19 @@ def _tree(rows: Sequence[Written]) -> dict[str, Any]:
             inner = inner.setdefault(parent, {})
         inner[last] = int(row.value) if row.parameter.rounding == "whole" else float(row.text)
     return found
+
+
+def _json(device: Device, rows: Sequence[Written]) -> str:
+    return json.dumps(_tree(rows), indent=2) + "\n"
+
+
+def _ini(device: Device, rows: Sequence[Written]) -> str:
+    """Sections of the names before the dot."""
+    sections: dict[str, str] = {}
+    for row in rows:
+        section, _, name = row.parameter.name.rpartition(".")
+        sections[section] = sections.get(section, f"[{section}]\n") + f"{name}: {row.text}\n"
+    return "\n".join(sections.values())
 
 
 def _yaml(device: Device, rows: Sequence[Written]) -> str:
