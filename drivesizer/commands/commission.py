@@ -66,11 +66,11 @@ def commission(
             typer.echo(f"{path} written", err=True)
     out = console()
     room = out.width - max(len(row.parameter.name) for row in rows)  # for what they stand for, and what they mean
-    heads = (("stands for", "left"),) * (room > 60) + (("", "left"),) * (room > 100)
+    heads = (("in SI", "left"),) * (room > 60) + (("", "left"),) * (room > 100)
     table = bare(("parameter", "left"), ("value", "right"), ("unit", "left"), *heads)
     table.columns[0].no_wrap = True
     for row in rows:
-        more = (row.stands_for, row.parameter.meaning)[: len(heads)]
+        more = (row.in_si, row.parameter.meaning)[: len(heads)]
         table.add_row(row.parameter.name, row.text, row.parameter.unit, *more)
     out.print(f"{one.title}: {found.label}", markup=False)
     out.print(table)
@@ -148,7 +148,7 @@ def _remarks(device: Device, made: Commissioned, board: dict[str, float]) -> lis
         f"{device.title}, by drivesizer: {made.exact.drive_set.label}", f"source of units: {device.words['source']}",
         f"first: {device.words['first']}", f"load: {device.words['load']}", "",
         *(f"{row.parameter.name} = {row.text} {row.parameter.unit}: {row.parameter.meaning}; "
-          + f"{row.stands_for}; " * bool(row.stands_for) + f"exactly {row.exact:.8g}; {row.parameter.confidence}"
+          + f"{row.in_si}; " * bool(row.in_si) + f"exactly {row.exact:.8g}; {row.parameter.confidence}"
           for row in made.rows), "",
         *loops(made), *_warned(device, made, board),
     ]  # fmt: skip

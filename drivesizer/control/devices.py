@@ -127,7 +127,7 @@ class Written(NamedTuple):
         return f"{self.value:.{self.parameter.decimals}f}"
 
     @property
-    def stands_for(self) -> str:
+    def in_si(self) -> str:
         """The figure in SI that the written value is; empty where it is none."""
         if math.isnan(self.si):
             return ""
