@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.prices import uncompared
 from drivesizer.load_cases.requirements import requirements, screw_requirements
 from drivesizer.machine.budgets import check_battery, machine_requirements
 from drivesizer.results.check import Reliability, verdict
@@ -123,11 +124,17 @@ def size(
         unrestricted=None if brief else _unrestricted(problem),
         counts=found.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
-        warnings=(*warnings(picked, sets), *catalog.replaced),
+        warnings=(*warnings(picked, sets), *catalog.replaced, *_prices_left(problem, pareto)),
         pareto=pareto,
         uncertainty=picked.uncertainty,
         choices=picked.choices,
     )
+
+
+def _prices_left(problem: Problem, pareto: tuple[str, ...]) -> Iterator[str]:
+    """A line on prices that do not count, where prices do."""
+    if problem.machine.counts_price or "price" in pareto:
+        yield from filter(None, [uncompared(problem.catalog)])
 
 
 def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:

@@ -19,6 +19,7 @@ from __future__ import annotations
 import functools
 import os
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from importlib import resources
 from pathlib import Path
@@ -44,6 +45,7 @@ from drivesizer.catalog.parts import (
     lines,
     singular,
 )
+from drivesizer.catalog.prices import LISTS, matched, price_list
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined, recall, store
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
@@ -99,7 +101,7 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     named = [each for name in names for each in (shipped() if name == "all" else [name])]
     found = [path_of(name, beside) for name in dict.fromkeys(named)]
     paths = list({os.path.realpath(path): path for path in found}.values())  # a file by two names is one
-    stems = [path.stem for path in paths]
+    stems = [path.name if path.suffix in LISTS else path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:
             raise InputError(f"two catalogues are called {quoted(stem)}; rename one of the files")
@@ -107,13 +109,15 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
         raws = [read_bytes(path, _LARGEST) for path in paths]
     except InputError as error:
         raise UnknownCatalogError(str(error)) from None
-    keys = [_key(raw) for raw in raws]
+    lists = [_list_beside(path) for path in paths]
+    keys = [_key(raw, *map(read_bytes, beside)) for raw, beside in zip(raws, lists, strict=True)]
 
     def join() -> Catalog:
-        return joined([
-            catalog_of_text(path, raw) if is_handed(path) else _compiled(path.stem, key, partial(_parsed, path, raw))
-            for path, raw, key in zip(paths, raws, keys, strict=True)
-        ])  # fmt: skip
+        every = []
+        for path, stem, raw, key, beside in zip(paths, stems, raws, keys, lists, strict=True):
+            make = partial(_parsed, path, raw, *beside)
+            every.append(catalog_of_text(path, raw) if is_handed(path) else _compiled(stem, key, make))
+        return matched(joined(every))
 
     if len(paths) == 1:
         return join()
@@ -129,17 +133,30 @@ def path_of(name: str, beside: Path | None = None) -> Path:
     if name in known:
         return known[name]
     path = (beside or Path()) / name
-    if path.suffix in (".yaml", ".yml"):
+    if path.suffix in (".yaml", ".yml", *LISTS):
         return path
     hint = nearest(name, known, 1)
     raise UnknownCatalogError(
-        f"no catalogue is called {quoted(name)}{hint}; expected a maker's, such as maxon, or a .yaml file"
+        f"no catalogue is called {quoted(name)}{hint}; expected a maker's, such as maxon, or a .yaml file; "
+        "or a price list, .csv or .xlsx"
     )
 
 
-def _key(raw: bytes) -> str:
-    """Digest of what a compiled catalogue is made from: program version, schema and the file's bytes."""
-    return digest_of(__version__.encode(), _schema(), raw)
+def _list_beside(path: Path) -> list[Path]:
+    """The price list that ships with a shipped catalogue."""
+    beside = path.parent / "prices" / f"{path.stem}.csv"
+    return [beside] if path in _found_once().values() and path.stem in _priced() else []
+
+
+@functools.cache
+def _priced() -> frozenset[str]:
+    place = shipped_folder("catalogs") / "prices"
+    return frozenset(name.removesuffix(".csv") for name in (os.listdir(place) if place.is_dir() else ()))  # noqa: PTH208
+
+
+def _key(*raws: bytes) -> str:
+    """Digest of what a compiled catalogue is made from: program version, schema and the files' bytes."""
+    return digest_of(__version__.encode(), _schema(), *raws)
 
 
 @functools.cache
@@ -153,11 +170,16 @@ def catalog_of_text(path: Path, raw: bytes) -> Catalog:
     return _remembered(f"{path.stem} {_key(raw)}", lambda: _parsed(path, raw))
 
 
-def _parsed(path: Path, raw: bytes) -> Catalog:
+def _parsed(path: Path, raw: bytes, *lists: Path) -> Catalog:
     from drivesizer.catalog.catalog_file import parse
     from drivesizer.files.yaml_source import YamlSource
 
-    return parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest_of(raw))
+    if path.suffix in LISTS:
+        return price_list(path, digest_of(raw))
+    digest = digest_of(raw, *map(read_bytes, lists))
+    found = parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest)
+    prices = (price for one in lists for price in price_list(one, "", shipped=True).prices)
+    return matched(replace(found, prices=(*found.prices, *prices))) if lists else found
 
 
 _REMEMBERED = 8

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import parts, schema, tables
 from drivesizer.catalog.laws import derived
 from drivesizer.catalog.parts import PARTS, Column, columns_of
+from drivesizer.catalog.prices import iso_date
 from drivesizer.catalog.tables import Catalog, Note, Source, Table
 from drivesizer.catalog.tolerances import TOLERANCES, MakerTolerance, share
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
@@ -67,6 +68,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
         digests={name: digest},
         tolerances=tolerances,
         overrides=reader.flag(data.get("overrides", False), ("overrides",)),
+        prices=tuple(_prices(reader, data.get("prices"), name)),
     )
 
 
@@ -512,6 +514,28 @@ def _points(reader: _Reader, entry: dict[str, Any], path: Path_) -> list[list[fl
     if len(found) < 2:
         raise reader.fail((*path, "rows"), f"found {len(found)} points; expected at least 2")
     return found
+
+
+# -- Prices of parts, of this file or any other
+
+
+def _prices(reader: _Reader, given: Any, name: str) -> Iterator[tables.Price]:
+    for entry, path in reader.entries(given, ("prices",), schema.PRICES):
+        source = list(reader.sources.values())[reader.source_number(entry["source"], (*path, "source"))]
+        heads = [str(head) for head in reader.sequence(entry["columns"], (*path, "columns"))]
+        shared = reader.fields(entry.get("common") or {}, (*path, "common"), schema.PRICES["properties"]["common"])
+        for head in (head for head in heads if head not in schema.PRICES["properties"]["common"]["properties"]):
+            raise reader.fail((*path, "columns"), f"unknown column {quoted(head)}; expected part, price, currency ...")
+        for cells, at in reader.rows(entry["rows"], (*path, "rows"), len(heads)):
+            given = shared | dict(zip(heads, cells, strict=True))
+            row = {key: reader.plain_text(value, at) for key, value in given.items()}
+            amount, code, pieces = row.pop("price", ""), row.pop("currency", "EUR"), row.pop("pieces", "") or "1"
+            price = reader.read(at, to_si, f"{amount} {code}", "price")
+            if not pieces.isdecimal() or not price > 0.0 or not row.get("part"):
+                raise reader.fail(at, "expected a part, a price above 0 and from how many pieces on, e.g. 10")
+            date = iso_date(row.pop("date", source.date))
+            yield tables.Price(amount=price, currency=code, pieces=max(int(pieces), 1), date=date, file=name,
+                               document=source.document, confidence=source.confidence, **row)  # fmt: skip
 
 
 # -- Tolerances that the maker states, in the notation of a spec

@@ -63,7 +63,7 @@ class PartRecord:
     family: str = text()
     manufacturer: str = text()
     mass: float = figure("mass", "g")
-    price: float = figure("price", "EUR")  # 1-4 pieces
+    price: float = figure("price_eur", "EUR")  # 1-4 pieces
     foreign_price: float = figure("dimensionless", "1")  # in its currency, where that is another
     currency: str = text()  # of it, such as USD
 
@@ -132,8 +132,8 @@ class Motor(PartRecord):
     mounted_gain: float = figure("dimensionless", "1")  # of its ratings at most, as mounted, where heat figures lack
     diameter: float = figure("length", "mm")
     length: float = figure("length", "mm")
-    price_5: float = figure("price", "EUR")  # 5-19 pieces
-    price_20: float = figure("price", "EUR")  # 20-49 pieces
+    price_5: float = figure("price_eur", "EUR")  # 5-19 pieces
+    price_20: float = figure("price_eur", "EUR")  # 20-49 pieces
     list_price: float = figure("price_chf", "CHF")
 
 
@@ -182,8 +182,8 @@ class Gearhead(PartRecord):
     inside: str = text()  # the actuator that it is built into
     diameter: float = figure("length", "mm")
     length: float = figure("length", "mm")
-    price_5: float = figure("price", "EUR")
-    price_20: float = figure("price", "EUR")
+    price_5: float = figure("price_eur", "EUR")
+    price_20: float = figure("price_eur", "EUR")
     list_price: float = figure("price_chf", "CHF")
 
 

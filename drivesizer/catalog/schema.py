@@ -65,6 +65,16 @@ PULL_OUT = _fields(  # of a stepper: speed and torque of each row
      "rows": _list(_list({"type": "number", "minimum": 0}, minItems=2, maxItems=2))},
     ("stepper", "source", "voltage", "columns", "rows"),
 )  # fmt: skip
+_PRICE: dict[str, Any] = {
+    "part": "its number, of any catalogue", "price": "of one piece", "currency": "such as USD",
+    "pieces": "from so many on", "date": "", "seller": "", "order_number": "by which the seller knows it",
+    "delivery": "such as 3 weeks", "manufacturer": "where several makers have such a part", "note": "",
+}  # fmt: skip
+PRICES = _fields(  # of parts of any catalogue
+    {"source": _ORIGIN, "common": _fields({name: _TEXT | {"description": said} for name, said in _PRICE.items()}, ()),
+     "columns": _list({"enum": list(_PRICE)}), "rows": _list(_list(_TEXT))},
+    ("source", "columns", "rows"),
+)  # fmt: skip
 _SHARE = _WORDS | {"description": "of the printed figure: +- 10 %, -10 %..30 %, normal(5 %) or none"}
 TOLERANCE = _fields(
     {"source": _ORIGIN,
@@ -120,6 +130,7 @@ TOP = _fields(
         | {"description": "at which figures of motors and actuators hold, e.g. 22 degC; else 25 degC is assumed"},
         "sources": {"type": "object", "additionalProperties": SOURCE, "minProperties": 1},
         **{section: _list(table(section)) for section in PARTS},
+        "prices": _list(PRICES),
         DISCHARGES: _list(DISCHARGE),
         PULL_OUTS: _list(PULL_OUT),
         TOLERANCES: _list(TOLERANCE),

@@ -55,6 +55,26 @@ class Note(NamedTuple):
     rule: bool = False  # of figures by a rule of thumb, which are no maker's limits
 
 
+class Price(NamedTuple):
+    """A price of one part, as a price list or the part's own row has it; an empty text is unknown."""
+
+    part: str  # as the list names it; of the catalogue, once it is found there
+    amount: float  # of one piece
+    currency: str
+    pieces: int = 1  # from so many on
+    date: str = ""
+    seller: str = ""
+    order_number: str = ""  # by which it is ordered, where that is not the catalogue's
+    delivery: str = ""  # as the list says it
+    note: str = ""
+    manufacturer: str = ""  # as the list says it
+    document: str = ""
+    confidence: str = ""
+    section: str = ""  # empty, until the part is found in the catalogues
+    file: str = ""  # name of the list among the catalogues; empty of one that ships with a catalogue
+    column: str = ""  # of the part's row that it stands in; empty in a list
+
+
 class Pairs(NamedTuple):
     """Rows of two tables that go together, and the source that states it."""
 
@@ -251,6 +271,10 @@ class Catalog:
     tolerances: tuple[MakerTolerance, ...] = ()  # that makers state for their figures
     replaced: tuple[str, ...] = ()  # parts that an overriding catalogue gives in place of another, in words
     estimates: Mapping[str, Mapping[str, Estimates]] = field(default_factory=dict)  # by section and figure
+    prices: tuple[Price, ...] = ()  # of price lists
+    currency: str = "EUR"  # of the column price: the one in which prices are compared
+    rates: Mapping[str, float] = field(default_factory=lambda: {"EUR": 1.0})  # what one of another currency is in it
+    unpriced: Catalog | None = None  # with the prices of the rows as printed, where that column has others
     mounted: bool = False  # whether thermal figures of motors are those of the spec's mounting
     ends: tuple[Catalog, ...] = ()  # as ``search_view`` makes it: with estimates at either end of their bands
 
@@ -326,6 +350,13 @@ class Catalog:
 NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "quoted")
 
 
+def without_parts(name: str, digest: str, prices: tuple[Price, ...], said: tuple[str, ...]) -> Catalog:
+    """A price list as a catalogue."""
+    none = Pairs(*(np.zeros(0, np.int32),) * 3)
+    found: dict[str, Any] = {section: empty(section) for section in PARTS} | dict.fromkeys(RELATIONS, none)
+    return Catalog(**found, sources=(), notes=(), digests={name: digest}, prices=prices, replaced=said)
+
+
 def with_no_gearhead(gearheads: Table[parts.Gearhead], source: int) -> Table[parts.Gearhead]:
     """A table of gearheads with the row of direct drive, which weighs nothing and has no limits, as its last."""
     row = {name: np.array([getattr(parts.NO_GEARHEAD, name)]) for name in gearheads.columns}
@@ -374,7 +405,7 @@ def recall(path: Path) -> Catalog | None:
 def store(path: Path, catalog: Catalog) -> None:
     """Keep a compiled catalogue; older compilations of the same file are removed."""
     arrays: dict[str, NDArray[Any]] = {}
-    names = ("sources", "notes", "digests", "overrides", "across", "replaced", "tolerances")
+    names = ("sources", "notes", "digests", "overrides", "across", "replaced", "tolerances", "prices")
     texts: dict[str, Any] = {name: getattr(catalog, name) for name in names}
     for section in PARTS:
         table, schema = catalog.table(section), columns_of(section)
@@ -409,7 +440,8 @@ def _unpacked(body: bytes) -> Catalog:
     found |= {relation: Pairs(*arrays[relation]) for relation in RELATIONS}
     for name, (_, none) in _PRINTED.items():
         found[name] = type(none)(*(arrays.get(f"{name}.{column}", getattr(none, column)) for column in none._fields))
-    for name, kind in (("sources", Source), ("notes", Note), ("tolerances", MakerTolerance), ("across", Across)):
+    for name, kind in (("sources", Source), ("notes", Note), ("tolerances", MakerTolerance), ("across", Across),
+                       ("prices", Price)):  # fmt: skip
         found[name] = tuple(kind(*map(_frozen, one)) for one in texts[name])
     plain: dict[str, Any] = {name: texts[name] for name in ("digests", "overrides")}
     return Catalog(**found, **plain, replaced=tuple(texts["replaced"]))
@@ -427,7 +459,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     """Several catalogues as one."""
     if len(catalogs) == 1 and not catalogs[0].across:
         return catalogs[0]
-    replaced = (*_replaced(catalogs), *_not_loaded(catalogs))
+    replaced = (*(said for c in catalogs for said in c.replaced), *_replaced(catalogs), *_not_loaded(catalogs))
     first_source = [int(n) for n in np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]]
     stacks = {section: _Stack([c.table(section) for c in catalogs], first_source) for section in PARTS}
     found: dict[str, Any] = {section: stack.table for section, stack in stacks.items()}
@@ -457,6 +489,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
         replaced=(*replaced, *instead),
         tolerances=tolerances,
+        prices=tuple(price for c in catalogs for price in c.prices),
     )
 
 

@@ -35,6 +35,24 @@ _OR_GRADE = ", or a grade such as 5 %"
 _WRITTEN = 1e-5  # relative: how far five digits are off
 
 
+class Money(float):
+    """An amount of money, which stays in its currency."""
+
+    currency: str = ""
+
+
+def money(text: object) -> Money:
+    """An amount with its currency.
+
+    >>> money("300 USD"), money("300 USD").currency
+    (300.0, 'USD')
+    """
+    found = Money(to_si(text, "price"))
+    unit = str(text).strip().lstrip("+0123456789.eE ").strip()
+    found.currency = next(code for code, others in KINDS["price"].units.items() if unit in (code, *others.split()))
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Quantity:
     """A field's type: text with unit in, SI float out, inside its range."""
@@ -52,6 +70,8 @@ class Quantity:
         kind = KINDS[self.rotary if turns else self.kind]
         if self.grade and isinstance(text, str) and text.rstrip().endswith("%"):
             value = self._rounded(math.atan(to_si(text, "dimensionless")))
+        elif self.kind == "price":
+            value = money(text)
         else:
             value = self._rounded(to_si(text, self.rotary if turns else self.kind))
         if value > self.above and self.least <= value <= self.most:
@@ -131,7 +151,7 @@ ThermalResistance = Annotated[float, Quantity("thermal_resistance", above=0.0)]
 Capacitance = Annotated[float, Quantity("capacitance", above=0.0)]
 Frequency = Annotated[float, Quantity("frequency", above=0.0)]
 Temperature = Annotated[float, Quantity("temperature", above=0.0)]
-Price = Annotated[float, Quantity("price", above=0.0)]
+Price = Annotated[float, Quantity("price", above=0.0)]  # a ``Money``
 BackEfficiency = Annotated[float, Quantity("dimensionless", most=1.0)]  # below 0 of what is self-locking
 Share = Annotated[float, Quantity("dimensionless", above=0.0, most=1.0)]  # a factor or efficiency
 Part = Annotated[float, Quantity("dimensionless", least=0.0, most=1.0)]

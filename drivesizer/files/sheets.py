@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import read_bytes
-from drivesizer.units import kind_of_unit, number
+from drivesizer.units import KINDS, kind_of_unit, number
 
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF32_LE, "utf-32"), (codecs.BOM_UTF32_BE, "utf-32"),
           (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))  # fmt: skip
@@ -28,8 +28,6 @@ _KLIPPER = {"resistance": "ohm", "inductance": "H", "holding_torque": "N*m", "ma
 _MJCF = {"resistance": "ohm", "inductance": "H", "motorconst": "N*m/A", "armature": "kg*m^2"}
 
 
-_SIGNS = {"$": "USD", "US$": "USD", "£": "GBP", "¥": "JPY", "€": "EUR"}
-_CODES = frozenset("USD EUR CHF GBP JPY CNY CAD AUD SEK DKK NOK PLN CZK KRW INR".split())  # noqa: SIM905
 _SPELLINGS = {  # of units, beside those of their reader
     "VDC": "V", "V DC": "V", "Vdc": "V", "VAC": "V", "Volt": "V", "Volts": "V", "volts": "V", "Amp": "A", "Amps": "A",
     "amps": "A", "Arms": "A", "A rms": "A", "A(rms)": "A", "ADC": "A", "Apk": "A", "Ohms": "ohm", "Watt": "W",
@@ -299,7 +297,8 @@ def unit_of(text: str, small: bool = False) -> str:
 
 def currency_of(unit: str) -> str:
     """Code of a currency, of its sign or of the code itself; empty where a unit is none."""
-    return _SIGNS.get(unit, unit if unit in _CODES else "")
+    signs = KINDS["price"].units.items()
+    return next((code for code, others in signs if unit.upper() in (code, *others.split())), "")
 
 
 def plain_head(text: str) -> str:

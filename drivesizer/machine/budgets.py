@@ -91,7 +91,7 @@ def machine_budget(
     if spec.budget and spec.budget.price is not None:
         resistor = braking.resistor if braking else None
         items = [*of_drives(problem, one), *of_supply(spec.supply.part, resistor, catalog)]
-        checks.append(price_check(items, spec.budget.price))
+        checks.append(price_check(items, spec.budget.price, catalog))
     least = min(energies, key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None)  # the unknown first
     return MachineBudget(tuple(checks), tuple(figures), masses, least, braking)
 

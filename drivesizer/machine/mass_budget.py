@@ -20,18 +20,18 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.estimates.estimate import assumed_mass
+from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.tolerances import END
 from drivesizer.physics.figures import no_less
 from drivesizer.results.check import Check, Figure
 from drivesizer.results.check_columns import CheckColumn, at_most, over_ends
-from drivesizer.results.drive_set import DriveParts, MassRow
+from drivesizer.results.drive_set import DriveParts, MassRow, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.units import show
 
 Item = tuple[str, Any, int]  # role, part or None where none is known, and how many
 Sized = Callable[[float], float | None]  # mass of the whole to that of the drive that carries it, None without [kg]
-BY_PIECES = (("price_20", 20), ("price_5", 5))
 BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
 _SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
              "actuator": "actuators", "brake": "brakes"}  # fmt: skip
@@ -60,24 +60,32 @@ def of_supply(part: str | None, resistor: Any, catalog: Catalog) -> Iterator[Ite
         yield "brake resistor", resistor, 1
 
 
-def price_check(items: Sequence[Item], limit: float) -> Check:
-    """The known prices of what is bought against what it may cost."""
+def price_check(items: Sequence[Item], limit: float, catalog: Catalog) -> Check:
+    """The known prices of what is bought, each for as many pieces as there are, against what it may cost."""
     pieces, prices = Counter[str](), list[float]()
     for _, part, number in items:
         if part is not None:
             pieces[part.part] += number
     for _, part, number in items:
-        columns = [name for name, least in BY_PIECES if part is not None and pieces[part.part] >= least]
-        each = [getattr(part, name, nan) for name in (*columns, "price")]
-        prices.append(number * next((price for price in each if not isnan(price)), nan))
+        prices.append(nan if part is None else number * _price(catalog, part, pieces[part.part]))
     lacking = dict.fromkeys(role for (role, *_), price in zip(items, prices, strict=True) if isnan(price))
+    limit = limit * catalog.rates.get(getattr(limit, "currency", catalog.currency), nan)
     column = at_most("price", sum(price for price in prices if not isnan(price)), limit)
     if not lacking:
-        return column.at((), "budget")
-    left = show(max(limit - float(column.demand), 0.0), "EUR", "price")
+        return replace(column.at((), "budget"), unit=catalog.currency)
+    left = show(max(limit - float(column.demand), 0.0), catalog.currency, "price")
     note = f"at least: no price is known of {', '.join(lacking)}, for which {left} is left"
     unknown = replace(column, passed=column.passed & False)
-    return replace(unknown.at((), "budget"), note="" if column.failed else note)
+    return replace(unknown.at((), "budget"), unit=catalog.currency, note="" if column.failed else note)
+
+
+def _price(catalog: Catalog, part: Any, pieces: int) -> float:
+    """The price of one of so many pieces in the currency of comparison; of a part of another axis as it was chosen."""
+    section = section_of(part)
+    if part.part not in catalog.table(section).rows:
+        return float(part.price)
+    found = price_of(catalog, section, part.part, pieces)
+    return found.amount * catalog.rates.get(found.currency, nan) if found else nan
 
 
 # --- mass

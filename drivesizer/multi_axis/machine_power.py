@@ -94,7 +94,7 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
     if budget.price is not None:
         resistor = power.braking.resistor if power and power.braking else None
         items = [item for problem, one in drives for item in of_drives(problem, one)]
-        found.append(price_check([*items, *of_supply(machine.supply.part, resistor, catalog)], budget.price))
+        found.append(price_check([*items, *of_supply(machine.supply.part, resistor, catalog)], budget.price, catalog))
     return tuple(found)
 
 

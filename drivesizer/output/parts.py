@@ -9,6 +9,7 @@ from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Source, columns_of
+from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.query import Hit, origins
 from drivesizer.machine.mass_budget import drive_rows
 from drivesizer.output.words import LESS, confidences, not_quoted
@@ -90,6 +91,8 @@ class PartLine:
     currency: str = ""
     pieces: int | None = None  # from so many on that price holds
     price_date: str = ""
+    seller: str = ""
+    delivery: str = ""
     price_source: str = ""  # the document
     price_confidence: str = ""
     document: str = ""  # where the part comes from
@@ -105,9 +108,6 @@ HEADS = {"said": "is", "mass": "mass_kg", "mass_low": "mass_low_kg", "mass_high"
 """Names of a line's figures in CSV and JSON, where they differ."""
 NO_NUMBER = "no order number known"  # so a catalogue marks a part whose name is not the maker's
 _OF_BUYING = {"part", "mass", "price", "price_5", "price_20", "list_price", "foreign_price"}
-_PRICES = (  # field, and from how many pieces
-    ("price_20", 20), ("price_5", 5), ("price", 1), ("list_price", 1), ("foreign_price", 1),
-)  # fmt: skip
 
 
 def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[str, Any]) -> PartLine:
@@ -117,12 +117,12 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
     section = section_of(part)
     known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
     notes, source = _remarks(catalog, part), known["part"]
+    ordered = {"order_number": _number(catalog, part)} | price_for(part, quantity, catalog)
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
-        order_number=_number(catalog, part),
-        said=SAID[role](part), quantity=quantity, **mass, **price_for(part, quantity, known),
+        said=SAID[role](part), quantity=quantity, **mass, **ordered,
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
-        note="; ".join(dict.fromkeys(map(_note_text, notes))),
+        note="; ".join(dict.fromkeys(filter(None, [*map(_note_text, notes), *_remark(part, quantity, catalog)]))),
     )  # fmt: skip
 
 
@@ -133,15 +133,27 @@ def resistor_line(resistor: BrakeResistor, catalog: Catalog) -> PartLine:
     return PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
 
 
-def price_for(part: Any, quantity: int, known: dict[str, Source]) -> dict[str, Any]:
-    """The price of a part for a quantity."""
-    for name, pieces in _PRICES:
-        if quantity >= pieces and name in known:
-            source, unit = known[name], columns_of(section_of(part))[name].unit
-            unit = (part.currency or "of unknown currency") if name == "foreign_price" else unit
-            return {"price": getattr(part, name), "currency": unit, "pieces": pieces, "price_date": source.date,
-                    "price_source": source.document, "price_confidence": source.confidence}  # fmt: skip
-    return {}
+def price_for(part: Any, quantity: int, catalog: Catalog) -> dict[str, Any]:
+    """The price of a part for a quantity, with the number by which its seller knows it."""
+    section = section_of(part)
+    found = price_of(catalog, section, part.part, quantity)
+    if found is None:
+        return {}
+    if found.column:
+        of = catalog.unpriced if catalog.unpriced and part.part in catalog.unpriced.table(section).rows else catalog
+        known = origins(Hit("", of, section, of.table(section).rows[part.part]))
+        source = known.get(found.column, Source("", ""))
+        found = found._replace(date=source.date, document=source.document, confidence=source.confidence)
+    order = {"order_number": found.order_number} if found.order_number else {}
+    return order | {"price": found.amount, "currency": found.currency or "of unknown currency", "pieces": found.pieces,
+                    "price_date": found.date, "seller": found.seller, "delivery": found.delivery,
+                    "price_source": found.document, "price_confidence": found.confidence}  # fmt: skip
+
+
+def _remark(part: Any, quantity: int, catalog: Catalog) -> list[str]:
+    """The remark of a price list on the price."""
+    found = price_of(catalog, section_of(part), part.part, quantity)
+    return [f"price: {found.note}"] if found and found.note else []
 
 
 def _number(catalog: Catalog, part: Any) -> str:
@@ -357,8 +369,7 @@ def _quantity_price(line: PartLine, axis: AxisSizing, pieces: int) -> PartLine:
     catalog = axis.result.problem.catalog
     section = _SUPPLY_SECTIONS.get(line.role) or section_of(axis.best.parts[line.role])
     row = catalog.table(section).rows[line.part]
-    known = origins(Hit("", catalog, section, row))
-    return replace(line, **price_for(catalog.table(section).record(row), pieces, known))
+    return replace(line, **price_for(catalog.table(section).record(row), pieces, catalog))
 
 
 _SUPPLY_SECTIONS = {"power supply": "power_supplies", "brake resistor": "brake_resistors"}
@@ -390,7 +401,9 @@ _MAIN: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words 
 def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[str, str, str, str]:
     """Name and number of a part; its main figures and their confidence."""
     columns = columns_of(section_of(part))
-    values = [(getattr(part, name), columns[name], words) for name, words in _MAIN[role].items()]
+    units = {"price": catalog.currency}
+    values = [(getattr(part, name), columns[name]._replace(kind="price", unit=units[name]) if name in units
+               else columns[name], words) for name, words in _MAIN[role].items()]  # fmt: skip
     shown = [f"{show(value, c.unit, c.kind)} {words}".strip() for value, c, words in values if not isnan(value)]
     if role == "encoder":
         shown = [part.resolution]

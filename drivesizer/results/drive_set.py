@@ -316,6 +316,7 @@ class DriveParts:
     brake: Brake | None = None  # a holding brake, where there is one
     belt_drive: BeltDrive | None = None  # belt and pulleys, where they are out of the catalogues
     chosen_screw: ChosenScrew | None = None  # nut and shaft, where they are out of the catalogues
+    currency: str = "EUR"  # of the prices of its parts, as they are compared
     quickest: float = inf  # s, time constant of the quickest winding of its catalogues: as fine its cycle is cut
     pull_outs: PullOuts = field(default=NO_PULL_OUTS, compare=False, repr=False)  # printed curves of a stepper, row 0
 
@@ -448,7 +449,7 @@ class DriveSet(DriveParts):
 
     @property
     def price(self) -> float:
-        """Sum of the known prices of its parts [EUR]; NaN where none is known."""
+        """Sum of the known prices of its parts [its currency]; NaN where none is known."""
         every = self.parts
         known = [every[role].price for role in self.price_of]
         return sum(known) if known else nan
@@ -462,7 +463,7 @@ class DriveSet(DriveParts):
     def price_text(self) -> str:
         """The price as it is printed: at least that, where the price of some part is unknown."""
         least = "" if self.price_complete else "at least "
-        return f"{least}{self.price:.2f} EUR" if self.price_of else "unknown"
+        return f"{least}{self.price:.2f} {self.currency}" if self.price_of else "unknown"
 
     @property
     def price_of(self) -> tuple[str, ...]:

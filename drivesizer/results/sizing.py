@@ -226,7 +226,8 @@ def objective_figure(drive_set: DriveSet, objective: str) -> Figure:
     """The figure of a drive for an objective, ranked by it or not."""
     shown = OBJECTIVES[objective]
     value = _objective_value(drive_set, objective)
-    return Figure(name=objective, title=shown.title, value=value, kind=shown.kind, unit=shown.unit)
+    unit = drive_set.currency if shown.kind == "price" else shown.unit
+    return Figure(name=objective, title=shown.title, value=value, kind=shown.kind, unit=unit)
 
 
 def _objective_value(drive_set: DriveSet, objective: str) -> float:

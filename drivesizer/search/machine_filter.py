@@ -15,7 +15,7 @@ from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import Load, accepted, charging, pack_of, raised_voltage
 from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
-from drivesizer.machine.mass_budget import BELT, BY_PIECES, machine_mass, mass_columns
+from drivesizer.machine.mass_budget import BELT, machine_mass, mass_columns
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.figures import no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -135,10 +135,6 @@ def _prices(whole: Evaluation) -> list[CheckColumn]:
         return []
     parts = chosen(whole, needs_encoder=spec.wants_encoder)
     each = bought(whole.catalog, sets, parts, "price", BOUGHT)
-    for name, least in reversed(BY_PIECES):
-        if spec.load.motors >= least:
-            of_several = bought(whole.catalog, sets, parts, name, BOUGHT[:2])
-            each[:2] = np.where(np.isnan(of_several), each[:2], of_several)
     price = no_less(spec.load.motors * np.nansum(each, axis=0), ~np.isnan(each).any(axis=0))
     return [at_most("price", price, spec.budget.price)]
 

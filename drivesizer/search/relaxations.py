@@ -246,6 +246,7 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
         factor = _least_change(passes, figure.direction)
         if factor is not None:
             kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
+            unit = problem.catalog.currency if kind == "price" else unit
             grade = kind == "angle" and _entered(problem.spec, figure.path).endswith("%")
             steps = (factor * (1.0 + _STEP * figure.direction * n) for n in range(_ROUNDINGS))
             printed = (_printed(now * step, unit, kind, 3, grade) for step in steps)

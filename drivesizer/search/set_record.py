@@ -73,6 +73,7 @@ def drive_parts(evaluation: Evaluation, index: int) -> DriveParts:
         actuator=catalog.actuators.record(catalog.actuators.rows[motor.inside]) if motor.inside else None,
         quickest=quickest_winding(catalog),
         pull_outs=curves_of(catalog, int(candidates.motor[index])),
+        currency=catalog.currency,
     )
 
 
@@ -94,6 +95,7 @@ def drive_set(
         with_origins(some, parts, evaluation.catalog, guessed)
         for some in (tuple(_why_none(evaluation, index, checks)), beside)
     )
+    checks = tuple(replace(one, unit=parts.currency) if one.kind == "price" else one for one in checks)
     problem, returned = evaluation.problem, evaluation.figures.get("returned")
     braking, pieces = budget.braking, list[MotorPiece]()
     limited = problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, load, singular
+from drivesizer.catalog.prices import priced
 from drivesizer.catalog.view.mounted import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -49,6 +50,8 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
         except UnknownCatalogError as error:
             raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
     _offers_motors(spec, catalog)
+    limit = next((one.currency for one in spec.price_limits), "")
+    catalog = priced(catalog, limit, spec.select.rates, spec.load.motors)
     estimates = spec.select.estimates == "on"
     return view_for(catalog, spec.select.motor.kind, estimates, spec.control.phase_current)
 

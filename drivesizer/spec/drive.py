@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from drivesizer.catalog.prices import factors
 from drivesizer.files import fields
 from drivesizer.loads.stage_losses import FixedGear
 
@@ -235,9 +236,18 @@ class Select(fields.Section):
         [], "checks that pass where their figure is missing, shown as assumed"
     )
 
+    rates: Annotated[dict[str, str], Field(max_length=40)] = fields.all_defaults(
+        "what one of a currency is in another, {USD: 0.92 EUR}, with a date if wanted; for prices to be compared"
+    )
     estimates: Literal["on", "off"] = fields.default(
         "on", "figures that data sheets leave out, from those of their peers"
     )
+
+    @field_validator("rates")
+    @classmethod
+    def _known_rates(cls, given: dict[str, str]) -> dict[str, str]:
+        factors(given, "EUR")
+        return given
 
     @field_validator("objective")
     @classmethod

@@ -368,7 +368,7 @@ def refuse_contradictions(spec: Any) -> None:
     """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
     for contradictions in (
         _chained, _moved, _motor_kind_conflicts, _wheel_conflicts, _burning, _overhung, _lasting, _equipped,
-        _alternating,
+        _alternating, _paid,
     ):  # fmt: skip
         if (message := next(contradictions(spec), None)) is not None:
             raise ValueError(message)
@@ -512,6 +512,13 @@ def _equipped(spec: Any) -> Iterator[str]:
         yield "brake: it has figures of its own; expected brake or select.brake, not both"
     if spec.requirements and spec.requirements.travel and not isinstance(spec.load, WheeledVehicle):
         yield f"requirements.travel: a {spec.load.kind} does not travel; leave it out, or give speed"
+
+
+def _paid(spec: Any) -> Iterator[str]:
+    """Limits of price in one currency, in which prices are compared then."""
+    found = [limit.currency for limit in spec.price_limits]
+    if len(set(found)) > 1:
+        yield f"needs.price, budget.price, brake.price: found {' and '.join(found)}; expected one currency"
 
 
 def _alternating(spec: Any) -> Iterator[str]:

@@ -291,6 +291,17 @@ class RobotSpec(fields.Section, OfFile):
         made._cases = tuple((name, change(case)) for name, case in self._cases)
         return made
 
+    @property
+    def price_limits(self) -> list[fields.Money]:
+        """Prices that the spec gives, as far as they have a currency."""
+        given = (self.needs.price, self.budget and self.budget.price, self.brake and self.brake.price)
+        return [one for one in given if isinstance(one, fields.Money)]
+
+    @property
+    def counts_price(self) -> bool:
+        """Whether prices rank drives or are limited."""
+        return "price" in self.select.weights or bool(self.price_limits)
+
     def with_select(self, select: drive.Select) -> RobotSpec:
         """The spec with other permitted parts or another objective, in all load cases."""
         return self if select is self.select else self.changed(lambda one: one.model_copy(update={"select": select}))

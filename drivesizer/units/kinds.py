@@ -72,14 +72,16 @@ torsional_stiffness  | 1.2 N*m/arcmin | 1e-9 1e13   | N*m/rad; N*m/deg; N*m/arcm
 damping              | 1e-6 N*m*s  | 1e-15 1e7   | N*m*s/rad N*m*s; mN*m/rpm mNm*min
 dimensionless        | 0.02 or 2 % | 1e-12 1e12  | 1 :1; %
 ratio                | 27          | 1e-5 1e7    | 1
-price                | 46.55 EUR   | 1e-6 1e12   | EUR €
+price                | 46.55 EUR   | 1e-6 1e12   | EUR €; USD $ US$; CHF; GBP £; JPY ¥; CNY RMB; CAD; AUD; SEK; DKK
+.                    |             |             | NOK; PLN; CZK; KRW; INR
+price_eur            | 46.55 EUR   | 1e-6 1e12   | EUR €
 price_chf            | 51.20 CHF   | 1e-6 1e12   | CHF
 """
 _NOUNS = {
     "back_emf_constant": "back-EMF constant",
     "speed_torque_gradient": "speed/torque gradient",
     "dimensionless": "plain number",
-    "price": "price in EUR",
+    "price_eur": "price in EUR",
     "price_chf": "price in CHF",
 }
 

@@ -113,6 +113,8 @@ def tabulate() -> dict[str, dict[str, list[float]]]:
     ureg, found = registry(), {}
     for name, kind in KINDS.items():
         found[name] = {unit: [1.0, 0.0] for unit in kind.units}
+        if name.startswith("price"):  # stays in its currency: rates are no units
+            continue
         for unit in (u for u in kind.units if u != kind.si):
             step = f"delta_{ureg.get_name(unit)}" if name == "temperature" else unit
             zero = ureg.Quantity(0.0, unit).to(kind.si).magnitude if name == "temperature" else 0.0

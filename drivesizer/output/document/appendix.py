@@ -164,6 +164,8 @@ def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[doc.Row]:
     notes = catalog.notes_on(section, part.part)
     named = {"role": singular(section), "maker": part.manufacturer, "family": part.family, "number": part.part}
     for name, column in columns_of(section).items():
+        if name == "price" and catalog.unpriced:  # in the currency of comparison: the parts list has its own
+            continue
         if name in known and name not in ("family", "manufacturer"):
             value, source = getattr(part, name), known[name]
             money = column.kind.startswith("price")

@@ -61,7 +61,8 @@ def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mas
         "drive": (doc.Strong(name) if one.rank == 1 else name, doc.Small("; ".join(filter(None, [numbers, *lacks])))),
         "objective": own,
         "mass": mass_quantity(one),
-        "price": doc.Quantity(one.price, "EUR", "money", own="" if isnan(one.price) else f"{least}{one.price:.0f} EUR"),
+        "price": doc.Quantity(one.price, one.currency, "money",
+                              own="" if isnan(one.price) else f"{least}{one.price:.0f} {one.currency}"),
         "energy": doc.Quantity(energy.value, energy.unit, energy.kind, own="–" if isnan(energy.value) else ""),
         "margin": doc.Quantity(tight.margin, "%", "margin") if tight else "–", "tight": tight.title if tight else "",
         "status": (doc.Status(one.status),),
@@ -83,7 +84,8 @@ def objective_quantity(one: DriveSet, objective: str) -> doc.Quantity:
     lacks = declared.over and unknown_parts(one, objective, one.objective_of)
     note = f"{' and '.join(one.objective_of)} only" if lacks and one.objective_of else ""
     own = mass_text(one) if objective == "mass" else ""
-    return doc.Quantity(one.objective, declared.unit, declared.kind, own=own, note=note)
+    unit = one.currency if declared.kind == "price" else declared.unit
+    return doc.Quantity(one.objective, unit, declared.kind, own=own, note=note)
 
 
 def short_table(caption: str, drives: Sequence[DriveSet], objective: str, name: str) -> Iterator[doc.Block]:
@@ -113,7 +115,8 @@ def alternatives(content: Content) -> Iterator[doc.Block]:
     if other:
         more = [f"{role} {part.part}" for role, part in (("brake", other.brake), ("encoder", other.encoder)) if part]
         more += [f"controller {other.controller.family}"] if other.controller else []
-        price = f"{other.price:.2f} EUR, sum of {' + '.join(other.price_of)}" if other.price_of else "unknown"
+        price = f"{other.price:.2f} {other.currency}, sum of {' + '.join(other.price_of)}"
+        price = price if other.price_of else "unknown"
         mass = f"{mass_text(other)}, sum of {' + '.join(other.mass_of)}"
         yield doc.Words(("Without the families and parts that the spec names, the whole catalogue gives ",
                          doc.Strong(", ".join([other.label, *more])), f" (mass {mass}; price {price})."))  # fmt: skip
@@ -183,7 +186,8 @@ def _drives(content: Content) -> doc.Table:
     check = "smallest margin or failed check" if result.misses else "check of the smallest margin"
     columns = (doc.number("rank", "rank"), doc.Column("motor", "motor", width=1.0), doc.Column("gearhead", "gearhead",
                                                                                                width=1.2),
-               doc.number("ratio", "ratio"), doc.number("mass", "mass"), doc.number("price", "price (EUR)"),
+               doc.number("ratio", "ratio"), doc.number("mass", "mass"),
+               doc.number("price", f"price ({result.catalog.currency})"),
                doc.number("margin", "margin"), doc.Column("check", check, width=1.5), doc.status("status"))  # fmt: skip
     required = result.uncertainty.confidence if result.uncertainty else None
     reach = f" that reach the confidence of {confidence(required)}" if required is not None else ""
@@ -192,7 +196,7 @@ def _drives(content: Content) -> doc.Table:
     rows = [doc.Row({"rank": doc.Quantity(one.rank), "motor": one.motor_name, "gearhead": gearhead_words(one,
                                                                                                          belt=False),
                      "ratio": doc.Quantity(one.total_ratio, "1", "plain"), "mass": mass_quantity(one),
-                     "price": doc.Quantity(one.price, "EUR", "money", own="" if isnan(one.price)
+                     "price": doc.Quantity(one.price, one.currency, "money", own="" if isnan(one.price)
                                            else f"{one.price:.2f}"), "margin": doc.Quantity(_smallest(one), "%",
                                                                                             "margin"),
                      "check": _limiting(one), "status": (doc.Status(one.status),)}, status=one.status,
@@ -214,12 +218,12 @@ def _limiting(one: DriveSet) -> str:
 
 
 def candidate_numbers(content: Content) -> list[dict[str, Any]]:
-    """The drives of the table as texts, and under ``exact`` mass [g], price [EUR] and margin [%]; None: unknown."""
+    """The drives of the table as texts, and under ``exact`` mass [g], price and margin [%]; None: unknown."""
     found = []
     for row in _drives(content).rows:
         texts = {key: cell.text for key, cell in row.cells.items() if isinstance(cell, doc.Quantity)}
         texts |= {key: cell for key, cell in row.cells.items() if isinstance(cell, str)}
-        texts["price"] = texts["price"] if texts["price"] == "unknown" else f"{texts['price']} EUR"
+        texts["price"] += "" if texts["price"] == "unknown" else f" {content.result.catalog.currency}"
         exact = {key: _known(cell.number) for key, cell in row.cells.items() if isinstance(cell, doc.Quantity)}
         exact["percent"] = None if exact["margin"] is None else 100.0 * exact["margin"]
         found.append({**texts, "status": row.status, "exact": exact})

@@ -45,7 +45,8 @@ _PARTS = (
     doc.number("prices", "together", formula=("product", "quantity", "price")),
     doc.Column("currency", "currency", media="wide"),
     doc.number("price_from_pieces", "price from (pieces)", media="wide"),
-    doc.Column("price_date", "price date", media="wide"),
+    doc.Column("price_date", "price date", media="wide"), doc.Column("seller", "seller", media="wide"),
+    doc.Column("delivery", "delivery", media="wide"),
     doc.mark("price_confidence", "price confidence", media="wide"),
     doc.Column("price_source", "price source", media="wide"),
     doc.mark("part_confidence", "part confidence", media="wide"),
@@ -56,7 +57,8 @@ _PARTS = (
 
 def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> doc.Table:
     """Parts to order with the axes that need them, and the totals of mass and price."""
-    dates = ", ".join(dict.fromkeys(line.price_date for line, _ in lines if line.price_date))
+    dated = (f"{x.price_date}{f' at {x.seller}' * bool(x.seller)}" for x, _ in lines if x.price_date)
+    dates = ", ".join(dict.fromkeys(dated))
     remarks = [f"prices of {dates}"] if dates else []
     remarks += ["without cables, connectors and couplings"]
     remarks += ["≈ estimated"] if any(total.estimated for total in every) else []
@@ -109,6 +111,7 @@ def _part_row(line: PartLine, axes: str) -> doc.Row:
         "mass_low": low if guessed else "", "mass_high": high if guessed else "",
         "masses": masses, "currency": line.currency, "price": price, "prices": prices,
         "price_from_pieces": "" if line.pieces is None else doc.Quantity(line.pieces), "price_date": line.price_date,
+        "seller": line.seller, "delivery": line.delivery,
         "price_confidence": (doc.Mark(line.price_confidence),), "price_source": line.price_source,
         "part_confidence": (doc.Mark(line.confidence),), "part_source": line.document, "part_source_date": line.date,
         "url": line.url, "note": line.note,
@@ -424,7 +427,7 @@ def _identity(s: DriveSet) -> doc.Table:
         "belt_ratio": ("Ratio of the belt", doc.Quantity(s.belt_ratio, "1", "plain"), ""),
         "total_ratio": ("Total ratio", doc.Quantity(s.total_ratio, "1", "plain"), ""),
         "mass": ("Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}{guessed}"),
-        "price": ("Price", doc.Quantity(s.price, "EUR", "money"),
+        "price": ("Price", doc.Quantity(s.price, s.currency, "money"),
                   f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
         "objective": ("Objective", doc.Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
     }  # fmt: skip

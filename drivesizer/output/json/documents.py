@@ -73,7 +73,7 @@ def keys(record: type) -> dict[str, Callable[[Any], Any]]:
     left_out = {name for of, out in _LEFT_OUT.items() if issubclass(record, of) for name in out}
     found: dict[str, Callable[[Any], Any]] = {name: attrgetter(name) for name in names if name not in left_out}
     if {"kind", "unit"} <= found.keys():
-        found["unit"] = lambda one: KINDS[one.kind].si
+        found["unit"] = lambda one: one.unit if one.kind == "price" else KINDS[one.kind].si
     return found | made(record)
 
 

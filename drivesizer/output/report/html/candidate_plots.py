@@ -79,8 +79,8 @@ def choices_plot(chosen: Choices | None) -> Plot | None:
         "color": [value if isfinite(value) else None for value in energy], "colorscale": _SCALE,
         "colorbar": {"title": {"text": "energy per cycle (J)", "side": "right"}, "thickness": 10, "outlinewidth": 0},
     }  # fmt: skip
-    return Plot(diagrams=[Diagram(name="price", unit="EUR", curves=[points])], across="mass", unit="g",
-                trace={"marker": marker})  # fmt: skip
+    prices = Diagram(name="price", unit=drives[0].parts.currency, curves=[points])
+    return Plot(diagrams=[prices], across="mass", unit="g", trace={"marker": marker})
 
 
 def unbeaten(drives: list[Choice]) -> list[bool]:
@@ -99,7 +99,7 @@ def _hover_text(one: Choice, front: bool) -> Iterator[str]:
     energy, tight = one.figures["energy"], one.figures.get("margin", nan)
     drawn = show(energy, "J", "energy") if isfinite(energy) else "energy unknown"
     yield one.parts.label
-    yield f"{show(one.figures['mass'], 'g', 'mass')}, {one.figures['price']:.2f} EUR, {drawn}"
+    yield f"{show(one.figures['mass'], 'g', 'mass')}, {one.figures['price']:.2f} {one.parts.currency}, {drawn}"
     words = [f"smallest margin {margin(tight)}"] if isfinite(tight) else []
     yield "; ".join([*words, *(["none beats it"] if front else [])])
 
@@ -161,21 +161,24 @@ def weights_section(content: Content) -> dict[str, Any] | None:
 
 def _criteria(drives: tuple[Choice, ...]) -> Iterator[Criterion]:
     """All figures of the drives, whether they differ or not."""
+    currency = drives[0].parts.currency
     for name in drives[0].figures:
         declared, values = OBJECTIVES[name], [one.figures[name] for one in drives]
         figures = used_share(np.array(values)).tolist() if declared.more_is_better else values
-        yield Criterion(name, declared.title, [_text(name, value) for value in values], [*map(_rounded, figures)])
+        yield Criterion(
+            name, declared.title, [_text(name, value, currency) for value in values], [*map(_rounded, figures)]
+        )
     counts = [len(one.parts.parts) for one in drives]
     yield Criterion(_PARTS, "number of parts", [number_of(count, "part") for count in counts], [*map(float, counts)])
 
 
-def _text(name: str, value: float) -> str:
+def _text(name: str, value: float, currency: str) -> str:
     declared = OBJECTIVES[name]
     if isnan(value):
         return "unknown"
     if declared.more_is_better:
         return margin(value)
-    return f"{value:.2f} EUR" if name == "price" else show(value, declared.unit, declared.kind)
+    return f"{value:.2f} {currency}" if name == "price" else show(value, declared.unit, declared.kind)
 
 
 def _rounded(value: float) -> float:

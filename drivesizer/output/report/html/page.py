@@ -100,7 +100,7 @@ def _of_candidates(content: Content) -> dict[str, Pictured]:
     """Figures that the page alone has."""
     drives = candidate_numbers(content)
     made = {"sets-margin": sets_plot(drives, "percent", "smallest margin", "%"),
-            "sets-price": sets_plot(drives, "price", "price", "EUR"),
+            "sets-price": sets_plot(drives, "price", "price", content.result.catalog.currency),
             "choices": choices_plot(content.result.choices)}  # fmt: skip
     return {name: Pictured(None, [plot]) for name, plot in made.items() if plot}
 

@@ -1,0 +1,351 @@
+"""Prices of parts apart from their figures: price lists of any layout, and the price that counts for so many pieces.
+
+A price list is a table with a part, a price and its currency in each row; it may have dates, sellers, order numbers,
+breaks by quantity. It goes over the prices in the rows of catalogues, and a later list over an earlier one; of one list
+the newest price of each seller counts, and of sellers of the same date the lowest. Nothing is converted but by rates
+that a spec gives.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from math import isnan, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.catalog.parts import PARTS
+from drivesizer.catalog.tables import Catalog, Price, Table, spelling, without_parts
+from drivesizer.errors import InputError, quoted
+from drivesizer.units import KINDS, number
+
+LISTS = (".csv", ".tsv", ".xlsx")  # what a price list may be, beside the section ``prices`` of a catalogue file
+BY_PIECES = (("price_20", 20), ("price_5", 5), ("price", 1))  # columns of a row in EUR, from so many pieces on
+_DATE = re.compile(r"(\d{1,2})[./](\d{1,2})[./](\d{4})|(\d{4}-\d{2}-\d{2}).*")
+
+# -- Price lists as people have them.
+
+
+def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
+    """A price list as a catalogue without parts.
+
+    Raises
+    ------
+    InputError
+        When the file has no table with parts and prices, or a price has no currency.
+    """
+    from drivesizer.files.sheets import decimal_sign, sheets
+
+    for sheet in sheets(path):
+        for place, (line, cells) in enumerate(sheet.rows[:15]):
+            heads = _understood(cells)
+            if not (heads.keys() & {"part"} and any(name.startswith("price") for name in heads)):
+                continue
+            rows = [(at, row) for at, row in sheet.rows[place + 1 :] if any(row)]
+            amounts = [row[k] for name, k in heads.items() if name[:5] == "price" for _, row in rows if k < len(row)]
+            decimal, found, odd = decimal_sign(amounts, sheet.separator), list[Price](), list[int]()
+            for at, row in rows:
+                own = list(_of_row(heads, cells, row, decimal, f"{path}:{at}"))
+                found += [one._replace(file="" if shipped else path.name) for one in own]
+                odd += [] if own else [at]
+            if not found:
+                raise InputError(f"{path}:{line}: no price below the heads; expected one in each row, e.g. 46.55")
+            left = f"{path.name}: without a price that can be read: line {', '.join(map(str, odd[:5]))}"
+            left += f" and {len(odd) - 5} more" if len(odd) > 5 else ""
+            return without_parts(path.name, digest, tuple(found), (left,) if odd and not shipped else ())
+    raise InputError(f"{path}: expected a price list with heads such as part, price, currency, date, seller")
+
+
+def _understood(cells: Sequence[str]) -> dict[str, int]:
+    """Columns of a price list by what their heads mean; ``price 10`` is the price from ten pieces on."""
+    from drivesizer.files.sheets import plain_head
+
+    found: dict[str, int] = {}
+    for name, words in _words().items():
+        plain = [plain_head(re.sub(_CURRENCY, " ", cell)) for cell in cells]
+        for word in words:  # the first word counts for most
+            place = next((k for k, text in enumerate(plain) if text == word and k not in found.values()), None)
+            if place is not None:
+                found.setdefault(name, place)
+        for k, text in enumerate(plain) if name == "price" else ():
+            broken = re.fullmatch(rf"(?:{'|'.join(words)})\D*?(\d+)\b.*", text)
+            if broken and k not in found.values():
+                found[f"price {broken[1]}"] = k
+    if "part" not in found and "order_number" in found:
+        found["part"] = found.pop("order_number")
+    return found
+
+
+@cache
+def _words() -> dict[str, list[str]]:
+    from drivesizer.files.yaml_source import read
+
+    given = read(Path(__file__).with_name("headers.yaml")).data["price_list"]
+    return {name: [name.replace("_", " "), *words.split("; ")] for name, words in given.items()}
+
+
+_CURRENCY = re.compile(rf"(?<![A-Za-z])(?:{'|'.join(KINDS['price'].units)})(?![A-Za-z])|[€$£]")
+
+
+def _of_row(heads: Mapping[str, int], titles: Sequence[str], row: Sequence[str], decimal: str, where: str) -> Any:
+    """The prices of a row: one, or one for each break by quantity."""
+    from drivesizer.files.sheets import currency_of, figure
+
+    def text(name: str) -> str:
+        return row[heads[name]] if heads.get(name, len(row)) < len(row) else ""
+
+    for name in (name for name in heads if name.partition(" ")[0] == "price" and text(name)):
+        try:
+            digits, behind = figure(text(name), decimal)
+        except InputError:
+            continue
+        if not float(digits) > 0.0 or not text("part"):
+            continue
+        stated = re.search(_CURRENCY, titles[heads[name]])
+        codes = (text("currency"), behind, stated[0] if stated else "")
+        currency = next(filter(None, map(currency_of, codes)), "")
+        if not currency:
+            raise InputError(
+                f"{where}: currency: {text('currency') or 'none'}; expected one of {', '.join(KINDS['price'].units)} "
+                "in a column of its own or in the head, e.g. price (EUR)"
+            )
+        pieces = name.partition(" ")[2] or re.sub(r"\D.*", "", text("pieces")) or "1"
+        texts = ("part", "seller", "order_number", "delivery", "note", "manufacturer", "document")
+        yield Price(amount=float(digits), currency=currency, pieces=max(int(pieces), 1), date=iso_date(text("date")),
+                    confidence=text("confidence") or "secondary", **{one: text(one) for one in texts})  # fmt: skip
+
+
+def iso_date(text: str) -> str:
+    """A date as the year first; others, and what may be month or day first, as printed.
+
+    >>> iso_date("30.08.2026"), iso_date("2026-08-30 00:00:00"), iso_date("8/30/2026"), iso_date("5/6/2026")
+    ('2026-08-30', '2026-08-30', '2026-08-30', '5/6/2026')
+    """
+    match = _DATE.fullmatch(text.strip())
+    if match is None or match[4]:
+        return match[4] if match else text.strip()
+    day, month, sign = int(match[1]), int(match[2]), text.strip()[len(match[1])]
+    if sign == "/" and day <= 12 and month <= 12 and day != month:
+        return text.strip()
+    day, month = (month, day) if sign == "/" and month > 12 else (day, month)
+    return f"{match[3]}-{month:02d}-{day:02d}"
+
+
+# -- The parts of the catalogues that a list has prices of.
+
+
+def matched(catalog: Catalog) -> Catalog:
+    """A catalogue whose prices are each of a part of it; prices of parts that it does not have are named."""
+    if all(price.section for price in catalog.prices):
+        return catalog
+    found, unknown = list[Price](), dict[str, list[str]]()
+    for price in catalog.prices:
+        parts = [(price.section, price.part)] if price.section else _parts_of(catalog, price)
+        for section, part in parts:
+            table = catalog.table(section)
+            own = [part, *(str(table[name][table.rows[part]]) for name in ("order_number",) if name in table.columns)]
+            order = price.order_number or ("" if spelling(price.part) in map(spelling, own) else price.part)
+            found.append(price._replace(section=section, part=part, order_number=order))
+        if not parts and price.file:
+            unknown.setdefault(price.file, []).append(price.part)
+    said = []
+    for file, names in unknown.items():
+        once, every = list(dict.fromkeys(names)), len({one.part for one in catalog.prices if one.file == file})
+        some = ", ".join(once[:5]) + (" ..." if len(once) > 5 else "")
+        said.append(f"{file}: {len(once)} of {every} parts are in none of the catalogues, or in those of several "
+                    f"makers: {some}")  # fmt: skip
+    return replace(catalog, prices=tuple(found), replaced=(*catalog.replaced, *said))
+
+
+def _parts_of(catalog: Catalog, price: Price) -> list[tuple[str, str]]:
+    """Sections and numbers of the parts that a price is of: several, where one has figures at several voltages."""
+    for name in filter(None, (price.part, price.order_number)):
+        hits = [(section, row) for section in PARTS for row in catalog.table(section).called(name)]
+        if not hits:
+            continue
+        makers = {(s, row): str(catalog.table(s)["manufacturer"][row]) for s, row in hits}
+        if len(set(makers.values())) > 1:
+            hits = [hit for hit in hits if spelling(makers[hit]) == spelling(price.manufacturer)]
+        return [(section, str(catalog.table(section)["part"][row])) for section, row in hits]
+    return []
+
+
+# -- Rates, and the currency in which prices are compared.
+
+
+def factors(rates: Mapping[str, str] | None, currency: str) -> dict[str, float]:
+    """What one of each currency is in a given one, by rates such as ``{"USD": "0.92 EUR"}``.
+
+    Examples
+    --------
+    >>> factors({"USD": "0.8 EUR", "GBP": "1.5 USD"}, "EUR")
+    {'EUR': 1.0, 'USD': 0.8, 'GBP': 1.2000000000000002}
+    >>> factors({"USD": "0.8 EUR", "date": "2026-11-01"}, "USD")
+    {'USD': 1.0, 'EUR': 1.25}
+    """
+    each = [(code, *_rate(code, text)) for code, text in (rates or {}).items() if code != "date"]
+    found = {currency: 1.0}
+    for _ in each:
+        for code, value, into in each:
+            if into in found:
+                found.setdefault(code, value * found[into])
+            elif code in found:
+                found[into] = found[code] / value
+    return found
+
+
+def _rate(code: str, text: str) -> tuple[float, str]:
+    """Value of a rate, and the currency that it is in.
+
+    >>> _rate("USD", "0.92 USD")
+    Traceback (most recent call last):
+    drivesizer.errors.InputError: rate of USD "0.92 USD"; expected what one is in another currency, e.g. 0.92 EUR
+    """
+    known = KINDS["price"].units
+    if code not in known:
+        raise InputError(f"{quoted(code)} is no currency; expected {', '.join(known)}, or date")
+    try:
+        value, into = number(str(text))
+    except InputError:
+        value, into = nan, ""
+    if not value > 0.0 or into not in known or into == code:
+        other = "USD" if code == "EUR" else "EUR"
+        raise InputError(f"rate of {code} {quoted(text)}; expected what one is in another currency, e.g. 0.92 {other}")
+    return value, into
+
+
+def priced(catalog: Catalog, limit: str = "", rates: Mapping[str, str] | None = None, pieces: int = 1) -> Catalog:
+    """The catalogue with prices in one currency, each that of so many pieces.
+
+    The currency is that of the limits, else the one that the rates are in, else that of most parts.
+    """
+
+    def make() -> Catalog:
+        into = [_rate(code, text)[1] for code, text in (rates or {}).items() if code != "date"]
+        currency = limit or (into[0] if into else most_common(catalog))
+        plain = currency == "EUR" and not rates and pieces < BY_PIECES[-2][1]
+        if plain and not catalog.prices:
+            return catalog
+        found = replace(catalog, currency=currency, rates=factors(rates, currency), unpriced=catalog)
+        return found.with_tables({section: _priced(found, section, pieces) for section in PARTS}, {})
+
+    found: Catalog = catalog.once(("priced", limit, str(rates), pieces), make)
+    return catalog if catalog.unpriced else found
+
+
+def _priced(catalog: Catalog, section: str, pieces: int) -> Table[Any]:
+    """A table with the price of each part in the catalogue's currency."""
+    table = catalog.table(section)
+    if not len(table):
+        return table
+    value = np.full(len(table), nan)
+    for amount, currency in _of_rows(table, pieces):
+        rate = np.array([catalog.rates.get(code, nan) for code in np.atleast_1d(currency).tolist()])
+        value = np.where(np.isnan(value), np.where(amount == 0.0, 0.0, amount * rate), value)
+    for part in {price.part for price in catalog.prices if price.section == section}:
+        if (found := price_of(catalog, section, part, pieces)) and found.currency in catalog.rates:
+            value[table.rows[part]] = found.amount * catalog.rates[found.currency]
+    return replace(table, columns={**table.columns, "price": value})
+
+
+def _of_rows(table: Table[Any], pieces: int) -> Iterator[tuple[NDArray[np.float64], Any]]:
+    """The prices in the rows of a table for so many pieces, each with its currency."""
+    for name, least in BY_PIECES:
+        if name in table.columns and pieces >= least:
+            yield table[name], "EUR"
+    if "list_price" in table.columns:
+        yield table["list_price"], "CHF"
+    yield table["foreign_price"], table["currency"]
+
+
+def most_common(catalog: Catalog) -> str:
+    """The currency in which most parts have a price, by the lists that are given where they have one."""
+    given = {(one.section, one.part) for one in catalog.prices if one.file}
+    listed = (one for one in catalog.prices if one.file or (one.section, one.part) not in given)
+    count = Counter(code for *_, code in {(one.section, one.part, one.currency) for one in listed})
+    for section in PARTS:
+        table = catalog.table(section)
+        left = np.array([(section, part) not in given for part in table["part"].tolist()], bool)
+        for amount, currency in _of_rows(table, 1):
+            known = left & (amount > 0.0)
+            count.update(np.broadcast_to(currency, len(table))[known].tolist())
+            left &= ~known
+    return max(KINDS["price"].units, key=count.__getitem__)
+
+
+# -- The price of a part that counts.
+
+
+def price_of(catalog: Catalog, section: str, part: str, pieces: int) -> Price | None:
+    """The price of a part for so many pieces; None where none is known."""
+    if section == "motors" and part in catalog.steppers.rows and part not in (catalog.unpriced or catalog).motors.rows:
+        section = "steppers"  # as the view has them
+    order, best = list(catalog.digests), dict[tuple[str, str, str], Price]()
+    for one in _prices_of(catalog, section, part):
+        key = one.file, one.seller or one.column, one.currency
+        known = best.get(key)
+        if one.pieces <= pieces and (known is None or (one.date, one.pieces) >= (known.date, known.pieces)):
+            best[key] = one
+
+    def rank(one: Price) -> tuple[Any, ...]:
+        given = 1 + order.index(one.file) if one.file in order else 0
+        own = one.currency == catalog.currency
+        return given > 0, one.currency in catalog.rates, given, not one.column, own, one.date, one.pieces, -one.amount
+
+    return max(best.values(), key=rank, default=None)
+
+
+def _prices_of(catalog: Catalog, section: str, part: str) -> Iterator[Price]:
+    """All prices of a part: of lists, then of its row."""
+    listed: dict[tuple[str, str], list[Price]] = catalog.once("prices by part", lambda: _by_part(catalog))
+    yield from listed.get((section, part), ())
+    table = (catalog.unpriced or catalog).table(section)
+    row = table.rows.get(part)
+    if row is None:  # of the spec's own
+        table, row = catalog.table(section), catalog.table(section).rows[part]
+        if not isnan(table["price"][row]):
+            yield Price(part, float(table["price"][row]), catalog.currency, column="price")
+        return
+    for name, pieces in (*BY_PIECES, ("list_price", 1), ("foreign_price", 1)):
+        if name in table.columns and not isnan(table[name][row]):
+            currency = {"list_price": "CHF", "foreign_price": str(table["currency"][row])}.get(name, "EUR")
+            yield Price(part, float(table[name][row]), currency, pieces, column=name)
+
+
+def _by_part(catalog: Catalog) -> dict[tuple[str, str], list[Price]]:
+    found: dict[tuple[str, str], list[Price]] = {}
+    for price in catalog.prices:
+        found.setdefault((price.section, price.part), []).append(price)
+    return found
+
+
+def uncompared(catalog: Catalog) -> str:
+    """A line on the parts whose prices are in no currency that can be compared; nothing where all are."""
+    left: dict[str, dict[str, None]] = {}
+    source, compared = catalog.unpriced or catalog, catalog.table
+    for section in PARTS:
+        table, counted = source.table(section), compared(section)
+        for amount, currency in _of_rows(table, 1):
+            codes = np.broadcast_to(currency, len(table))
+            for row in np.flatnonzero(~np.isnan(amount) & (codes != catalog.currency)).tolist():
+                part = str(table["part"][row])
+                if isnan(counted["price"][counted.rows[part]]):
+                    left.setdefault(str(codes[row]), {})[part] = None
+    for price in catalog.prices:
+        counted = compared(price.section)
+        if price.currency not in catalog.rates and isnan(counted["price"][counted.rows[price.part]]):
+            left.setdefault(price.currency, {})[price.part] = None
+    said = [
+        f"{len(parts)} in {code} ({', '.join(list(parts)[:3])}{' ...' * (len(parts) > 3)})"
+        for code, parts in left.items()
+    ]
+    if not said:
+        return ""
+    return (f"prices are compared in {catalog.currency}; without a rate the price of other parts counts as unknown: "
+            f"{'; '.join(said)}: select.rates, e.g. {{{next(iter(left))}: ... {catalog.currency}}}")  # fmt: skip
