@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 from docstrings import as_markdown
-from spec_tables import SCHEMA, fields_of, reference
+from spec_tables import SCHEMA, SPRINGS, fields_of, reference
 
 from drivesizer.loads.kinds import AXES, MODULES
 
@@ -29,6 +29,7 @@ def loads() -> str:
         several.sort(key=list(MODULES).index)
     shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "lever")]
     parts = [_load(name, of) for name, of in kinds.items()]
+    parts.append(_springs())
     parts += [f"## {title}\n\n{_docstring(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
     return "\n\n".join(parts)
 
@@ -47,6 +48,16 @@ def _load(name: str, kinds: list[str]) -> str:
     if "screw" in model["properties"]:
         parts += ["`screw` has", fields_of(SCHEMA["$defs"]["ScrewChoice"])]
     return "\n\n".join([*parts, *(_starter(kind) for kind in kinds)])
+
+
+def _springs() -> str:
+    """Springs and counterweights of any load: their law, and the fields of each kind."""
+    parts = ["## Springs and counterweights", _docstring(import_module("drivesizer.loads.springs"))]
+    for name in SPRINGS:
+        model = SCHEMA["$defs"][name]
+        title = f"`kind: {model['properties']['kind']['const']}`" if "kind" in model["properties"] else "`ends`"
+        parts += [f"### {title}", model["description"], fields_of(model)]
+    return "\n\n".join(parts)
 
 
 def _docstring(module: Any) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from drivesizer.spec.machine import machine_schema
 from drivesizer.spec.robot import RobotSpec
 
-__all__ = ["SCHEMA", "fields_of", "machine_sections", "sections"]
+__all__ = ["SCHEMA", "SPRINGS", "fields_of", "machine_sections", "sections"]
 
 SCHEMA: dict[str, Any] = RobotSpec.model_json_schema()
 _MACHINE: dict[str, Any] = machine_schema()
@@ -71,11 +71,12 @@ _OF_MACHINES = {  # models of machine.yaml that no spec has, each with its headi
     "Axis": "Each of `axes`", "CarriedPlace": "Each of `carries`, where the axis turns", "RobotSection": "`robot`",
     "RobotJointWaypoint": "Each of `waypoints`", "RobotJointLimits": "Each of `limits`", "RobotHold": "Each of `holds`",
     "RobotPointMass": "`payload`", "RobotPayloadCase": "Each of `payloads`", "RobotDrivePlace": "Each of `drives`",
-    "RobotMounting": "`mounting` of the robot's base",
+    "RobotMounting": "`mounting` of the robot's base", "RobotLinkForce": "Each of `forces`",
 }  # fmt: skip
 _BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
 _REPEATED = ("rest_time", "there_and_back", "payload", "payload_back")  # fields of several motions
-_LOADS = ("Cylinder", "Cylinders", "ScrewChoice")  # further models of loads, which have a page of their own
+SPRINGS = ("ConstantSpring", "LinearSpring", "TorsionSpring", "GasSpring", "BalanceMass", "SpringEnds")
+_LOADS = ("Cylinder", "Cylinders", "ScrewChoice", *SPRINGS)  # further models of loads, which have a page of their own
 
 
 def sections() -> str:
@@ -99,6 +100,7 @@ def sections() -> str:
 def machine_sections() -> str:
     """Fields of machine.yaml that no spec has, a heading each; its sections of a spec are those of the page."""
     partial = {name for name in _MACHINE["$defs"] if name.removeprefix("Axis") in SCHEMA["$defs"]}
+    partial |= {f"Robot{name}" for name in SPRINGS}  # as those of a load
     lost = set(_MACHINE["$defs"]) - partial - set(_OF_MACHINES)
     if lost:
         raise ValueError(f"no section of the page shows {', '.join(sorted(lost))}")

@@ -3,9 +3,9 @@ r"""Torques of joints by MuJoCo's recursive Newton-Euler algorithm, that of its 
 .. math:: \tau = M(q) \, \ddot q + c(q, \dot q) + g(q)
 
 Nothing else acts in the model: no contacts, limits, losses, springs or rotors, so that the torques are linear in the
-masses. The model is made of the description's record, with joints that are held as parts of their links; bodies
-without mass are allowed, for the algorithm divides by none. Point masses are columns in closed form, of 1 kg each, by
-the Jacobian J of their point, with g the acceleration of free fall:
+masses. Forces on links add -J^T F of each (``force_torques``). The model is made of the description's record, with
+joints that are held as parts of their links; bodies without mass are allowed, for the algorithm divides by none. Point
+masses are columns in closed form, of 1 kg each, by the Jacobian J of their point, with g the acceleration of free fall:
 
 .. math:: c = J^T (J \ddot q + \dot J \dot q - g), \qquad c_{static} = -J^T g, \qquad M_{jj} = |J_j|^2
 
@@ -248,3 +248,30 @@ def _part(
     )
     own = (torque @ directions, static @ directions, inertia)
     return Torques(*(np.concatenate([one[None], many]) for one, many in zip(own, columns, strict=True)))
+
+
+# --- forces on links
+
+
+def force_torques(
+    robot: Robot, held: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str], position: Array,
+    forces: Array,
+) -> Array:  # fmt: skip
+    """Torques that joints need against forces at points of links, shape (states, joints): minus J^T F of each.
+
+    The forces are in the frame of the root, shape (states, points, 3).
+    """
+    mujoco = _mujoco()
+    model, _ = _model(mujoco, robot, held, points)
+    data, jacobian = mujoco.MjData(model), np.zeros((3, len(joints)))
+    order = np.array([model.joint(name).id for name in joints], dtype=np.int64)
+    bodies = [model.body(f"point{number}").id for number in range(len(points))]
+    found = np.zeros(position.shape)
+    for row, at in enumerate(position):
+        data.qpos[order] = at
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        for number, body in enumerate(bodies):
+            mujoco.mj_jac(model, data, jacobian, None, data.xpos[body], body)
+            found[row] -= forces[row, number] @ jacobian[:, order]
+    return found

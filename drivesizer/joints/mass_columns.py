@@ -10,6 +10,15 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, quoted
+from drivesizer.joints.forces import (
+    Rows,
+    check_forces,
+    check_joint_springs,
+    cut_at,
+    forces_in_files,
+    link_torques,
+    spring_torques,
+)
 from drivesizer.joints.inverse_dynamics import Array, JointMotion, Torques, torques_of
 from drivesizer.joints.places import (
     carried_by,
@@ -132,7 +141,7 @@ class JointTorques:
         Returns
         -------
         JointLoad
-            At the shaft that the joint's drive turns.
+            At the shaft that the joint's drive turns, or each of those that share it.
         """
         motion, column, place = self.cases[case].motion, self.joints.index(joint), self.section.drives.get(joint)
         unknown = sorted(set(masses) - set(self.joints))
@@ -142,13 +151,15 @@ class JointTorques:
         weights = np.array([1.0, *carried])
         torque, static, inertia = (weights @ values[:, :, column] for values in self.cases[case].torques)
         resisting, coulomb = self._friction(motion, column)
+        motors = place.motors if place else 1
         cycle = cycle_of(
             joint, motion.duration, (motion.speed @ self.coupling[column], motion.acceleration @ self.coupling[column]),
-            torque.reshape(-1, 2) + resisting, static.reshape(-1, 2), float(inertia.max()),
-            radius=radius_of(self.robot.joints[joint], place.travel_per_turn if place else None), friction=coulomb,
+            (torque.reshape(-1, 2) + resisting) / motors, static.reshape(-1, 2) / motors, float(inertia.max()) / motors,
+            radius=radius_of(self.robot.joints[joint], place.travel_per_turn if place else None),
+            friction=coulomb / motors,
         )  # fmt: skip
         return JointLoad.model_construct(
-            kind="recorded", file=cycle.name, motors=1, smoothing=0.0, inertia=0.0, cycle=cycle, joint=joint,
+            kind="recorded", file=cycle.name, motors=motors, smoothing=0.0, inertia=0.0, cycle=cycle, joint=joint,
             case=self.cases[case].name,
         )  # fmt: skip
 
@@ -187,16 +198,25 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
         radius_of(robot.joints[joint], place.travel_per_turn if place else None)
     carried = carried_by(robot, drives, motion.joints)
     order, coupled = outermost_first(carried), coupling(section, robot, held, motion.joints)
-    down = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw])).T[:, 2] * -gravity
+    turn = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw]))
+    down, start = turn.T[:, 2] * -gravity, motion.position[0, 0]
+    check_joint_springs(section, robot, names)
+    check_forces(section, robot)
+    files = forces_in_files(section, spec_file, float(motion.duration.sum()))
+    motion = cut_at(motion, np.concatenate([np.empty(0), *(time for time, _ in files.values())]))
     directions = np.asarray(np.linalg.inv(coupled), dtype=np.float64)
 
-    def torques(moved: JointMotion) -> Torques:
+    def torques(moved: JointMotion, files: Mapping[int, Rows] = files) -> Torques:
         """At both ends of each segment; one state where a segment starts as the one before ends."""
         states = [c.reshape(-1, len(names)) for c in (moved.position, moved.speed, moved.acceleration)]
         new = np.concatenate([[True], np.any([(c[1:] != c[:-1]).any(axis=1) for c in states], axis=0)])
         position, speed, acceleration = (c[new] for c in states)
         found = torques_of(robot, held, list(points.values()), names, (position, speed, acceleration), down, directions)
-        return Torques(*(values[:, np.cumsum(new) - 1] for values in found))
+        found = Torques(*(values[:, np.cumsum(new) - 1] for values in found))
+        on_links = link_torques(section, robot, held, moved, down, turn, files)
+        for column, moving in ((found.torque, True), (found.static, False)):
+            column[0] += (on_links + spring_torques(section, robot, moved, start, moving=moving)) @ directions
+        return found
 
     along, own = torques(motion), section.payload.mass if section.payload else 0.0
     cases = [
@@ -204,7 +224,7 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     ]  # the trajectory, the same with other payloads, and poses that are held
     cases += [JointsCase(case.name, case.mass, motion, along) for case in section.payloads]
     for name, mass, pose in static_poses(section, robot, motion):
-        cases.append(JointsCase(name, own if mass is None else mass, pose, torques(pose)))
+        cases.append(JointsCase(name, own if mass is None else mass, pose, torques(pose, {})))
     for column, name in enumerate(names):
         if not along.inertia[0, :, column].max() > 0.0 and not own:
             where = f"{robot.file}:{robot.joints[name].line}: joint {quoted(name)}"
@@ -233,5 +253,15 @@ def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mappi
     if any(joint.friction or joint.damping for joint in own):
         kept = "is kept as that of their bearings" if section.friction == "keep" else "is left out"
         yield f"the friction of joints in the description {kept}"
+    if sprung := [joint.name for joint in own if joint.stiffness]:
+        yield f"springs of the description act beside the drives of {', '.join(sprung)}"
+    if lighter := [link.name for link in robot.links.values() if link.gravcomp * link.mass]:
+        kept = (
+            "is borne beside the drives, as by counterweights; where only a controller does that, the drives bear it: "
+            "robot: {gravcomp: leave}" if section.gravcomp == "keep" else "is borne by the drives"
+        )  # fmt: skip
+        yield f"the weight that the description takes off {', '.join(lighter)} (gravcomp) {kept}"
+    if any(one.file for one in section.forces) and section.holds:
+        yield "forces of files act along the trajectory, not in poses that are held"
     if not motion.returns:
         yield "the trajectory ends elsewhere than it starts, and the cycle repeats from its start"

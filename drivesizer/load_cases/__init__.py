@@ -6,6 +6,7 @@ May import: files, physics, equations, platform, loads, spec, results.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from math import nan
 from typing import Any
@@ -17,6 +18,7 @@ from drivesizer.load_cases.profile import located, profile_of, static_torque, wi
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.kinds import LAWS
 from drivesizer.loads.lever import Lever
+from drivesizer.loads.springs import spring_force, with_springs
 from drivesizer.loads.stage_losses import through_gear
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 from drivesizer.spec.drive import BeltStage
@@ -55,12 +57,13 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool
         held = cycle.held
         if sampled and cycle.duration.ndim == 1:
             cycle = cycle.side_by_side()
-        cycle = with_rest(cycle, spec.waits_until, static_torque(cycle))
+        cycle = with_rest(_sprung_recording(spec, cycle), spec.waits_until, static_torque(cycle))
     else:
         moved, held = course(profile or profile_of(spec), sampled=sampled), nan
         cycle = cycle_of_course(spec, moved)
         if spec.wants_brake:
-            held = np.abs(cycle_of_course(spec, heaviest_positions(load.lever, moved)).torque).max(axis=(0, 1))
+            still = heaviest_positions(load.lever, sprung(spec, moved), everywhere=bool(load_springs(spec)))
+            held = np.abs(cycle_of_course(spec, still).torque).max(axis=(0, 1))
     if spec.wants_brake:
         cycle = replace(cycle, held=held)
     return driven_shaft_cycle(spec, cycle)
@@ -69,16 +72,40 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool
 def cycle_of_course(spec: RobotSpec, course: Course) -> LoadCycle:
     """The load cycle at the driven shaft of one drive, of any load but a recording, without the belt's inertia."""
     with located(spec), np.errstate(over="ignore", invalid="ignore"):  # the load cycle refuses what is not finite
-        cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, course)
+        cycle = LAWS[spec.load.kind](spec.load, spec.environment.gravity, sprung(spec, course))
     return replace(cycle, own=()) if spec.platform else cycle  # a platform's own checks know more
 
 
-def heaviest_positions(lever: Lever | None, moved: Course) -> Course:
+def load_springs(spec: RobotSpec) -> Sequence[Any]:
+    """Springs and counterweights beside the drives of a load; wheels have none."""
+    return getattr(spec.load, "springs", ())
+
+
+def sprung(spec: RobotSpec, course: Course) -> Course:
+    """A course with the force of the load's springs and counterweights."""
+    load, gravity = spec.load, spec.environment.gravity
+    return with_springs(load_springs(spec), load.lever, gravity, course, turns=load.axis == "rotary")
+
+
+def _sprung_recording(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
+    """A recording with springs beside its shaft, as the angle that it has turned through says."""
+    springs = load_springs(spec)
+    if not springs:
+        return cycle
+    travel = np.cumsum(cycle.duration * cycle.speed.mean(axis=1), axis=0)
+    position = np.stack([travel - cycle.duration * cycle.speed.mean(axis=1), travel], axis=1)
+    with located(spec):
+        resisting = sum(spring_force(one, position, cycle.direction) for one in springs)
+    return replace(cycle, torque=cycle.torque + resisting / spec.load.motors).split()
+
+
+def heaviest_positions(lever: Lever | None, moved: Course, *, everywhere: bool = False) -> Course:
     """Course at rest in each position in which gravity may turn the load most, with the payload that it has there.
 
     Power may be lost at any time, so that is the worst of the whole path. The torque of a mass on a lever goes as the
-    cosine of its angle: it is largest at an end of the path, or level wherever the path passes there. Of any other load
-    no position is worse than another. A light load may pull harder than a heavy one: against a counterweight.
+    cosine of its angle: it is largest at an end of the path, or level wherever the path passes there; with springs it
+    may be so ``everywhere``. Of any other load no position is worse than another. A light load may pull harder than a
+    heavy one: against a counterweight.
     """
     segments = len(moved.duration)
     carried = np.broadcast_to(moved.payload, (segments, 1, *np.shape(moved.payload)[2:])).reshape(segments, -1)
@@ -88,7 +115,7 @@ def heaviest_positions(lever: Lever | None, moved: Course) -> Course:
     for number, payload in enumerate(payloads):
         path = moved.position[kind.reshape(-1) == number]
         low, high = path.min(axis=(0, 1)), path.max(axis=(0, 1))
-        found = [low, high]
+        found = list(path.reshape(-1, *path.shape[2:])) if everywhere else [low, high]
         if lever is not None:
             first, last = (np.ceil((low + lever.start) / math.pi), np.floor((high + lever.start) / math.pi))
             for turn in (first, first + 1.0):

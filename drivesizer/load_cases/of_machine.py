@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases import load_cycle, load_springs
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -150,12 +150,12 @@ def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
     """A warning where the cycle of a load case ends elsewhere than it starts; empty where it may, or does not."""
     lever, rotary = spec.load.lever, spec.load.axis == "rotary"
     pulled = lever is not None and lever.mass * lever.length * lever.share != 0.0
-    if not spec.load.has_end and not pulled:
+    if not spec.load.has_end and not pulled and not load_springs(spec):
         return ()
     moved = course(profile_of(spec))
     travel = moved.duration * moved.speed.mean(axis=1)
     off = float(travel.sum())
-    if lever is not None:  # a whole turn brings it back
+    if lever is not None and not load_springs(spec):  # a whole turn brings it back
         off -= _TURN * round(off / _TURN)
     if abs(off) <= _ROUNDING * float(abs(travel).sum()):
         return ()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drivesizer.load_cases import sprung
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.kinds import MODULES
@@ -77,7 +78,7 @@ def screw_requirements(cases: Sequence[RobotSpec]) -> list[Requirement]:
             from drivesizer.loads.screw import screw_life
             from drivesizer.loads.stage_losses import force_along
 
-            moved = course(profile_of(spec))
+            moved = sprung(spec, course(profile_of(spec)))
             force = force_along(moved, load, spec.environment.gravity, load.mass) / load.motors
             lives.append(screw_life(load, moved, force))
     if not lives:

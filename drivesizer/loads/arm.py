@@ -76,6 +76,7 @@ def arm(load: Arm, gravity: float, course: Course) -> LoadCycle:
     inertia = load.mass * load.length * load.length if load.inertia is None else load.inertia
     course, weight = weight_on_lever(load.lever, gravity, course)
     torque = inertia * course.acceleration + weight + load.friction_torque * course.direction
+    torque, inertia = torque + course.resisting, inertia + course.balance
     if np.any(course.payload):  # in the hand, where the centre of mass is
         level = load.lever._replace(mass=1.0).moment(gravity) * np.cos(load.start_angle + course.position)
         torque = torque + course.payload * (load.length**2 * course.acceleration + level)

@@ -62,6 +62,8 @@ class Course:
     speed: Ends
     acceleration: Ends
     payload: NDArray[np.float64] | float = 0.0  # kg, beside the load's own mass; shape (segments, 1, ...)
+    resisting: Ends | float = 0.0  # N or N*m, of springs and counterweights against the forward motion
+    balance: Alike = 0.0  # kg or kg*m^2, of counterweights, whose acceleration is in ``resisting``
 
     @property
     def heaviest(self) -> Alike:
@@ -94,6 +96,8 @@ class Course:
             cut.line(self.speed, crosses=turns),
             cut.line(self.acceleration),
             self.payload if isinstance(self.payload, float) else self.payload[cut.owner],
+            self.resisting if isinstance(self.resisting, float) else cut.line(self.resisting),
+            self.balance,
         )
 
     def cycle(

@@ -76,4 +76,4 @@ def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:
     if load.rated_speed is not None:
         moved = load.rated_torque * np.abs(course.speed / load.rated_speed) ** load.exponent
     torque = (moved + load.friction_torque) * course.direction + load.inertia * course.acceleration
-    return course.cycle(torque / load.motors, inertia=load.inertia / load.motors)
+    return course.cycle((torque + course.resisting) / load.motors, inertia=load.inertia / load.motors)

@@ -70,6 +70,7 @@ def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
     moved = load.mass + load.counterweight
     weight = (load.mass + course.payload - load.counterweight) * gravity
     force = weight + (moved + course.payload) * course.acceleration + load.friction_force * course.direction
+    force = force + course.resisting
     falls_freely = np.abs(course.acceleration) > gravity * (1.0 + _ROUNDING)  # then the counterweight's rope is slack
     if np.where(load.counterweight == 0.0, force < -_ROUNDING * load.mass * gravity, falls_freely).any():
         raise FieldError(("motion",), "the rope goes slack, as it cannot push; expected less acceleration or friction")

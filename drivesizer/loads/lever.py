@@ -73,6 +73,14 @@ def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:
     return np.asarray(np.maximum(np.ceil(most * share), 1.0), dtype=np.int64)
 
 
+def pieces_of_turn(course: Course) -> NDArray[np.float64]:
+    """Pieces of each segment of a course that turns in which a weight on a lever is a straight line to 1e-5 of it."""
+    lasting = np.where(course.duration > 0.0, course.duration, 1.0)
+    slope = np.abs(np.diff(course.speed, axis=1)[:, 0]) / lasting
+    found: NDArray[np.float64] = np.hypot(np.abs(course.speed).max(axis=1), np.sqrt(slope)) * course.duration / _STEP
+    return found
+
+
 def weight_on_lever(lever: Lever, gravity: Figure, course: Course) -> tuple[Course, Ends]:
     """The course in pieces that are fine enough, and the torque of a weight about the axis.
 
@@ -98,9 +106,7 @@ def weight_on_lever(lever: Lever, gravity: Figure, course: Course) -> tuple[Cour
     moment = lever.moment(gravity)
     if not np.any(moment):
         return course, np.zeros_like(course.speed)
-    lasting = np.where(course.duration > 0.0, course.duration, 1.0)
-    slope = np.abs(np.diff(course.speed, axis=1)[:, 0]) / lasting
-    pieces = np.hypot(np.abs(course.speed).max(axis=1), np.sqrt(slope)) * course.duration / _STEP
+    pieces = pieces_of_turn(course)
     if not (pieces.sum(axis=0) <= _MOST * _LONGEST_STEP / _STEP).all():  # written so that NaN fails too
         raise FieldError(
             ("motion",),

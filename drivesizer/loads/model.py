@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from drivesizer.files.fields import Axis, Section, default
+from drivesizer.files.fields import Axis, Section, default, no_entries
 from drivesizer.loads.lever import Lever
+from drivesizer.loads.springs import Springs, check_springs
 
 Count = Annotated[int, Field(ge=1, le=100)]
 
@@ -31,6 +32,14 @@ class SharedLoad(LoadModel):
 
     kind: str
     motors: Count = default(1, "drives that share the load equally; all figures are of the whole")
+    springs: Springs = no_entries("springs and counterweights beside the drives")
+
+    @model_validator(mode="after")
+    def _sprung(self) -> Self:
+        if self.springs:
+            turns, lever = self.axis == "rotary", self.lever
+            check_springs(self.springs, turns=turns, levels=lever is not None)
+        return self
 
     @property
     def alike(self) -> int:

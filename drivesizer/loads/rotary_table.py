@@ -73,4 +73,5 @@ def rotary_table(load: RotaryTable, gravity: float, course: Course) -> LoadCycle
     """
     course, weight = weight_on_lever(load.lever, gravity, course)
     torque = load.inertia * course.acceleration + load.friction_torque * course.direction + load.torque + weight
-    return course.cycle(torque / load.motors, inertia=load.inertia / load.motors)
+    inertia = load.inertia + course.balance
+    return course.cycle((torque + course.resisting) / load.motors, inertia=inertia / load.motors)

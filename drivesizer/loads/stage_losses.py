@@ -34,7 +34,7 @@ class OnIncline(Protocol):
 
 
 def force_along(course: Course, load: OnIncline, gravity: Figure, moved: Figure) -> Ends:
-    """Force that moves a load along its incline: friction, weight, further force and inertia [N].
+    """Force that moves a load along its incline: friction, weight, further force, springs and inertia [N].
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def force_along(course: Course, load: OnIncline, gravity: Figure, moved: Figure)
     friction = load.friction_coefficient * moved * gravity * np.cos(load.incline) + load.friction_force
     climb = climbing * gravity * np.sin(load.incline)
     force: Ends = friction * course.direction + (climb + load.force) + moved * course.acceleration
-    return force
+    return force + course.resisting
 
 
 def through_stage(
@@ -92,7 +92,7 @@ def through_stage(
     """
     ideal = course.cycle(force * radius, radius)
     torque = ideal.torque * _factor(ideal, *efficiency) + turning * ideal.acceleration + drag * ideal.direction
-    inertia = turning + (mass + course.heaviest) * radius * radius
+    inertia = turning + (mass + course.heaviest + course.balance) * radius * radius
     return replace(ideal, torque=torque / motors, inertia=inertia / motors).split()
 
 

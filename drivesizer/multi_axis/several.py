@@ -108,7 +108,7 @@ def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
         own = (axis,) if sizings.moves_its_drive(axis) else ()
         masses = {other: found.chosen[other].mass for other in (*carried, *own)}
         return axis_sizings.rises(torques, axis, masses) and axis not in sizings.uncertain
-    return not carried or not getattr(load, "counterweight", 0.0) > 0.0
+    return not carried or not (getattr(load, "counterweight", 0.0) > 0.0 or getattr(load, "springs", ()))
 
 
 def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:

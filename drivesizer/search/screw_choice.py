@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import Screw as Part
 from drivesizer.errors import InputError
+from drivesizer.load_cases import sprung
 from drivesizer.load_cases.profile import located, profile_of
 from drivesizer.loads.course import Course, course
 from drivesizer.loads.screw import Screw, own_limits
@@ -95,7 +96,7 @@ def _smallest_by_lead(spec: RobotSpec, catalog: Catalog) -> tuple[list[Part], di
     rows, table, cases = _allowed(spec, catalog), catalog.screws, list[_Case]()
     for one in (case for _, case in spec.load_cases if leaves_open(case)):
         load: Any = one.load
-        moved = course(profile_of(one))
+        moved = sprung(one, course(profile_of(one)))
         force = force_along(moved, load, one.environment.gravity, load.mass) / load.motors
         cases.append(_Case(one, moved, force))
     found, failed = list[Part](), dict[float, str]()

@@ -342,7 +342,7 @@ def _solid(geom: Node, kind: str, settings: Settings) -> Body:
 #
 # Read are bodies with joints that turn or slide, their inertials, or their solids with mass or density, classes of
 # defaults and the compiler's settings. What changes masses or joints in another manner is refused: files that are
-# included, equalities, tendons, ball joints, springs. A free joint of a body of the world is held: the base is
+# included, equalities, tendons, ball joints. A free joint of a body of the world is held: the base is
 # fixed.
 
 
@@ -388,10 +388,10 @@ class _Reader:
                 raise node.fault("is not read; expected bodies with joints, geoms and inertials")
         for node in parent.all("body"):
             name, chosen = node.name, node.attributes.get("childclass", childclass)
-            if node.attributes.get("mocap", "false") != "false" or _scalar(node, "gravcomp") != 0.0:
-                raise node.fault("mocap or gravcomp is not read; expected a body that its joints carry")
+            if node.attributes.get("mocap", "false") != "false":
+                raise node.fault("mocap is not read; expected a body that its joints carry")
             mass, lacking = mass_of(node, self.settings, chosen)
-            self.links.append(Link(name, node.line, *mass, lacking=lacking))
+            self.links.append(Link(name, node.line, *mass, lacking=lacking, gravcomp=_scalar(node, "gravcomp")))
             self._hang(node, above, name, chosen)
             self.bodies(node, name, chosen)
 
@@ -423,21 +423,22 @@ def _mjcf_joint(node: Node, parent: str, child: str, frame: tuple[Array, Array],
     of, written = f"joint {quoted(node.name)}", node.attributes.get("type", "hinge")
     if written not in _KINDS:
         raise InputError(f"{node.path}:{node.line}: {of} is {quoted(written)}; expected hinge or slide")
-    for what in ("stiffness", "springdamper"):
-        if node.figures(what).any():
-            raise node.fault(f"a spring ({what}) is not read; expected a joint without", of)
+    if node.figures("springdamper").any():
+        raise node.fault("springdamper is not read; expected stiffness and damping, as it compiles to", of)
     axis = _direction(node, node.vector("axis", (0.0, 0.0, 1.0)), of)
     factor = settings.degrees if written == "hinge" else 1.0
     lower, upper = (value * factor for value in _range(node, settings))
-    damping, friction, armature = (_scalar(node, key) for key in ("damping", "frictionloss", "armature"))
-    if min(damping, friction, armature) < 0.0:
-        raise node.fault("damping, frictionloss or armature below 0 is none", of)
+    keys = ("damping", "frictionloss", "armature", "stiffness")
+    damping, friction, armature, stiffness = (_scalar(node, key) for key in keys)
+    if min(damping, friction, armature, stiffness) < 0.0:
+        raise node.fault(f"{', '.join(keys[:-1])} or {keys[-1]} below 0 is none", of)
     limited, effort = not math.isnan(lower), node.figures("actuatorfrcrange")
     return Joint(
         node.name, "continuous" if written == "hinge" and not limited else _KINDS[written], node.line, parent, child,
         *frame, axis, float(np.abs(effort).min()) if len(effort) else math.nan, math.nan, lower, upper, limited,
         anchor=node.vector("pos"), reference=node.figure("ref", 0.0) * factor,
-        damping=damping, friction=friction, armature=armature,
+        damping=damping, friction=friction, armature=armature, stiffness=stiffness,
+        slack=_scalar(node, "springref") * factor, bears=node.attributes.get("actuatorgravcomp", "false") == "true",
     )  # fmt: skip
 
 

@@ -13,6 +13,8 @@ from pydantic_core import core_schema
 
 from drivesizer.errors import InputError
 from drivesizer.files import fields
+from drivesizer.loads.model import Count
+from drivesizer.loads.springs import Springs
 from drivesizer.units import KINDS, label, noun, to_si
 
 
@@ -137,6 +139,8 @@ class DrivePlace(fields.Section):
         "of a joint that slides, per turn of the shaft that the drive turns", example="10 mm"
     )
 
+    motors: Count = fields.default(1, "drives that share the joint equally")
+
     @model_validator(mode="after")
     def _somewhere(self) -> Self:
         if (self.link is not None) != (self.on == "link"):
@@ -145,6 +149,24 @@ class DrivePlace(fields.Section):
             raise ValueError("belt_passes: at its joint a drive has none between; expected on: base, or on: link")
         if self.at is not None and self.on == "base":
             raise ValueError("at: no joint carries a drive on the base; leave it out")
+        return self
+
+
+class LinkForce(fields.Section):
+    """A force that acts on a link, such as of the floor on a foot or of the work on a tool."""
+
+    link: Name
+    at: Point = fields.default(_ORIGIN, "x, y, z in the frame of the link")
+    force: Annotated[list[fields.Pull], Field(min_length=3, max_length=3)] | None = fields.optional(
+        "x, y, z of the world, whose z points up, at any time and in poses that are held", example="[0 N, 0 N, 200 N]"
+    )
+    file: str | None = fields.optional(
+        "CSV over the trajectory: columns time, x, y, z; then a row of units", min_length=1
+    )
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        fields.exactly_one(self, "force", "file")
         return self
 
 
@@ -173,6 +195,11 @@ class RobotSection(fields.Section):
     friction: Literal["keep", "leave"] = fields.default(
         "keep", "of the joints in the description: kept as that of bearings, or left out"
     )
+    springs: dict[Name, Springs] = fields.all_defaults("beside the drives of joints, by joint; counted from the start")
+    gravcomp: Literal["keep", "leave"] = fields.default(
+        "keep", "of links in an MJCF file: weight taken off the drives as by counterweights, or left out"
+    )
+    forces: Annotated[list[LinkForce], Field(max_length=100)] = fields.no_entries("on links beside their weight")
     masses: Literal["without", "with_drives"] = fields.default(
         "without", "of the links: without the drives, which are added where they ride, or with_drives already"
     )

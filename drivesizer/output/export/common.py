@@ -21,6 +21,7 @@ from drivesizer.control.loop_design import designed
 from drivesizer.control.open_loop.run import Stepper, prepared
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError, quoted
+from drivesizer.load_cases import load_springs
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
 from drivesizer.loads.lever import Lever
@@ -353,8 +354,8 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
         train = replace(train, motor_inertia=nan)
         said = [*said, "the rotor's inertia is unknown and left out; no controller is designed"]
     own, bodies, lever, ambient = found.controller, two_bodies(found.motor), spec.load.lever, spec.environment.ambient
-    if spec.gear is not None or lever is None or lever.moment(spec.environment.gravity) == 0.0:
-        lever = None  # behind a gear of fixed ratio the shaft turns more often
+    if spec.gear is not None or load_springs(spec) or lever is None or lever.moment(spec.environment.gravity) == 0.0:
+        lever = None  # behind a gear of fixed ratio the shaft turns more often; springs are no weight
     else:
         lever = Lever(*map(float, lever._replace(mass=lever.mass / spec.load.motors)))
     usable = float(spec.feed_of(own).usable)

@@ -1,0 +1,258 @@
+r"""Springs, gas springs and counterweights beside the drive: the force that they take off it, or put on it.
+
+With x the change of a spring's length since the start of the cycle and P the force in the direction in which it grows,
+
+.. math:: P = F_0 - c x, \qquad P = F_1 \left( 1 + (p - 1) \frac{x_0 - x}{h} \right), \qquad
+          F = - P \frac{dx}{ds} + F_R \left| \frac{dx}{ds} \right| \mathrm{sgn} v
+
+the first of a linear or torsion spring (without c: of a constant force), the second of a gas spring: F₁ where its rod
+is out, p times that where it is in by all of the stroke h, x₀ in at the start, F_R the friction of its seal. F is what
+resists the forward motion. Along a line, and of a torsion spring, x is the travel s. Beside an axis that turns a spring
+has one end on the load, r off the axis, and one that is fixed, b off it; θ goes from the fixed end to the other:
+
+.. math:: l^2 = r^2 + b^2 - 2 r b \cos θ, \qquad x = l - l_0, \qquad \frac{dx}{ds} = \frac{r b \sin θ}{l}
+
+Springs have no mass here and push as they pull; one that would go slack needs preload. A counterweight has its mass:
+along a line it hangs on a rope and pulls forward, F = m (a - g); about an axis it stands opposite the load's own lever
+unless its angle is given. Efficiencies of the load's stage apply to what springs leave of its force.
+
+Of all linear springs the one that leaves the least RMS torque of a torque M is the regression of M on the angle from
+where the spring is at rest, :math:`c = \langle M θ \rangle / \langle θ^2 \rangle`.
+
+Worked examples: against a load that stands upright and swings 30° to either side at constant speed that is
+3 (sin A - A cos A) / A³ = 0.973 of m g l. A gas spring of 400 N, p 1.33 and 100 mm of stroke presses with 466 N when it
+is half in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from drivesizer.errors import FieldError
+from drivesizer.files import fields
+from drivesizer.loads.course import Course
+from drivesizer.loads.lever import Lever, capped, pieces_of_turn
+from drivesizer.physics.figures import Alike, Figure
+from drivesizer.physics.load_cycle import Ends
+from drivesizer.units import show
+
+_BEND = 3e-5  # of the travel, by which a chord of a ramp may be off
+_ROUNDING = 1e-9
+
+Rate = Annotated[float, fields.Quantity("stiffness", above=0.0)]
+ForceAbove = Annotated[float, fields.Quantity("force", above=0.0)]
+
+
+class SpringEnds(fields.Section):
+    """Ends of a spring beside an axis that turns."""
+
+    radius: fields.Length = fields.required("from the axis to the end on the load", example="50 mm")
+    anchor: fields.Length = fields.required("from the axis to the fixed end", example="200 mm")
+    angle: fields.Bearing = fields.required(
+        "from the fixed end to the other when the cycle starts, forward positive", example="30 deg"
+    )
+
+
+class ConstantSpring(fields.Section):
+    """A force or torque that is the same everywhere, such as that of a constant-force spring."""
+
+    kind: Literal["constant"]
+    force: fields.Pull | None = fields.optional("along a line forward positive; with ends pushing them apart positive")
+    torque: fields.SignedTorque | None = fields.optional("about an axis, forward positive", example="2 N*m")
+    ends: SpringEnds | None = fields.optional("beside an axis that turns")
+
+
+class LinearSpring(fields.Section):
+    """A spring that is drawn or pressed."""
+
+    kind: Literal["linear"]
+    rate: Rate = fields.required("force per travel")
+    force: fields.Pull = fields.default(
+        "0 N", "when the cycle starts: forward positive; with ends pushing them apart, so that a pull is negative"
+    )
+    ends: SpringEnds | None = fields.optional("beside an axis that turns")
+
+
+class TorsionSpring(fields.Section):
+    """A spring that is twisted by the axis."""
+
+    kind: Literal["torsion"]
+    rate: fields.Stiffness = fields.required("torque per angle", example="2 N*m/rad")
+    torque: fields.SignedTorque = fields.default("0 N*m", "when the cycle starts, forward positive")
+
+
+class GasSpring(fields.Section):
+    """A gas spring, which pushes its ends apart, with the friction of its seal."""
+
+    kind: Literal["gas"]
+    force: ForceAbove = fields.required("F_1, where the rod is out", example="400 N")
+    progression: fields.Factor = fields.default(1, "of the force over the stroke: in over out, such as 1.33")
+    stroke: fields.Length = fields.required(example="100 mm")
+    pressed: fields.Thickness = fields.default("0 mm", "by how much it is in when the cycle starts")
+    friction: fields.Force = fields.default("0 N", "against its motion, in either direction")
+    pushes: Literal["forward", "back"] = fields.default("forward", "along a line")
+    ends: SpringEnds | None = fields.optional("beside an axis that turns")
+
+
+class BalanceMass(fields.Section):
+    """A counterweight, which is moved as well."""
+
+    kind: Literal["counterweight"]
+    mass: fields.Mass
+    length: fields.Length | None = fields.optional("from the axis that turns to its centre of mass", example="150 mm")
+    angle: fields.Bearing | None = fields.optional(
+        "above the level line when the cycle starts; opposite the load where not given", example="180 deg"
+    )
+
+
+AnySpring = ConstantSpring | LinearSpring | TorsionSpring | GasSpring | BalanceMass
+Spring = Annotated[AnySpring, Field(discriminator="kind")]
+Springs = Annotated[list[Spring], Field(max_length=20)]
+
+
+def check_springs(springs: Sequence[AnySpring], *, turns: bool, levels: bool) -> None:
+    """Refuse springs that do not fit the axis that they act on.
+
+    Parameters
+    ----------
+    springs
+        Beside one axis.
+    turns
+        Whether the load turns; else it moves along a line.
+    levels
+        Whether gravity's direction across the axis is known, for a counterweight.
+
+    Raises
+    ------
+    ValueError
+        Of the first that does not fit, with the nearest that does.
+    """
+    for one in springs:
+        of_torque = isinstance(one, TorsionSpring) or getattr(one, "torque", None) is not None
+        ends = getattr(one, "ends", None)
+        if isinstance(one, ConstantSpring) and (one.force is None) == (one.torque is None):
+            raise ValueError("springs: a constant one has one of force and torque")
+        if isinstance(one, GasSpring) and np.any(np.greater(one.pressed, one.stroke)):
+            raise ValueError("springs: expected pressed of no more than stroke")
+        if isinstance(one, BalanceMass):
+            if turns and not levels:
+                raise ValueError("springs: nothing says how gravity acts on a counterweight here; expected kind: arm")
+            if turns != (one.length is not None) or (one.angle is not None and not turns):
+                words = "needs its length" if turns else "along a line hangs on its rope: leave length and angle out"
+                raise ValueError(f"springs: a counterweight {words}")
+        elif not turns and (of_torque or ends):
+            raise ValueError("springs: the load moves along a line; expected kind: linear, or a force without ends")
+        elif turns and not of_torque and ends is None:
+            raise ValueError(
+                "springs: a force about an axis needs ends, e.g. {radius: 50 mm, anchor: 200 mm, angle: 30 deg}; "
+                "or kind: torsion"
+            )
+        elif of_torque and ends is not None:
+            raise ValueError("springs: a torque has no ends; leave them out")
+
+
+def spring_force(one: Any, travel: Figure, direction: Figure) -> Any:
+    """Force or torque of a spring against the forward motion.
+
+    Parameters
+    ----------
+    one
+        The spring; no counterweight.
+    travel
+        Of the load since the cycle started [m or rad].
+    direction
+        Of the motion: 1, -1, or 0 at rest.
+
+    Returns
+    -------
+    array
+        What resists, [N] along a line or [N*m] about an axis.
+
+    Raises
+    ------
+    FieldError
+        When a gas spring leaves its stroke.
+
+    Examples
+    --------
+    >>> half_in = GasSpring(kind="gas", force="400 N", progression=1.33, stroke="100 mm", pressed="50 mm")
+    >>> round(float(-spring_force(half_in, 0.0, 0.0)), 3)
+    466.0
+    """
+    length: Any = travel
+    slope: Any = 1.0
+    if getattr(one, "ends", None) is not None:
+        r, b, start = one.ends.radius, one.ends.anchor, one.ends.angle
+        own, first = (np.sqrt(r * r + b * b - 2.0 * r * b * np.cos(start + x)) for x in (travel, 0.0))
+        length, slope = own - first, r * b * np.sin(start + travel) / np.where(own > 0.0, own, math.inf)
+    if not isinstance(one, GasSpring):
+        force = getattr(one, "force", None)
+        force = one.torque if force is None else force
+        return -(force - getattr(one, "rate", 0.0) * length) * slope
+    if one.ends is None and one.pushes == "back":
+        length, slope = -length, -slope
+    pressed = one.pressed - length
+    off = np.maximum(pressed - one.stroke, -pressed)
+    if np.any(off > _ROUNDING * one.stroke):
+        by = show(float(np.max(off)), "mm", "length", 3)
+        raise FieldError(
+            ("load", "springs"),
+            f"the motion leads {by} beyond a gas spring's stroke; expected another stroke or pressed",
+        )
+    push = one.force * (1.0 + (one.progression - 1.0) * pressed / one.stroke)
+    return -push * slope + one.friction * np.abs(slope) * direction
+
+
+def with_springs(
+    springs: Sequence[Any], lever: Lever | None, gravity: Figure, course: Course, *, turns: bool
+) -> Course:
+    """The course in pieces that are fine enough, with the force of springs and counterweights and what these weigh.
+
+    Parameters
+    ----------
+    springs
+        Beside the axis; none leave the course as it is.
+    lever
+        The load's own mass about the axis; None along a line.
+    gravity
+        Acceleration of free fall [m/s^2].
+    course
+        How the load moves.
+    turns
+        Whether it turns.
+
+    Returns
+    -------
+    Course
+        With ``resisting`` [N or N*m] and ``balance`` [kg or kg*m^2].
+    """
+    if not springs:
+        return course
+    if any(getattr(one, "ends", None) is not None or (turns and isinstance(one, BalanceMass)) for one in springs):
+        course = course.finer(capped(pieces_of_turn(course)))
+    elif not all(isinstance(one, ConstantSpring | BalanceMass) for one in springs):
+        bend = np.abs(np.diff(course.speed, axis=1)[:, 0]) * course.duration / 8.0
+        reach = np.ptp(course.position, axis=(0, 1))
+        course = course.finer(capped(np.sqrt(bend / (_BEND * np.where(reach > 0.0, reach, math.inf)))))
+    resisting: Ends = np.zeros_like(course.speed)
+    balance: Alike = 0.0
+    for one in springs:
+        if not isinstance(one, BalanceMass):
+            resisting = resisting + spring_force(one, course.position, course.direction)
+        elif turns:
+            assert lever is not None and one.length is not None  # refused
+            own = Lever(one.mass, one.length, lever.share, lever.start + math.pi if one.angle is None else one.angle)
+            balance = balance + own.mass * own.length**2
+            resisting = resisting + own.moment(gravity) * np.cos(own.start + course.position)
+        else:
+            if np.any(course.acceleration > gravity * (1.0 + _ROUNDING)):
+                raise FieldError(("motion",), "a counterweight's rope goes slack; expected less acceleration")
+            balance = balance + one.mass
+            resisting = resisting - one.mass * gravity
+    return replace(course, resisting=resisting + balance * course.acceleration, balance=balance)
