@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 from math import nan
 from typing import Any
 
@@ -130,12 +131,12 @@ def heaviest_positions(lever: Lever | None, moved: Course, *, everywhere: bool =
 
 
 def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
-    """A load cycle with what the stages at the load add: the belt's inertia and friction, a gear of fixed ratio."""
-    gear, belt = spec.gear, spec.belt
-    if gear is None:
-        return _with_belt(cycle, belt)
-    if belt is None or not spec.gear_before_belt:
-        return _with_belt(through_gear(cycle, gear.fixed_gear()), belt)
+    """A load cycle with what the stages at the load add: the belt's inertia and friction, gears of fixed ratio."""
+    gears, belt = spec.gears[::-1], spec.belt  # from the load on
+    before = belt is not None and spec.gear_before_belt
+    if not before:
+        return _with_belt(reduce(lambda one, gear: through_gear(one, gear.fixed_gear()), gears, cycle), belt)
+    assert belt is not None
     cycle, limits = _with_belt(cycle, belt), []
     if belt.pulley_diameter is not None:  # of a belt at the load the gear before it takes no part
         radius = belt.pulley_diameter / 2
@@ -143,9 +144,9 @@ def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
             limits.append(OwnLimit("belt_tension", np.abs(cycle.torque).max(axis=(0, 1)) / radius, belt.max_tension))
         if belt.max_speed is not None:
             limits.append(OwnLimit("belt_speed", np.abs(cycle.speed).max(axis=(0, 1)) * radius, belt.max_speed))
-    return through_gear(
-        replace(cycle, own=(*cycle.own, *limits)), gear.fixed_gear(1.0 if belt.ratio is None else belt.ratio)
-    )
+    ratio = 1.0 if belt.ratio is None else belt.ratio
+    whole = replace(cycle, own=(*cycle.own, *limits))
+    return reduce(lambda one, gear: through_gear(one, gear.fixed_gear(ratio)), gears, whole)
 
 
 def _with_belt(cycle: LoadCycle, belt: BeltStage | None) -> LoadCycle:

@@ -21,7 +21,13 @@ from drivesizer.loads.course import Course, Profile
 from drivesizer.loads.hoist import Hoist
 from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.recorded import ComputedLoad, Recorded
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle, rolling_resistance, turning_inertia, wheel_friction
+from drivesizer.loads.wheeled_vehicle import (
+    WheeledVehicle,
+    rolling_resistance,
+    through_running_gear,
+    turning_inertia,
+    wheel_friction,
+)
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
 from drivesizer.platform import wheels as platform_wheels
 from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, dynamics, motion, own_rolling, wheel_torques
@@ -243,7 +249,8 @@ def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[Loa
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
     with located(case, "motion"):
-        return wheel_cycles(d, trajectory, ground_of(case), friction=friction)
+        found = wheel_cycles(d, trajectory, ground_of(case), friction=friction)
+    return tuple(through_running_gear(load, cycle) for cycle in found)
 
 
 # -- A platform driven along a trajectory: the requirements at each of its wheels.

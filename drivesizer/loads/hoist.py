@@ -5,7 +5,8 @@ r"""A hoist, seen from its rope drum.
 lifts the load; upward is forward. With n falls the rope runs n times as fast and pulls with an n-th of F, so that the
 load moves by r/n per angle of the drum. The counterweight hangs against the load with as many falls (as a lift is roped
 2:1 on both sides), and both share one rope efficiency, which takes the unbalanced force: lifting divides by it,
-lowering multiplies by it (``stage_losses``). At rest the unbalanced weight remains, for motor or brake.
+lowering multiplies by it (``stage_losses``); the friction of the drum's bearings comes on top. At rest the unbalanced
+weight remains, for motor or brake.
 A rope cannot push: a motion that would let it go slack is refused.
 
 Worked example: a cab of 1200 kg and a counterweight of 950 kg that rise 54 m in 3.0 min need
@@ -40,6 +41,7 @@ class Hoist(SharedLoad):
     falls: Count = fields.default(1, "rope parts that carry the mass; the rope runs so many times faster")
     rope_efficiency: fields.Share = fields.default(1, "of rope and sheaves, in either direction of power")
     friction_force: fields.Force = fields.default("0 N", "of the guides, against the motion")
+    friction_torque: fields.Torque = fields.default("0 N*m", "of the drum's bearings, against the motion")
     inertia: fields.Inertia = fields.default("0 kg*m^2", "of drum and sheaves, seen at the drum")
 
 
@@ -76,4 +78,5 @@ def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
         raise FieldError(("motion",), "the rope goes slack, as it cannot push; expected less acceleration or friction")
     losses = (load.rope_efficiency, load.rope_efficiency)
     radius = load.drum_diameter / 2 / load.falls
-    return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)
+    return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors,
+                         drag=load.friction_torque)  # fmt: skip

@@ -5,7 +5,8 @@ r"""A vehicle on driven wheels, seen from the shaft of one of them.
 
 Rolling resistance is against the motion and nothing at rest; the slope pulls always, and so does the wind. All driven
 wheels share alike. The paper's factors (speed reserve, bearing, oversize) are no physics and not in here. Grip: a wheel
-transmits what is left of the torque after it has turned itself, and each of the N driven ones carries an N-th of their
+transmits what is left of the torque after it has turned itself (and, with an efficiency, the running gear: T / e where
+the drive drives, T e where the vehicle does), and each of the N driven ones carries an N-th of their
 share s of the weight, :math:`F \le μ s m g \cos θ / N`; casters carry the rest.
 
 Worked example: 45 kg on 4 wheels of 152.4 mm, C_rr 0.02, level, at 1.5 m/s: 0.02 · 45 · 9.80665 · 0.0762 / 4
@@ -22,6 +23,7 @@ from drivesizer import equations as eq
 from drivesizer.files import fields
 from drivesizer.loads.course import Course, at_largest
 from drivesizer.loads.model import Count, LoadModel
+from drivesizer.loads.stage_losses import FixedGear, through_gear
 from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
 
@@ -67,6 +69,10 @@ class WheeledVehicle(LoadModel):
     driven_share: fields.Share | None = fields.optional(
         "of the weight that the driven wheels carry, for traction; all of it where not given. Casters and "
         "other wheels carry the rest. A platform has it by the places of its wheels"
+    )
+    efficiency: fields.Share = fields.default(
+        1,
+        "of the running gear between the drive's shaft and the wheel (final drive, joints, track), either way",
     )
     slope: fields.Slope = fields.default("0 deg", "uphill positive")
     drag_area: fields.Area = fields.default("0 m^2", "drag coefficient times frontal area")
@@ -130,10 +136,17 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
     torque = force * r / N + turning * course.acceleration / r
     inertia = turning + (load.mass + course.heaviest) * r**2 / N
     if load.friction_coefficient is None:
-        return course.cycle(torque, r, inertia=inertia)
+        return through_running_gear(load, course.cycle(torque, r, inertia=inertia))
     size, held = np.abs(force / N), wheel_friction(load, gravity) * (1.0 + course.payload / load.mass)
     time, demand, limit = at_largest(size / held, course.duration, size, held)
-    return course.cycle(torque, r, inertia=inertia, own=(OwnLimit("traction", demand, limit, time),))
+    own = (OwnLimit("traction", demand, limit, time),)
+    return through_running_gear(load, course.cycle(torque, r, inertia=inertia, own=own))
+
+
+def through_running_gear(load: WheeledVehicle, cycle: LoadCycle) -> LoadCycle:
+    """The load cycle of a wheel at the shaft of its drive, with what the running gear between them loses."""
+    lossless = np.all(np.equal(load.efficiency, 1.0))
+    return cycle if lossless else through_gear(cycle, FixedGear(1.0, load.efficiency, load.efficiency))
 
 
 def rolling_resistance(load: WheeledVehicle) -> Alike:

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.mounted import with_mounting, with_own_brake
+from drivesizer.catalog.view.mounted import with_current_limit, with_mounting, with_own_brake
 from drivesizer.load_cases.of_machine import cycle_of_shift, load_cases
 from drivesizer.machine.belts import belt_drives
 from drivesizer.machine.braking import with_parts_of_supply
@@ -30,6 +30,8 @@ def problem(machine: RobotSpec, catalog: Catalog) -> Problem:
         else:
             nominal, favourable, unfavourable = (partial(np.multiply, share) for share in mounting.share)
         catalog = with_mounting(catalog, (nominal, favourable, unfavourable))
+    if machine.power_stage.motor_current is not None:
+        catalog = with_current_limit(catalog, machine.power_stage.motor_current)
     machine = with_parts_of_supply(machine, catalog)
     belts, quickest = belt_drives(machine, catalog), quickest_winding(catalog)
     cases = tuple(

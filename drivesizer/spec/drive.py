@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -83,7 +84,7 @@ class BeltStage(fields.Section):
 
 
 class GearStage(fields.Section):
-    """One further stage of fixed ratio, behind or before the belt: spur or bevel gears, a chain, or a worm."""
+    """A further stage of fixed ratio, behind or before the belt: spur or bevel gears, a chain, or a worm."""
 
     kind: Literal["gear", "bevel", "chain", "worm"]
     ratio: fields.Ratio = fields.required("turns of its input shaft per turn of its output shaft; below 1 it steps up")
@@ -118,6 +119,29 @@ class GearStage(fields.Section):
             self.pinion_inertia * behind**2, self.wheel_inertia * behind**2,
             self.pinion_friction * behind, self.wheel_friction * behind,
         )  # fmt: skip
+
+
+def in_series(stages: Sequence[GearStage]) -> GearStage:
+    """Gears one behind the other as one, from the motor to the load; what turns between them seen at the output.
+
+    Where their losses by direction count, each is gone through by itself: this one has what the others read of it.
+    """
+    first, *others = stages
+    made = first
+    for one in others:
+        i, both = one.ratio, [stage.fixed_gear() for stage in (made, one)]
+        backs = [gear.back_efficiency for gear in both]
+        lost = None if None in (made.backlash, one.backlash) else one.backlash + made.backlash / i  # type: ignore[operator]
+        made = GearStage.model_construct(
+            kind=f"{made.kind} and {one.kind}", ratio=made.ratio * i, efficiency=made.efficiency * one.efficiency,
+            back_efficiency=backs[0] * backs[1] if min(backs) > 0.0 else min(backs),
+            pinion_diameter=first.pinion_diameter, pinion_inertia=first.pinion_inertia,
+            pinion_friction=first.pinion_friction, backlash=lost,
+            wheel_inertia=one.wheel_inertia + (made.wheel_inertia + one.pinion_inertia) * i**2,
+            wheel_friction=one.wheel_friction + (made.wheel_friction + one.pinion_friction) * i,
+            mass=None if None in (made.mass, one.mass) else made.mass + one.mass,  # type: ignore[operator]
+        )  # fmt: skip
+    return made
 
 
 Stage = Annotated[GearheadStage | DirectStage | BeltStage | GearStage, Field(discriminator="kind")]

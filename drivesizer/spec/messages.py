@@ -378,17 +378,21 @@ def _chained(spec: Any) -> Iterator[str]:
     """Stages behind each other as machines have them; a gear where what is behind it knows of it."""
     kinds = [stage.kind for stage in spec.transmission]
     behind = ["belt" if kind == "belt" else "gear" for kind in kinds[1:]]
+    groups = [one for n, one in enumerate(behind) if n == 0 or behind[n - 1] != one or one == "belt"]
     if (
         not isinstance(spec.transmission[0], GearheadStage | DirectStage)
-        or len(set(behind)) != len(behind)
+        or len(set(groups)) != len(groups)
         or ({"gearhead", DIRECT} & set(kinds[1:]))
     ):
-        yield ("transmission must be a gearhead or direct, or one of them and then a belt, a gear, or one of each")
+        yield "transmission must be a gearhead or direct, or one of them and then a belt, gears in a row, or both"
     gear, belt = spec.gear, spec.belt
     if gear is not None and spec.platform is not None:
         yield f"transmission: a {gear.kind} drives no wheel of a platform; expected a gearhead or belt"
     if gear is not None and spec.gear_before_belt and belt is not None:
-        own = any((gear.pinion_inertia, gear.wheel_inertia, gear.pinion_friction, gear.wheel_friction))
+        own = any(
+            (one.pinion_inertia, one.wheel_inertia, one.pinion_friction, one.wheel_friction) != (0.0,) * 4
+            for one in spec.gears
+        )
         if own and belt.ratio is None:
             yield (
                 f"transmission: inertia and friction of a {gear.kind} before a belt need the one ratio of the belt; "

@@ -72,7 +72,7 @@ class RobotSpec(fields.Section, OfFile):
     )
     load: Load
     motion: Motion | None = fields.optional("one cycle, repeated; a recorded load brings its own")
-    transmission: Annotated[list[drive.Stage], Field(min_length=1, max_length=3)] = fields.default(
+    transmission: Annotated[list[drive.Stage], Field(min_length=1, max_length=5)] = fields.default(
         [{"kind": "gearhead"}], "from the motor to the load"
     )
     paper_factors: sections.PaperFactors = fields.all_defaults()
@@ -147,6 +147,7 @@ class RobotSpec(fields.Section, OfFile):
             and motion.phases[0] == motion.phases[2]
             and not motion.there_and_back
             and load.drag_area == 0.0
+            and load.efficiency == 1.0
             and not self.cases
             and self.gear is None
             and not self.carries
@@ -259,13 +260,21 @@ class RobotSpec(fields.Section, OfFile):
 
     @property
     def gear(self) -> drive.GearStage | None:
-        """The further stage of fixed ratio, where there is one."""
-        return next((stage for stage in self.transmission if isinstance(stage, drive.GearStage)), None)
+        """The further stage of fixed ratio, where there is one; several in series as one."""
+        stages = self.gears
+        return drive.in_series(stages) if len(stages) > 1 else next(iter(stages), None)
+
+    @property
+    def gears(self) -> tuple[drive.GearStage, ...]:
+        """The further stages of fixed ratio, from the motor to the load."""
+        return tuple(stage for stage in self.transmission if isinstance(stage, drive.GearStage))
 
     @property
     def gear_before_belt(self) -> bool:
         """Whether the gear drives the belt, and not the load."""
-        return isinstance(self.transmission[1], drive.GearStage) if len(self.transmission) == 3 else False
+        return (
+            self.belt is not None and len(self.transmission) > 2 and isinstance(self.transmission[1], drive.GearStage)
+        )
 
     @property
     def belt_stiffness(self) -> float:

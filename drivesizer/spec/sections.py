@@ -185,6 +185,9 @@ class PowerStage(fields.Section):
     standby: fields.Consumed | None = fields.optional(
         "that each draws at any time; also inside actuators", example="2 W"
     )
+    motor_current: fields.Current | None = fields.optional(
+        "that each is set to let into its motor at most (stator limit); also inside actuators", example="60 A"
+    )
 
 
 class Environment(fields.Section):

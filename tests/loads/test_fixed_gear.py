@@ -159,7 +159,7 @@ def test_a_tolerance_of_its_efficiency_moves_the_load_cycle():
 @pytest.mark.parametrize(
     ("stages", "line"),
     [
-        ([WORM, WORM], "transmission must be a gearhead or direct, or one of them and then a belt, a gear"),
+        ([BELT, BELT], "transmission must be a gearhead or direct, or one of them and then a belt, gears"),
         ([BELT, {"kind": "gearhead"}], "transmission must be a gearhead or direct"),
         ([{"kind": "gear", "ratio": 2}], r"transmission\[2\].efficiency: is missing; expected plain number"),
         ([WORM | {"pinion_inertia": "1 kg*cm^2"}, {"kind": "belt", "ratios": [1, 2], "efficiency": 0.95}],
@@ -173,3 +173,31 @@ def test_refused_in_one_line(stages, line):
     with pytest.raises(InputError, match=line) as caught:
         spec_of(*stages)
     assert "\n" not in str(caught.value)
+
+
+def test_two_stages_in_series_by_hand():
+    """Spur gears and a chain behind a gearhead: ratios and efficiencies multiply."""
+    spur = {
+        "kind": "gear",
+        "ratio": 3,
+        "efficiency": 0.9,
+        "wheel_inertia": "2 kg*cm^2",
+        "backlash": "6 arcmin",
+        "mass": "1 kg",
+    }
+    chain = {"kind": "chain", "ratio": 2, "efficiency": 0.8, "pinion_friction": "0.1 N*m", "backlash": "4 arcmin"}
+    spec = spec_of(spur, chain, load=HOIST)
+    both, alone = load_cycle(spec), load_cycle(spec_of(load=HOIST))
+    lifting = (both.speed > 0).all(axis=1) & (both.acceleration == 0).all(axis=1)
+    assert both.speed.max() == pytest.approx(6 * alone.speed.max())
+    weight = 40 * 9.8 * 0.05
+    assert both.torque[lifting][0] == pytest.approx([(weight / (2 * 0.8) + 0.1) / (3 * 0.9)] * 2)
+    assert both.inertia == pytest.approx((40 * 0.05**2 / 4 + 2e-4) / 9)
+    backlash = lost_at_load(spec, np.zeros(1), np.ones(1))
+    assert float(backlash[0]) == pytest.approx(math.radians((4 + 6 / 2) / 60))
+    assert spec.gear is not None and spec.gear.mass is None  # of one of them it is not known
+    assert (spec.gear.kind, spec.gear.ratio, spec.gear.back_efficiency) == ("gear and chain", 6.0, pytest.approx(0.72))
+    before = spec_of(spur, chain, BELT, load=HOIST)
+    assert load_cycle(before).speed.max() == pytest.approx(6 * alone.speed.max())  # the belt's ratio is the search's
+    with pytest.raises(InputError, match="and then a belt, gears in a row, or both"):
+        spec_of(spur, BELT, chain)

@@ -596,3 +596,21 @@ def test_a_rope_cannot_push(points):
         load += ", counterweight: 9 kg"
     with pytest.raises(InputError, match=r"^x\.yaml:3: motion: the rope goes slack, as it cannot push; expected less"):
         cycle_of(load, *points)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_friction_of_a_drum_comes_on_top_of_its_ropes(way):
+    """100 kg on a drum of 200 mm, ropes 95 %, bearings 3 N·m: 98.0665 / 0.95 + 3 lifts, 98.0665 · 0.95 - 3 lowers."""
+    load = "kind: hoist, mass: 100 kg, drum_diameter: 200 mm, rope_efficiency: 0.95, friction_torque: 3 N*m"
+    c = cycle_of(load, (0, 0.2 * way), (1, 0.2 * way))
+    assert c.torque[0, 0] == pytest.approx(98.0665 / 0.95 + 3 if way > 0 else 98.0665 * 0.95 - 3)
+
+
+@pytest.mark.parametrize("acceleration", [0.5, -0.5])
+def test_a_running_gear_loses_either_way(acceleration):
+    """40 kg on two wheels: the drive gives F r / e, and gets F r e back where the vehicle drives it."""
+    c = cycle_of(f"{VEHICLE}, efficiency: 0.8", (0, 1.0), (1, 1.0 + acceleration))
+    force = 0.01 * 40 * G + 40 * acceleration
+    assert c.torque[0] == pytest.approx([force * 0.1 / 2 * (1.25 if force > 0 else 0.8)] * 2)
+    (own,) = c.own
+    assert own.demand == pytest.approx(abs(force) / 2)  # the floor's

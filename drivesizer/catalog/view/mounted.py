@@ -107,6 +107,22 @@ def _estimates(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
     return found
 
 
+def with_current_limit(catalog: Catalog, current: float) -> Catalog:
+    """The catalogue with controllers that are set to a current of the motor [A], where they could give more."""
+
+    def limited(view: Catalog) -> Catalog:
+        table: Table[Any] = view.controllers
+        columns = dict(table.columns) | {"peak_current": np.minimum(table["peak_current"], current)}
+        return replace(view, controllers=replace(table, columns=columns))
+
+    estimated = {section: dict(figures) for section, figures in catalog.estimates.items()}
+    own = estimated.get("controllers", {})
+    if (banded := own.get("peak_current")) is not None:
+        sides = (np.minimum(getattr(banded, side), current) for side in ("value", "low", "high"))
+        own["peak_current"] = banded._replace(**dict(zip(("value", "low", "high"), sides, strict=True)))
+    return replace(limited(catalog), ends=tuple(map(limited, catalog.ends)), estimates=estimated)
+
+
 # -- A holding brake with figures of the spec's own, as a part beside those of the catalogues.
 
 

@@ -91,7 +91,8 @@ _FORCES: dict[str, Callable[[Any, Moment], tuple[str, Terms]]] = {
     "belt_axis": _on_a_belt, "conveyor": _conveyed, "rack_pinion": _along, "ball_screw": _along,
     "lead_screw": _along, "hoist": _hoisted, "wheeled_vehicle": _rolled,
 }  # fmt: skip
-_DRAG = {"ball_screw": "preload_torque", "lead_screw": "preload_torque", "belt_axis": "friction_torque"}
+_DRAG = {"ball_screw": "preload_torque", "lead_screw": "preload_torque", "belt_axis": "friction_torque",
+         "hoist": "friction_torque"}  # fmt: skip
 _EFFICIENCY = {"hoist": "rope_efficiency"}
 
 

@@ -240,11 +240,17 @@ def electrical_limits(
         at_most("controller_continuous_current", demand.rms_current,
                 Range(lasting, lasting if lasting is printed else np.fmin(lasting, printed)),
                 needed=controller_needed(spec)),
-        at_most("controller_peak_current", stresses.current.value, controller["peak_current"], needed=needed,
+        at_most("controller_peak_current", stresses.current.value, most_current(spec, controller), needed=needed,
                 time=time),
         *counting_limits(spec, cycle.belt, demand, parts),
         at_most("controller_speed", electrical_speed(demand, motor), commutated, needed=spec.margins.speed),
     ]  # fmt: skip
+
+
+def most_current(spec: RobotSpec, controller: Figures) -> Array | Range:
+    """Largest current of controllers [A]; of one whose own is unknown at most what it is set to."""
+    own, limit = controller["peak_current"], spec.power_stage.motor_current
+    return own if limit is None else Range(own, np.fmin(own, limit))
 
 
 def electrical_speed(demand: Demands, motor: Figures) -> Array:
