@@ -4,7 +4,7 @@ r"""Torques of joints beside those of masses: springs, weight that is taken off 
 
 c and q₀ are stiffness and rest of a spring of the description, F_j of the section's own springs (``loads.springs``),
 whose travel counts from the start of the trajectory. Weight that a description takes off a link (MJCF: gravcomp) is a
-force m c g upward at its centre of mass; the joint whose drive is said to bear it (actuatorgravcomp) still has it.
+force m c g upward at its centre of mass; the joint whose drive is said to carry it (actuatorgravcomp) still has it.
 Forces on links have the directions of the world, whatever the link's own. Those of a file hold between its rows along
 straight lines; pieces of the motion are cut there.
 """
@@ -108,7 +108,7 @@ def link_torques(
         up = np.array([-link.gravcomp * link.mass * gravity for link in lighter])
         every = np.broadcast_to(up, (len(position), *up.shape))
         points = [Attached(link.name, link.centre) for link in lighter]
-        relieved = [not robot.joints[name].bears for name in moved.joints]
+        relieved = [not robot.joints[name].gravity_on_drive for name in moved.joints]
         found += force_torques(robot, held, points, moved.joints, position, every) * relieved
     acting = [(n, one) for n, one in enumerate(section.forces) if one.force is not None or n in files]
     if acting:

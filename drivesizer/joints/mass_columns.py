@@ -257,8 +257,8 @@ def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mappi
         yield f"springs of the description act beside the drives of {', '.join(sprung)}"
     if lighter := [link.name for link in robot.links.values() if link.gravcomp * link.mass]:
         kept = (
-            "is borne beside the drives, as by counterweights; where only a controller does that, the drives bear it: "
-            "robot: {gravcomp: leave}" if section.gravcomp == "keep" else "is borne by the drives"
+            "is carried beside the drives, as by counterweights; where a controller alone does that: "
+            "robot: {gravcomp: leave}" if section.gravcomp == "keep" else "is carried by the drives"
         )  # fmt: skip
         yield f"the weight that the description takes off {', '.join(lighter)} (gravcomp) {kept}"
     if any(one.file for one in section.forces) and section.holds:

@@ -19,7 +19,7 @@ unless its angle is given. Efficiencies of the load's stage apply to what spring
 Of all linear springs the one that leaves the least RMS torque of a torque M is the regression of M on the angle from
 where the spring is at rest, :math:`c = \langle M θ \rangle / \langle θ^2 \rangle`.
 
-Worked examples: against a load that stands upright and swings 30° to either side at constant speed that is
+Worked examples: against an upright load that swings 30° to either side at constant speed that is
 3 (sin A - A cos A) / A³ = 0.973 of m g l. A gas spring of 400 N, p 1.33 and 100 mm of stroke presses with 466 N when it
 is half in.
 """

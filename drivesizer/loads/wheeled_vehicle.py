@@ -144,7 +144,20 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
 
 
 def through_running_gear(load: WheeledVehicle, cycle: LoadCycle) -> LoadCycle:
-    """The load cycle of a wheel at the shaft of its drive, with what the running gear between them loses."""
+    """The load cycle of a wheel at the shaft of its drive, with what the running gear between them loses.
+
+    Parameters
+    ----------
+    load
+        The vehicle.
+    cycle
+        At one of its driven wheels.
+
+    Returns
+    -------
+    LoadCycle
+        At the shaft; the same where nothing is lost.
+    """
     lossless = np.all(np.equal(load.efficiency, 1.0))
     return cycle if lossless else through_gear(cycle, FixedGear(1.0, load.efficiency, load.efficiency))
 

@@ -438,7 +438,8 @@ def _mjcf_joint(node: Node, parent: str, child: str, frame: tuple[Array, Array],
         *frame, axis, float(np.abs(effort).min()) if len(effort) else math.nan, math.nan, lower, upper, limited,
         anchor=node.vector("pos"), reference=node.figure("ref", 0.0) * factor,
         damping=damping, friction=friction, armature=armature, stiffness=stiffness,
-        slack=_scalar(node, "springref") * factor, bears=node.attributes.get("actuatorgravcomp", "false") == "true",
+        slack=_scalar(node, "springref") * factor,
+        gravity_on_drive=node.attributes.get("actuatorgravcomp", "false") == "true",
     )  # fmt: skip
 
 

@@ -98,7 +98,7 @@ class Link:
     inertia: Array = field(default_factory=lambda: np.zeros((3, 3)))  # kg*m^2, about its centre, along the link's axes
     radii: tuple[tuple[float, Array], ...] = ()  # m, of its cylinders and spheres; axis of each, zeros for a sphere
     lacking: str = ""  # reason why its mass is unknown, such as a mesh alone; empty where it is known
-    gravcomp: float = 0.0  # share of its weight that something else than the drives bears
+    gravcomp: float = 0.0  # share of its weight that something else than the drives carries
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,7 +125,7 @@ class Joint:
     armature: float = 0.0  # kg*m^2, or kg, of a rotor behind its gear
     stiffness: float = 0.0  # N*m/rad, or N/m, of a spring beside its drive
     slack: float = 0.0  # position at which that spring is at rest [rad or m]
-    bears: bool = False  # its drive bears the weight that is taken off links by their gravcomp
+    gravity_on_drive: bool = False  # its drive carries the weight that gravcomp takes off links
     mimic: str = ""  # joint that it follows, by factor and offset
     factor: float = 1.0
     offset: float = 0.0

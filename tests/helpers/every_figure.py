@@ -76,7 +76,7 @@ _TURN = "motion: {profile: move, distance: 90 deg, time: 1 s, acceleration_time:
 
 SPECS: dict[str, str] = {
     "vehicle": f"""{_VEHICLE}, driven_share: 0.9, slope: 5 deg, drag_area: 0.3 m^2, headwind: 1 m/s,
-  air_density: 1.2 kg/m^3}}
+  air_density: 1.2 kg/m^3, efficiency: 0.95}}
 motion: {{speed: 1.5 m/s, acceleration_time: 2 s, deceleration_time: 1.5 s, cruise_time: 20 s, rest_time: 3 s}}
 transmission: [{{kind: gearhead}}, {{kind: belt, ratio: 1.1, efficiency: 0.95, inertia: 1 kg*cm^2,
   friction_torque: 0.02 N*m,
@@ -90,7 +90,7 @@ battery: {{series: 2, parallel: 2, nominal_voltage: 12 V, capacity: 7 A*h, rated
 equipment: [{{name: a, power: 15 W, duty: 0.5, peak_power: 30 W, efficiency: 0.9}}, {{name: b, power: 9 W,
   time: 10 min}}]
 mission: {{duration: 2 h}}
-power_stage: {{voltage_drop: 0.5 V, resistance: 0.05 ohm, standby: 2 W}}
+power_stage: {{voltage_drop: 0.5 V, resistance: 0.05 ohm, standby: 2 W, motor_current: 18 A}}
 environment: {{ambient: 30 degC, altitude: 1500 m, gravity: 9.81 m/s^2}}
 needs: {{resonance: 5 Hz, inertia_ratio: 9, resolution_at_load: 1 deg, backlash_at_load: 1 deg, bandwidth: 5 Hz,
   diameter: 90 mm, length: 300 mm, mass: 5 kg, price: 900 EUR, holding_factor: 2}}
@@ -122,7 +122,7 @@ needs: {{life: {{gearhead: 9000 h, output_bearing: 8000 h}}, backlash_at_load: 1
 """,
     "hoist": f"""load: {{kind: hoist, mass: 40 kg, counterweight: 15 kg, drum_diameter: 120 mm, falls: 2,
   rope_efficiency: 0.95,
-  friction_force: 9 N, inertia: 30 kg*cm^2}}
+  friction_force: 9 N, friction_torque: 0.2 N*m, inertia: 30 kg*cm^2}}
 {_SLOW}
 shaft: {{carries_load: true, distance: 25 mm}}
 brake: {{torque: 2 N*m, dynamic_torque: 1.5 N*m, inertia: {_SOLID}, power: 12 W, holding_power: 5 W, voltage: 24 V,
@@ -138,6 +138,19 @@ supply: {{nominal: 48 V, min: 44 V, max: 52 V, capacitance: 20 uF}}
 brake_resistor: {{resistance: 10 ohm, power: 100 W, peak_power: 600 W, pulse_energy: 900 J, chopper_voltage: 60 V,
   chopper_current: 20 A, averaging_time: 30 s}}
 needs: {{life: {{screw: 20000 h}}, axial_load: 10 N}}
+""",
+    "springs along a line": f"""{_RACK.removesuffix("}")}, springs: [{{kind: constant, force: 20 N}},
+  {{kind: linear, rate: 90 N/m, force: 20 N}}, {{kind: counterweight, mass: 4 kg}},
+  {{kind: gas, force: 50 N, progression: 1.3, stroke: 900 mm, pressed: 600 mm, friction: 8 N}}]}}
+{_SLOW}
+{_SUPPLY}
+""",
+    "springs about an axis": f"""{_ARM.removesuffix("}")}, springs: [{{kind: constant, torque: 1 N*m}},
+  {{kind: torsion, rate: 2 N*m/rad, torque: 1 N*m}},
+  {{kind: counterweight, mass: 2 kg, length: 200 mm, angle: 170 deg}},
+  {{kind: linear, rate: 9 N/mm, force: -90 N, ends: {{radius: 50 mm, anchor: 150 mm, angle: -50 deg}}}}]}}
+{_TURN}
+{_SUPPLY}
 """,
     "lead_screw": f"""load: {{kind: lead_screw, mass: 9 kg, lead: 4 mm, thread_friction: 0.15, incline: 80 deg,
   diameter: 20 mm,

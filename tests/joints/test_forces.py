@@ -65,12 +65,12 @@ def test_joints_springs_and_gravcomp_are_those_of_mj_inverse(tmp_path: Path) -> 
         assert own[row] == pytest.approx(data.qfrc_inverse, rel=1e-7, abs=1e-9)
     said = " ".join(found.notes)
     assert "springs of the description act beside the drives of hip, knee" in said
-    assert "takes off shank, foot (gravcomp) is borne beside the drives, as by counterweights" in said
+    assert "takes off shank, foot (gravcomp) is carried beside the drives, as by counterweights" in said
     left = leg(tmp_path, gravcomp="leave")
     knee = np.radians(-20.0) - 0.2  # of the shank against the plumb line, at the start; the foot is level with it
     lever = 0.8 * 2 * 0.15 * np.sin(knee) + 1.2 * 0.5 * (0.25 * np.sin(knee) - 0.05 * np.cos(knee))
     assert demand(left, "knee")[0] - demand(found, "knee")[0] == pytest.approx(G * lever)
-    assert demand(left, "ankle") == pytest.approx(demand(found, "ankle"))  # whose drive is said to bear it
+    assert demand(left, "ankle") == pytest.approx(demand(found, "ankle"))  # whose drive is said to carry it
 
 
 def test_a_force_on_the_foot_by_hand(tmp_path: Path) -> None:
