@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import subprocess
 import sys
 from dataclasses import fields
@@ -248,3 +249,14 @@ def test_colour_is_for_a_terminal_that_wants_it(run, example, monkeypatch):
             monkeypatch.setenv(name, value)
         _, out, _ = run("explain", example, "--motor", "118752", "--gearhead", "406764")
         assert ("\x1b[32m" in out or "\x1b[1;32m" in out) == coloured
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [("drivesizer val", "validate"), ("drivesizer size --obj", "--objective"), ("drivesizer catalog sh", "show")],
+)
+def test_a_shell_completes_commands_groups_and_options(typed, offered):
+    request = {"_DRIVESIZER_COMPLETE": "complete_bash", "COMP_WORDS": typed, "COMP_CWORD": str(typed.count(" "))}
+    script = "import sys; sys.argv[0] = 'drivesizer'; from drivesizer.__main__ import main; main()"
+    done = subprocess.run([sys.executable, "-c", script], env=os.environ | request, capture_output=True, check=False)
+    assert done.stdout.decode().split() == [offered]

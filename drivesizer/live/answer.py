@@ -9,6 +9,7 @@ import re
 import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
+from math import fsum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,7 @@ from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting
-from drivesizer.results.check import gravest, worst
+from drivesizer.results.check import gravest, tightest, worst
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import mass_text, objective_figure
 from drivesizer.search.shortlist import load_parts
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
 
 TOP = 10  # drives of an answer, as in a report
+_MARGINS = 5  # smallest ones beside the chart
 FRONT = ("mass", "price", "energy")
 _CHOICES = 200  # drives to choose from by weights, as in a report
 
@@ -133,27 +135,49 @@ def ranking(sizing: MachineSizing, proofs: Mapping[str, Validation] | None = Non
     made = [proof.status for proof in found.values()]
     if not one:
         axes = [{"axis": axis.name, **_set(axis.best)} if axis.best else {"axis": axis.name} for axis in sizing.axes]
-        return {"machine": True, "status": gravest([sizing.status, *made]), "axes": axes, "sets": [], "loops": loops}
+        return {"machine": True, "status": gravest([sizing.status, *made]), "axes": axes, "sets": [], "loops": loops,
+                **_of_all_axes(sizing)}  # fmt: skip
     best = one.shown
     return {
         "machine": False, "status": gravest([best.status if best else "fail", *made]), "loops": loops,
         "found": bool(one.sets), "axes": [],
         "considered": one.counts.considered, "feasible": one.counts.feasible,
         "met": meeting(one.counts, best.status if one.sets and best else None), "objective": one.objective,
-        "tight": _tight(worst(best.deciding)) if best else None, "sets": [_set(s) for s in one.sets or one.misses],
+        "margins": [_tight(check) for check in tightest(best.deciding, _MARGINS)] if best else [],
+        "sets": [_set(s) for s in one.sets or one.misses],
+    }  # fmt: skip
+
+
+def _of_all_axes(sizing: MachineSizing) -> Piece:
+    """Mass and price of all drives, as far as they are known, and the smallest margin with its axis."""
+    bought = [(axis.drives, axis.best) for axis in sizing.axes if axis.best]
+    mass = fsum(count * one.mass for count, one in bought)
+    price = fsum(count * one.price for count, one in bought if one.price_of)
+    least = len(bought) < len(sizing.axes)
+    lacks_mass = least or any(mass_text(one).startswith("≥") for _, one in bought)
+    lacks_price = least or not all(one.price_complete for _, one in bought)
+    checks = [(check, axis.name) for axis in sizing.axes if axis.best and (check := worst(axis.best.deciding))]
+    checks += [(check, "") for check in [worst(tuple(c for c in sizing.checks if not c.advice))] if check]
+    check, axis = min(checks, key=lambda one: one[0].margin, default=(None, ""))
+    tight = _tight(check)
+    return {
+        "mass": plain(mass), "price": plain(price), "tight": tight and tight | {"axis": axis},
+        "figures": {"mass": ("≥ " if lacks_mass else "") + show(mass, "g", "mass"),
+                    "price": ("≥ " if lacks_price else "") + f"{price:.2f} EUR" if price else "unknown"},
     }  # fmt: skip
 
 
 def _set(one: Any) -> Piece:
     """A drive with the figures that a reader wants first; unknown ones are left out of the texts."""
-    energy, figures = objective_figure(one, "energy").value, list[tuple[str, str]]()
-    each = [mass_text(one)] if one.mass == one.mass else []
-    each += [one.price_text] if one.price_of else []
-    figures += [("a drive", ", ".join(each))] if each else []
-    figures += [("energy per cycle", show(energy, "J", "energy"))] if energy == energy else []
+    from drivesizer.output.document.candidates import numbers_of, short_name
+
+    energy = objective_figure(one, "energy").value
+    figures = {"mass": mass_text(one), "price": one.price_text.replace("at least", "≥")}
+    figures |= {"energy": show(energy, "J", "energy")} if energy == energy else {}
     return {
-        **_named(one), "status": one.status, "mass": plain(one.mass), "price": plain(one.price),
-        "energy": plain(energy), "tight": _tight(worst(one.deciding)), "figures": figures,
+        **_named(one), "name": short_name(one), "numbers": numbers_of(one), "status": one.status,
+        "mass": plain(one.mass), "price": plain(one.price), "energy": plain(energy),
+        "tight": _tight(worst(one.deciding)), "figures": figures,
     }  # fmt: skip
 
 
@@ -181,6 +205,8 @@ def sweep(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 def _best(held: EngineMemory, text: str) -> Piece:
     """The best drive of a spec, or why there is none."""
+    from drivesizer.output.document.candidates import short_name
+
     try:
         result = whole(held, text, top=1, brief=True)
     except StoppedError:
@@ -197,7 +223,7 @@ def _best(held: EngineMemory, text: str) -> Piece:
         return {"status": "fail", "label": "", "parts": [], "mass": None, "price": None}
     tight = worst(one.deciding)
     said = {"tight": tight.title, "margin": plain(tight.margin)} if tight else {}
-    return {"status": one.status if result.alone.sets else "fail", "label": one.label,
+    return {"status": one.status if result.alone.sets else "fail", "label": one.label, "name": short_name(one),
             "parts": [one.motor.part, one.gearhead.part], **said,
             "mass": plain(one.mass), "price": plain(one.price)}  # fmt: skip
 

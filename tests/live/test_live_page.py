@@ -18,6 +18,7 @@ from playwright.sync_api import expect
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.document.candidates import numbers_of, short_name
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 
@@ -79,11 +80,33 @@ def text_of(page: Any) -> str:
 
 def test_headline_is_the_first_screen_of_the_command(page: Any, path: Path) -> None:
     best = size(load_spec(path)).sets[0]
-    expect(page.locator("#headline .best")).to_have_text(f"{best.status} {best.label}")
-    expect(page.locator("#headline dl")).to_contain_text(
-        f"a drive{best.mass * 1e3:.4g} g, at least {best.price:.2f} EUR"
-    )
+    expect(page.locator("#headline .best")).to_have_text(f"{best.status} {short_name(best)} {numbers_of(best)}")
+    mass, price, margin = page.locator("#headline .key-figure strong").all_inner_texts()
+    assert (mass, price) == (f"≈ {best.mass * 1e3:.4g} g", f"≥ {best.price:.2f} EUR")
+    assert margin == page.locator(".margins .figure").first.inner_text()
     expect(page.locator("#report h2").first).to_have_text("Summary")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
+def test_one_look_shows_the_drive_its_margins_and_what_else_there_is(page: Any, width: int, height: int) -> None:
+    page.set_viewport_size({"width": width, "height": height})
+    if width < 992:
+        page.locator("#switch").get_by_role("button", name="Answer").click()
+    seen = ["#headline .best", ".key-figure >> nth=2", "#jump", "#loop", ".margins li >> nth=2"]
+    for selector in seen + [".drives li >> nth=0", "#glance .drawing svg >> nth=0"] * (width > 992):
+        expect(page.locator(selector)).to_be_in_viewport(timeout=20_000)
+    page.set_viewport_size({"width": 1400, "height": 1000})
+
+
+def test_a_change_says_by_how_much_and_the_row_leads_to_sections(page: Any) -> None:
+    expect(page.locator(".change")).to_have_count(0)
+    typed(page, "load", "mass", value="200 kg")
+    expect(page.locator(".key-figure").first.locator(".change")).to_contain_text(re.compile(r"[+−].* k?g [▲▼]"))
+    page.locator("#jump").get_by_text("Checks").click()
+    expect(page.locator('[data-name="checks"] > h3, [data-name="checks"] > h2').first).to_be_focused()
+    page.locator(".drives input").nth(0).check()
+    page.locator(".drives input").nth(1).check()
+    expect(page.locator("#compared th")).not_to_have_count(0, timeout=20_000)
 
 
 def test_a_wrong_unit_stands_at_its_field_until_it_is_put_right(page: Any, tmp_path: Path) -> None:
@@ -170,7 +193,8 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     expect(slider).to_be_focused()
     page.get_by_role("textbox", name="to, slider for load · mass").fill("200 kg")
     page.keyboard.press("Enter")
-    lines = page.locator(".stretches li")
+    page.locator(".slider summary").click()
+    lines, said = page.locator(".stretches li"), page.locator("#said")
     expect(lines.filter(has_text="no drive meets all limits")).to_have_count(1, timeout=20_000)
     expect(lines.filter(has_text="beyond it fails:").first).to_contain_text(
         re.compile(r"fails: .+ −\d"), timeout=20_000
@@ -182,7 +206,7 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     expect(page.locator("#headline .best")).not_to_have_text(first)
     here = page.locator(".stretches li.here")
     best = here.locator("div span").inner_text()
-    expect(page.locator("#headline .best")).to_contain_text(re.compile(re.escape(best), re.IGNORECASE))
+    expect(said).to_contain_text(re.compile(re.escape(best), re.IGNORECASE))
     box = slider.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     page.mouse.down()
@@ -191,7 +215,7 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     expect(field(page, "load", "mass")).to_have_value(re.compile(r"^1[12][. ]"))
     answered(page)
     assert "# with payload" in text_of(page)
-    expect(here).to_contain_text(page.locator("#headline .best").inner_text().split(" ", 1)[1])
+    until(page, lambda: said.inner_text().partition(": ")[2] in here.inner_text())
     page.keyboard.press("ControlOrMeta+Z")
     expect(slider).not_to_have_attribute("aria-valuetext", re.compile(r"^1[12][. ]"))
     page.get_by_label("close the slider for load · mass").click()
@@ -257,6 +281,7 @@ def test_a_range_is_computed_anew_once_the_text_can_be_read(page: Any) -> None:
     page.unroute("**/do/sweep")
     typed(page, "load", "mass", value="46 kg")  # its own figure, which alone would not begin it anew
     expect(page.locator(".bounds .far")).to_have_text(re.compile("^computing|^$"), timeout=20_000)
+    page.locator(".slider summary").click()
     expect(page.locator(".stretches li").first).to_be_visible(timeout=20_000)
 
 
@@ -380,6 +405,7 @@ def test_machine_of_several_axes(page: Any, tmp_path: Path) -> None:
     until(page, lambda: "mass: 2.5 kg" in text_of(page))
     answered(page)
     page.get_by_label("slider for axes lift load mass").click()
+    page.locator(".slider summary").click()
     expect(page.locator(".stretches li").first).to_contain_text("lift: ", timeout=30_000)
     page.get_by_role("textbox", name="name of another of axes").fill("second")
     page.keyboard.press("Enter")

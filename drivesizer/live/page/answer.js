@@ -3,6 +3,7 @@
 import { element } from "./dom.js";
 
 const report = document.getElementById("report");
+const LOW = 330; // px, of the figure above the report
 const QUIET = 1500; // ms without a newer answer, after which figures out of sight are drawn too
 let figures = {};
 let library = null; // plotly.js, which loads with the first figure
@@ -55,7 +56,7 @@ const seen = new IntersectionObserver((entries) => {
   for (const { target, isIntersecting } of entries) if (isIntersecting) current(target);
 }, { rootMargin: "300px" });
 
-const drawings = () => [...report.querySelectorAll(".drawing")];
+const drawings = () => [...document.querySelectorAll("#answer .drawing")];
 
 export function plots(given) {
   figures = given;
@@ -88,7 +89,8 @@ async function current(drawing) {
 }
 
 function drawn(drawing) {
-  const plot = figures[drawing.dataset.plot];
+  const whole = figures[drawing.dataset.plot], low = drawing.closest("#glance");
+  const plot = low ? { ...whole, layout: { ...whole.layout, height: LOW } } : whole;
   drawing.outdated = false;
   if (!drawing.data) return draw(drawing, plot);
   drawing.plot = plot;
@@ -99,6 +101,11 @@ function drawn(drawing) {
 export function still(name, address) {
   const image = document.getElementById(`figure-${name}`)?.querySelector("img");
   if (image) image.src = address;
+  if (name === "sketch") {
+    const beside = document.getElementById("sketch");
+    beside.firstElementChild.src = address;
+    beside.hidden = false;
+  }
 }
 
 addEventListener("beforeprint", () => {

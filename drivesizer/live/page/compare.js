@@ -9,7 +9,7 @@ const MOST = 4;
 let chosen = []; // {motor, gearhead, label}
 
 const same = (a, b) => a.motor === b.motor && a.gearhead === b.gearhead;
-const boxesShown = () => [...document.querySelectorAll("#sets td input, #sets th input")];
+const boxesShown = () => [...document.querySelectorAll("input.compares")];
 
 /** Gives every drive of the table a box by which it is chosen; a machine's drives have none. */
 export function boxes(drives) {
@@ -17,11 +17,16 @@ export function boxes(drives) {
     const one = drives.find((each) => String(each.rank) === row.dataset.rank);
     const cell = row.cells[0];
     if (!one || cell.querySelector("input")) continue;
-    const box = element("input", { type: "checkbox", checked: chosen.some((each) => same(each, one)), aria: { label: `compare ${one.label}` } });
-    box.one = one;
-    box.addEventListener("change", () => take(one, box.checked));
-    cell.prepend(box);
+    cell.prepend(tick(one));
   }
+}
+
+/** A box by which a drive is chosen. */
+export function tick(one) {
+  const box = element("input", { type: "checkbox", className: "compares", checked: chosen.some((each) => same(each, one)), aria: { label: `compare ${one.label}` } });
+  box.one = one;
+  box.addEventListener("change", () => take(one, box.checked));
+  return box;
 }
 
 function take(one, wanted) {

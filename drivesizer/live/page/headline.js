@@ -6,6 +6,7 @@ const headline = document.getElementById("headline");
 const voice = document.getElementById("said");
 const QUIET = 900; // ms without another answer, after which it is said aloud
 let speaking = 0;
+let edit = { of: null, before: {}, now: {} }; // figures before the last edit, and since
 
 export function busy() {
   document.documentElement.dataset.state = "busy";
@@ -23,32 +24,73 @@ function put(kind, ...inside) {
   headline.replaceChildren(...inside);
 }
 
-/** What to buy, and what decides; with its closed loop the whole answer is there. */
-export function rank(piece, state = "ranked") {
+/** What to buy, and what decides; with its closed loop the whole answer is there. `by` is the edit that it answers. */
+export function rank(piece, state = "ranked", by = edit.of) {
   document.documentElement.dataset.state = state;
+  const best = piece.machine ? piece : piece.sets[0];
+  const now = best ? { mass: best.mass, price: best.price, margin: best.tight?.margin } : {};
+  edit = by === edit.of ? { ...edit, now } : { of: by, before: edit.now, now };
   if (piece.machine) return machine(piece);
-  const best = piece.sets[0];
+  const none = "No drive meets all limits.";
   if (!best) {
-    put("fail", head("fail", "No drive meets all limits."), facts([["drives considered", count(piece.considered)]]));
-    return say("No drive meets all limits.");
+    put("fail", head("fail", none), facts([["drives considered", count(piece.considered)]]));
+    return say(none);
   }
-  const text = piece.found ? best.label : `No drive meets all limits. The closest: ${best.label}`;
-  const shown = [...best.figures];
-  shown.push(...piece.loops);
-  if (best.tight) shown.push([`tightest: ${best.tight.title}`, best.tight.said]);
+  const shown = [...piece.loops];
+  if (best.figures.energy) shown.push(["energy per cycle", best.figures.energy]);
   shown.push([`of ${count(piece.considered)}, by ${piece.objective.replaceAll("_", " ")}`, piece.met]);
-  put(piece.status, head(piece.status, text), facts(shown));
-  return say(`${piece.status}: ${text}`);
+  const text = piece.found ? best.name : `${none} The closest: ${best.name}`;
+  put(piece.status, element("div", {}, head(piece.status, text, best.numbers), facts(shown)), tiles(best, "a drive"));
+  return say(`${piece.status}: ${piece.found ? "" : `${none} The closest: `}${best.label}`);
 }
 
 const count = (value) => value.toLocaleString("en");
 
-function head(status, text) {
-  return element("p", { className: "best" }, element("span", { className: `pill ${status}`, textContent: status }), ` ${text}`);
+function head(status, text, numbers = "") {
+  const made = element("p", { className: "best" }, element("span", { className: `pill ${status}`, textContent: status }), ` ${text}`);
+  if (numbers) made.append(" ", element("small", { textContent: numbers }));
+  return made;
 }
 
 function facts(pairs) {
   return element("dl", {}, ...pairs.map(([title, value]) => element("div", {}, element("dt", { textContent: title }), element("dd", { textContent: value }))));
+}
+
+// -- three tiles: mass, price and the smallest margin, with what the last edit changed
+
+const grams = (value) => (Math.abs(value) < 1 ? `${Number((value * 1e3).toPrecision(3))} g` : `${Number(value.toPrecision(3))} kg`);
+const TILES = [
+  ["mass", (of) => `mass of ${of}`, grams],
+  ["price", (of) => `price of ${of}`, (value) => `${value.toFixed(2)} EUR`],
+  ["margin", () => "", (value) => `${Number((100 * value).toPrecision(2))} %`],
+];
+
+function tiles(best, of) {
+  return element("div", { className: "key-figures" }, ...TILES.map(([name, title, written]) => {
+    if (name !== "margin") return tile(title(of), best.figures[name], change(name, written));
+    if (!best.tight) return "";
+    const { axis, title: check, said, margin, status } = best.tight;
+    return tile(`${axis ? `${axis}, ` : ""}tightest: ${check}`, said, change(name, written), bar(margin, status));
+  }));
+}
+
+function tile(title, said, ...more) {
+  return element("div", { className: "key-figure" }, element("span", { textContent: title, title }), element("strong", { textContent: said }), ...more);
+}
+
+/** What a figure has changed by since the edit before. */
+function change(name, written) {
+  const by = edit.now[name] - edit.before[name];
+  if (!Number.isFinite(by) || written(Math.abs(by)).startsWith("0 ") || written(Math.abs(by)).startsWith("0.00 ")) return "";
+  const more = by > 0;
+  return element("span", { className: "change", title: "since the last edit" }, `${more ? "+" : "−"}${written(Math.abs(by))} ${more ? "▲" : "▼"}`);
+}
+
+/** The share of a limit that is used, which ends at its mark. */
+export function bar(margin, status) {
+  const used = Math.min(Math.max(1 / (1 + margin), 0), 1.15), made = element("span", { className: `used ${status}`, aria: { hidden: "true" } }, element("i"));
+  made.firstChild.style.width = `${used * 87}%`;
+  return made;
 }
 
 const MOST = 6; // axes with their drives
@@ -57,10 +99,10 @@ const MOST = 6; // axes with their drives
 function machine(piece) {
   const without = piece.axes.filter((one) => !one.label), others = piece.axes.filter((one) => one.label);
   const text = `Machine of ${piece.axes.length} axes${without.length ? `, ${without.length} without a drive that meets all limits` : ""}`;
-  const shown = [...without, ...others].slice(0, MOST).map((one) => [one.axis, one.label ?? "no drive"]);
+  const shown = [...without, ...others].slice(0, MOST).map((one) => [one.axis, one.name ?? "no drive"]);
   if (piece.axes.length > MOST) shown.push(["and", `${piece.axes.length - MOST} more`]);
   shown.push(...piece.loops.filter(([, said]) => said !== "pass").map(([axis, said]) => [`${axis} in closed loop`, said]));
-  put(`${piece.status} several`, head(piece.status, text), facts(shown));
+  put(`${piece.status} several`, element("div", {}, head(piece.status, text), facts(shown)), tiles(piece, "all drives"));
   say(`${piece.status}: ${text}`);
 }
 

@@ -6,6 +6,7 @@ import * as compare from "./compare.js";
 import { able, enable } from "./dom.js";
 import * as files from "./files.js";
 import * as form from "./form.js";
+import * as glance from "./glance.js";
 import * as headline from "./headline.js";
 import { reveal, turn } from "./panes.js";
 import { get, pieces } from "./requests.js";
@@ -108,7 +109,8 @@ function take(piece, mine) {
     const page = document.documentElement.dataset;
     page.ranked = String(Number(page.ranked ?? 0) + 1);
     mine.ranked = true;
-    headline.rank(piece);
+    headline.rank(piece, "ranked", mine.what || mine);
+    glance.rank(piece);
     sliders.renew();
     more.hidden = false;
     if (pending) send();
@@ -131,9 +133,13 @@ function read(text, mine) {
 
 /** Pieces of a report, of an answer or of a closed loop. */
 function found(piece) {
-  if (piece.kind === "ranking") headline.rank(piece, "whole");
+  if (piece.kind === "ranking") {
+    headline.rank(piece, "whole");
+    glance.rank(piece);
+  }
   if (piece.kind === "sections") {
     answer.sections(piece.sections);
+    glance.row(piece.sections);
     compare.boxes(piece.drives ?? []);
     compare.renew();
   } else if (piece.kind === "figures") answer.plots(piece.figures);
@@ -198,7 +204,7 @@ loop.addEventListener("click", async () => {
     files.reachable(false);
   }
   enable(loop, true);
-  loop.textContent = "Simulate in closed loop";
+  loop.textContent = "Simulate";
   const head = document.querySelector('[data-name="loop"] > *, [data-name="closed_loop"] > *');
   if (text !== state.text) files.notice("The spec was changed in the meantime: the closed loop was not shown.", [], "said");
   else head?.focus({ preventScroll: true });

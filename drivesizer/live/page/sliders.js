@@ -61,14 +61,14 @@ function build(one) {
   one.range = element("input", { type: "range", min: 0, step: 1, aria: { label } });
   one.value = element("span", { className: "value" });
   one.band = element("div", { className: "band", aria: { hidden: "true" } });
+  one.mark = element("b");
   one.list = element("ul", { className: "stretches" });
   one.all = element("summary", { textContent: "best drives over the range" });
-  const wide = matchMedia("(min-width: 62rem)").matches;
   const close = button("×", () => shut(one), { className: "small", title: "close the slider", aria: { label: `close the slider for ${label}` } });
   const top = element("div", { className: "top" }, element("span", { textContent: label }), one.value, close);
   one.ends = ["low", "high"].map((end) => bound(one, end, label));
   one.far = element("span", { className: "far" });
-  one.box = element("div", { className: "slider" }, top, one.range, one.band, element("p", { className: "bounds" }, one.ends[0], one.far, one.ends[1]), element("details", { open: wide }, one.all, one.list));
+  one.box = element("div", { className: "slider" }, top, one.range, element("div", { className: "banded" }, one.band, one.mark), element("p", { className: "bounds" }, one.ends[0], one.far, one.ends[1]), element("details", {}, one.all, one.list));
   one.range.addEventListener("input", () => moved(one));
   panel.append(one.box);
   ranged(one);
@@ -122,6 +122,7 @@ function moved(one) {
 function said(one, text) {
   one.range.setAttribute("aria-valuetext", text);
   one.value.textContent = text;
+  one.mark.style.left = `${100 * Math.min(Math.max((one.number - one.low) / (one.high - one.low), 0), 1)}%`;
   here(one.list, one.number);
 }
 

@@ -2,7 +2,8 @@
 
 import { element } from "./dom.js";
 
-const COLOURS = 6;
+const COLOURS = 6, NAMED = 0.16; // share of a band from which a drive's name has room on it
+const known = new Map(); // drives by their names, in the order in which they were met: one drive, one colour
 
 export const same = (a, b) => a.status === b.status && (a.label === b.label || a.status === "fail");
 export const passes = (each) => each.status !== "fail" && each.status !== "wrong";
@@ -20,12 +21,14 @@ export function stretches(points) {
 
 /** Draws both; `text` writes a value, `rejected` says by the end of a stretch why its drive is not the best beyond it. */
 export function draw({ band, list, low, high, points, rejected, text }) {
-  const found = stretches(points), names = [...new Set(found.filter(passes).map((each) => each.label))];
-  const colour = (each) => (passes(each) ? `s${names.indexOf(each.label) % COLOURS}` : each.status === "wrong" ? "wait" : "none");
+  const found = stretches(points);
+  for (const each of found) if (passes(each) && !known.has(each.label)) known.set(each.label, known.size % COLOURS);
+  const colour = (each) => (passes(each) ? `s${known.get(each.label)}` : each.status === "wrong" ? "wait" : "none");
   band.replaceChildren(...found.map((each, n) => {
     const start = n ? (found[n - 1].to + each.from) / 2 : low, end = n + 1 < found.length ? (each.to + found[n + 1].from) / 2 : each.to;
-    const piece = element("i", { className: colour(each), title: said(each, text) });
-    piece.style.width = `${(100 * (end - start)) / (high - low)}%`;
+    const share = (end - start) / (high - low), name = share >= NAMED && passes(each) ? each.name ?? "" : "";
+    const piece = element("i", { className: colour(each), title: said(each, text), textContent: name });
+    piece.style.width = `${100 * share}%`;
     return piece;
   }));
   list.replaceChildren(...found.map((each, n) => line(each, colour(each), n + 1 < found.length, rejected.get(each.to), text)));

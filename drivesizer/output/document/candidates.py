@@ -37,23 +37,30 @@ _SHORT = (
 _SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
 
 
+def short_name(one: DriveSet) -> str:
+    """Families, reduction and belt of a drive, without its order numbers."""
+    gearhead = f" {one.gearhead.reduction}" if one.actuator else f" + {one.gearhead_name}"
+    gearhead = "" if one.gearhead_name == "none" else gearhead
+    return f"{one.motor.family}{gearhead}{f' × {one.belt_name}' if one.belt_name else ''}"
+
+
+def numbers_of(one: DriveSet) -> str:
+    """The order numbers of motor and gearhead."""
+    turning = ("motor", "gearhead", "actuator")
+    return " ".join(part.part for role, part in one.parts.items() if part and role in turning)
+
+
 def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mass", *, first: bool = False) -> doc.Row:
     """A drive by its names, mass, price, energy per cycle and smallest margin; and what is open or unknown of it.
 
     The ``first`` is without its order numbers, which the parts list has.
     """
     tight, energy = worst(one.deciding), objective_figure(one, "energy")
-    gearhead = f" {one.gearhead.reduction}" if one.actuator else f" + {one.gearhead_name}"
-    gearhead = "" if one.gearhead_name == "none" else gearhead
-    family = one.motor.family if one.motor.part != one.motor.family else one.motor.part
-    numbers = " ".join(
-        part.part for role, part in one.parts.items() if part and role in ("motor", "gearhead", "actuator")
-    )
+    name, numbers = short_name(one), numbers_of(one)
     lacks = []
     for status in ("unknown", "open"):
         titles = [check.title for check in one.deciding if check.status == status and check.title not in shared]
         lacks += [f"{status}: {titles[0] if len(titles) == 1 else f'{len(titles)} checks'}"] if titles else []
-    name = f"{family}{gearhead}{f' × {one.belt_name}' if one.belt_name else ''}"
     numbers = "" if first else numbers
     least = "≥ " if unknown_of(one, one.price_of) and one.price_of else ""
     own: doc.Cell = "" if objective in _SHOWN else objective_quantity(one, objective)
