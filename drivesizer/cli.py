@@ -41,6 +41,8 @@ _COMMANDS = {
               "drive examples/sps_platform.yaml examples/sps_way.csv"),
     "report": ("commands.sizing", "Write the report: PDF, HTML, XLSX, CSV or JSON.",
                "report examples/sps_robot.yaml -o report.pdf"),
+    "quote": ("commands.sizing", "What to order: numbers, prices, sellers, and what is missing.",
+              "quote examples/sps_robot.yaml -o quote.csv"),
     "predict": ("commands.predict", "Predict what is measured of a set at the bench, with bands.",
                 "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
     "export": ("commands.export", "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",

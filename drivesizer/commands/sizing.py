@@ -138,6 +138,34 @@ def report(
     raise typer.Exit(int(result.status == "fail"))
 
 
+def quote(
+    output: Annotated[
+        list[Path], file_option("--output", "-o", help="quote.csv or quote.xlsx; may be repeated for both.")
+    ],
+    spec: Spec = DEFAULT,
+    objective: Objective = None,
+    axis: OfAxis = None,
+    catalogs: More = None,
+    fields: Fields = None,
+) -> None:
+    """Write what to order: numbers, prices with date and seller, totals for each currency, and what is missing."""
+    from drivesizer.output import report as reports
+    from drivesizer.output.document.axes import content_of
+    from drivesizer.output.document.quote import quote_lines
+    from drivesizer.output.terminal import sizing as terminal
+
+    robot = common.load(spec, catalogs, axis, fields)
+    reports.accept_quote(output)
+    result = common.sized(robot, 1, objective)
+    if result.status == "fail":
+        raise common.NothingFitsError(f"{spec}: no drive meets all limits: there is nothing to order; "
+                                      "`drivesizer size` says what fails")  # fmt: skip
+    written = reports.write_quote(result, output)
+    terminal.quote_in_brief(quote_lines(content_of(result)))
+    for path in written:
+        typer.echo(path)
+
+
 def explain(
     motor: Annotated[str, typer.Option(help="Part number of the motor, or of an actuator.")],
     gearhead: Annotated[str, typer.Option(help="Part number of the gearhead; `direct` is none.")] = "",

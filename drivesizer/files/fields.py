@@ -21,7 +21,7 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
-from drivesizer.units import KINDS, Kind, label, noun, to_si
+from drivesizer.units import KINDS, Kind, label, noun, number, to_si
 
 # -- Types of a spec's fields: text with a unit in, SI float out, inside its range.
 #
@@ -44,11 +44,11 @@ class Money(float):
 def money(text: object) -> Money:
     """An amount with its currency.
 
-    >>> money("300 USD"), money("300 USD").currency
-    (300.0, 'USD')
+    >>> money("300 EUR"), money("300 EUR").currency
+    (300.0, 'EUR')
     """
     found = Money(to_si(text, "price"))
-    unit = str(text).strip().lstrip("+0123456789.eE ").strip()
+    unit = number(str(text))[1]
     found.currency = next(code for code, others in KINDS["price"].units.items() if unit in (code, *others.split()))
     return found
 

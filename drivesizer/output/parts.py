@@ -93,6 +93,7 @@ class PartLine:
     price_date: str = ""
     seller: str = ""
     delivery: str = ""
+    ordered_with: str = ""  # the role of the part that it is an option of
     price_source: str = ""  # the document
     price_confidence: str = ""
     document: str = ""  # where the part comes from
@@ -121,6 +122,7 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
         said=SAID[role](part), quantity=quantity, **mass, **ordered,
+        ordered_with="motor" if role == "brake" and not part.mounting and part.manufacturer else "",
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
         note="; ".join(dict.fromkeys(filter(None, [*map(_note_text, notes), *_remark(part, quantity, catalog)]))),
     )  # fmt: skip

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "KNOWN", "accept", "write", "write_driving", "write_figures", "write_loop_figures", "write_path", "write_series",
-    "write_sets",
+    "KNOWN", "accept", "accept_quote", "write", "write_driving", "write_figures", "write_loop_figures", "write_path",
+    "write_quote", "write_series", "write_sets",
 ]  # fmt: skip
 
 KNOWN = (".pdf", ".html", ".xlsx", ".csv", ".json")
@@ -131,6 +131,50 @@ def write_sets(result: SizingResult | MachineSizing, path: Path) -> list[Path]:
     from drivesizer.output.report.csv import sets_csv
 
     return write_files({path: sets_csv(result)})
+
+
+def write_quote(result: SizingResult | MachineSizing, paths: Sequence[Path]) -> list[Path]:
+    """Write what is to be ordered as CSV or XLSX: numbers, prices, sellers, totals, and what is missing.
+
+    Parameters
+    ----------
+    result
+        The sizing, or that of a machine of several axes.
+    paths
+        Where to, ``quote.csv`` or ``quote.xlsx``.
+
+    Returns
+    -------
+    list[Path]
+        The files that were written.
+
+    Raises
+    ------
+    InputError
+        When a suffix is none of these, or a file cannot be written.
+    """
+    from drivesizer.output.document.axes import content_of
+    from drivesizer.output.document.quote import quote_lines, quote_sections
+
+    content, files = content_of(result), dict[Path, bytes]()
+    for path in paths:
+        if path.suffix.lower() == ".xlsx":
+            from drivesizer.output.report.workbook import written
+
+            files[path] = written(quote_sections(content))
+        else:
+            from drivesizer.output.report.csv import table_csv
+
+            files[path] = table_csv(quote_lines(content))
+    return write_files(files)
+
+
+def accept_quote(paths: Sequence[Path]) -> None:
+    """Refuse what :func:`write_quote` would refuse."""
+    for path in paths:
+        if path.suffix.lower() not in (".csv", ".xlsx"):
+            raise InputError(f"{quoted(path.name)} does not say which kind of quote; expected .csv or .xlsx")
+    check_targets(paths)
 
 
 def write_series(validation: Validation, path: Path) -> list[Path]:

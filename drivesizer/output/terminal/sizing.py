@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -39,6 +40,20 @@ _QUIET = {"summary", "changes", "confidence", "required", "pareto"}
 
 def _selected(sections: Sequence[Section], details: frozenset[str]) -> tuple[Section, ...]:
     return tuple(one for one in sections if one.early == "answer" or one.early in details)
+
+
+_BRIEF = ("axis", "quantity", "role", "order_number", "together", "missing")
+
+
+def quote_in_brief(table: Table) -> None:
+    """Print a quote in the columns that a terminal has room for.
+
+    Parameters
+    ----------
+    table
+        Of ``document.quote``.
+    """
+    render.blocks(console(), [replace(table, columns=[one for one in table.columns if one.key in _BRIEF])])
 
 
 def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec: str = "", quiet: bool = False) -> None:

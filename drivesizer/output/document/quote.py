@@ -1,0 +1,131 @@
+"""What is ordered: numbers, prices, sellers and delivery of parts, by axis and for the machine; and what is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import fsum, isnan, nan
+from typing import NamedTuple
+
+from drivesizer.catalog import Catalog
+from drivesizer.output.document import records as doc
+from drivesizer.output.document.axes import MachineContent
+from drivesizer.output.document.content import Content
+from drivesizer.output.parts import PartLine
+
+_COLUMNS = (
+    doc.Column("axis", "axis"), doc.number("quantity", "quantity"), doc.Column("role", "part"),
+    doc.Column("maker", "maker"), doc.Column("order_number", "order number"), doc.Column("description", "description"),
+    doc.Column("ordered_with", "ordered with"), doc.number("price", "price each"),
+    doc.number("together", "together", formula=("product", "quantity", "price")), doc.Column("currency", "currency"),
+    doc.number("price_from_pieces", "price from (pieces)"), doc.Column("price_date", "price date"),
+    doc.Column("seller", "seller"), doc.Column("delivery", "delivery"), doc.Column("source", "source of the price"),
+    doc.mark("confidence", "confidence"), doc.Column("missing", "missing to order"), doc.Column("note", "note"),
+)  # fmt: skip
+
+
+class Ordered(NamedTuple):
+    """A line of a quote: of an axis, or of several, or of the whole machine."""
+
+    axis: str
+    line: PartLine
+
+    @property
+    def missing(self) -> str:
+        """The facts without which it cannot be ordered, or has no price."""
+        line = self.line
+        if not line.part:
+            return "no part is known"
+        lacks = ["order number"] * (not line.order_number) + ["price"] * isnan(line.price)
+        return f"no {' and no '.join(lacks)}" if lacks else ""
+
+
+def lines_of(content: Content | MachineContent) -> list[Ordered]:
+    """What is ordered for each axis, at the prices of the quantity of all of them, then for all axes together."""
+    if isinstance(content, Content):
+        return [Ordered("", line) for line in content.bought] if content.outcome != "missed" else []
+    own = [Ordered(one.name, line) for one in content.axes for line in one.lines]
+    shared = ("power supply", "brake resistor")
+    of_axes = {(line.role, line.part) for _, line in own}
+    common = (one.line for one in content.bought if one.line.role in shared)
+    return own + [Ordered("", line) for line in common if (line.role, line.part) not in of_axes]
+
+
+def quote_table(caption: str, lines: Sequence[Ordered], catalog: Catalog) -> doc.Table:
+    """The lines, and totals for each currency; by rates one for all, where there are several."""
+    columns = [column for column in _COLUMNS if column.key != "axis" or any(axis for axis, _ in lines)]
+    axes = list(dict.fromkeys(axis for axis, _ in lines))
+    rows = [_row(one) for one in lines]
+    for axis in axes if len(axes) > 1 else ():
+        rows += _totals([line for of, line in lines if of == axis], {}, axis or "common")
+    rows += _totals([line for _, line in lines], catalog.rates, "machine" if len(axes) > 1 else "", catalog.currency)
+    return doc.Table(caption, columns, rows, "quote", "quote")
+
+
+def _row(one: Ordered) -> doc.Row:
+    line = one.line
+    price, together = (doc.Quantity(n * line.price, line.currency, "money") for n in (1, line.quantity))
+    named = line.family if line.part in (line.order_number, line.family, "") else f"{line.family} {line.part}".strip()
+    return doc.Row({
+        "axis": one.axis, "quantity": doc.Quantity(line.quantity), "role": line.role, "maker": line.maker,
+        "order_number": line.order_number, "description": ", ".join(filter(None, (named, line.said))),
+        "ordered_with": line.ordered_with, "price": price, "together": together, "currency": line.currency,
+        "price_from_pieces": "" if line.pieces is None else doc.Quantity(line.pieces), "price_date": line.price_date,
+        "seller": line.seller, "delivery": line.delivery, "source": line.price_source,
+        "confidence": (doc.Mark(line.price_confidence),), "missing": one.missing, "note": line.note,
+    }, name=line.role.replace(" ", "_"))  # fmt: skip
+
+
+def _totals(lines: Sequence[PartLine], rates: Mapping[str, float], axis: str, into: str = "") -> Iterator[doc.Row]:
+    """A total for each currency with the number of lines that it lacks, and all of them in one by rates."""
+    found: dict[str, list[float]] = {}
+    for line in lines:
+        if not isnan(line.price):
+            found.setdefault(line.currency, []).append(line.quantity * line.price)
+    lacks = sum(isnan(line.price) for line in lines)
+    missing = f"no price of {lacks} of {len(lines)}" if lacks else ""
+    each = [(code, fsum(prices), "") for code, prices in found.items()]
+    if len(found) > 1 and found.keys() <= rates.keys():
+        total = fsum(rates[code] * value for code, value, _ in each)
+        each.append((into, total, f"all of them, by the rates of the spec: {', '.join(_said(rates, found, into))}"))
+    for code, value, note in each or [("", nan, "")]:
+        yield doc.Row({"axis": axis, "role": "total", "together": doc.Quantity(value, code, "money"), "currency": code,
+                       "missing": missing, "note": note}, name="total", total=True)  # fmt: skip
+
+
+def _said(rates: Mapping[str, float], codes: Mapping[str, object], into: str) -> Iterator[str]:
+    return (f"1 {code} is {rates[code]:.6g} {into}" for code in codes if code != into)
+
+
+def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
+    """The sheets of a quote: the machine, each of several axes, what is missing."""
+    lines = lines_of(content)
+    catalog = catalog_of(content)
+    whole = lines
+    if isinstance(content, MachineContent):
+        whole = [Ordered(", ".join(one.axes), one.line) for one in content.bought]
+    tables = {"Quote": quote_table(f"Parts of {name_of(content)}", whole, catalog)}
+    for axis in dict.fromkeys(axis for axis, _ in lines if axis):
+        own = [Ordered("", line) for of, line in lines if of == axis]
+        tables[axis] = quote_table(f"Parts of {axis}", own, catalog)
+    lacks = [doc.Row({"role": one.line.role, "description": one.line.part or one.line.said, "axis": one.axis,
+                      "missing": one.missing}) for one in whole if one.missing]  # fmt: skip
+    if lacks:
+        heads = [column for column in _COLUMNS if column.key in ("axis", "role", "description", "missing")]
+        tables["Missing"] = doc.Table("Missing to order", heads, lacks)
+    for title, table in tables.items():
+        yield doc.Printed(doc.Section(name="quote", title=title, blocks=lambda _: ()), title, [table])
+
+
+def quote_lines(content: Content | MachineContent) -> doc.Table:
+    """The quote as one table, by axis."""
+    return quote_table(f"Parts of {name_of(content)}", lines_of(content), catalog_of(content))
+
+
+def name_of(content: Content | MachineContent) -> str:
+    """The machine's name."""
+    return content.sizing.machine.name if isinstance(content, MachineContent) else content.result.spec.name
+
+
+def catalog_of(content: Content | MachineContent) -> Catalog:
+    """The catalogue by whose rates prices are summed."""
+    return (content.axes[0].content if isinstance(content, MachineContent) else content).result.catalog
