@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from drivesizer.catalog.catalog_file import RATIO, parse
 from drivesizer.catalog.exporting import plain
 from drivesizer.catalog.parts import PARTS, RELATIONS, Column, columns_of
+from drivesizer.catalog.query import needed
 from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
@@ -637,10 +638,5 @@ def map_text(imported: Imported, given: Plan) -> str:
 
 def lacking(imported: Imported) -> list[tuple[str, str, int]]:
     """Figures that a sizing needs and parts lack: their names, what each is for, and of how many parts."""
-    table, found = imported.catalog.table(imported.section), []
-    for names, purpose in _words()["needed"].get(imported.section, {}).items():
-        known = [table[name] for name in names.split(" or ")]
-        lack = sum(all(not value[row] or value[row] != value[row] for value in known) for row in range(len(table)))
-        if lack:
-            found.append((names.replace("_", " "), purpose, lack))
-    return found
+    found = ((*head, int(lack.sum())) for head, lack in needed(imported.catalog.table(imported.section)).items())
+    return [one for one in found if one[2]]

@@ -279,6 +279,18 @@ def most_common(catalog: Catalog) -> str:
     return max(KINDS["price"].units, key=count.__getitem__)
 
 
+def currencies(catalog: Catalog, section: str) -> dict[str, set[str]]:
+    """The parts of a section that have a price, by its currency: in their rows, or in price lists."""
+    table, found = catalog.table(section), dict[str, set[str]]()
+    for amount, currency in _of_rows(table, 1):
+        codes = np.broadcast_to(currency, len(table))
+        for row in np.flatnonzero(amount > 0.0).tolist():
+            found.setdefault(str(codes[row]), set()).add(str(table["part"][row]))
+    for price in (one for one in catalog.prices if one.section == section):
+        found.setdefault(price.currency, set()).add(price.part)
+    return found
+
+
 # -- The price of a part that counts.
 
 

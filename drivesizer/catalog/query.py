@@ -7,6 +7,7 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, Source, Table, columns_of, load, path_of, shipped
 from drivesizer.catalog.conditions import OPTIONS, Condition, column_name
 from drivesizer.catalog.parts import Column, printed
-from drivesizer.catalog.prices import LISTS
+from drivesizer.catalog.prices import LISTS, currencies
 from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
 from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.yaml_source import read
 
 # -- Queries of catalogues: parts that meet conditions.
 #
@@ -263,6 +265,9 @@ class Coverage(NamedTuple):
     excluded: int
     known: dict[str, int]  # parts of which the figure is known, by column
     sure: dict[str, int]  # known figures (texts are not counted) by confidence
+    priced: int  # parts that have a price
+    prices: dict[str, int]  # the same by currency
+    silent: dict[str, list[str]]  # figures that decide in a sizing, with the families that give none of their parts'
 
 
 def coverage(catalog: Catalog, section: str) -> Coverage:
@@ -280,13 +285,37 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
         columns = [place for place, name in enumerate(figures) if not note.fields or name in note.fields]
         level[np.ix_(columns, rows)] = CONFIDENCE.index(note.confidence)
     there = np.array([known[name] for name in figures])
+    priced = currencies(catalog, section)
+    groups = np.unique(table["family"][real])
+    unknown = {names: lack | ~real for (names, _), lack in needed(table).items()}
+    silent = {names: [str(one) for one in groups if lack[table["family"] == one].all()]
+              for names, lack in unknown.items()}  # fmt: skip
     return Coverage(
         parts=int(real.sum()),
-        families=len(np.unique(table["family"][real])),
+        families=len(groups),
         excluded=int((table.excluded & real).sum()),
         known={name: int(mask.sum()) for name, mask in known.items()},
         sure={name: int((there & (level == place)).sum()) for place, name in enumerate(CONFIDENCE)},
+        priced=len(set().union(*priced.values())),
+        prices={code: len(some) for code, some in priced.items()},
+        silent={names: some for names, some in silent.items() if some},
     )
+
+
+def needed(table: Table[Any]) -> dict[tuple[str, str], NDArray[np.bool_]]:
+    """The figures of a kind of part that decide in a sizing, what each is for, and which rows of a table lack them."""
+    found = {}
+    for names, purpose in _decisive().get(table.section, {}).items():
+        each = [table[name] for name in names.split(" or ")]
+        unknown = [values == "" if values.dtype.kind == "U" else np.isnan(values) for values in each]
+        found[names.replace("_", " "), purpose] = np.all(unknown, axis=0)
+    return found
+
+
+@cache
+def _decisive() -> dict[str, dict[str, str]]:
+    found: dict[str, dict[str, str]] = read(Path(__file__).with_name("headers.yaml")).data["needed"]
+    return found
 
 
 def pairs_of(catalog: Catalog) -> dict[str, int]:

@@ -9,9 +9,12 @@ from pathlib import Path
 
 import pytest
 import xlsxwriter
+from typer.testing import CliRunner
 
 from drivesizer.catalog import load, shipped
 from drivesizer.catalog.prices import factors, most_common, price_of, priced, uncompared
+from drivesizer.catalog.query import coverage
+from drivesizer.cli import app
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.fields import money
 
@@ -236,6 +239,20 @@ def test_money_keeps_its_currency():
     assert [(one, one.currency) for one in map(money, ("300 USD", "5 €", "1e3 CHF"))] == [
         (300.0, "USD"), (5.0, "EUR"), (1000.0, "CHF"),
     ]  # fmt: skip
+
+
+# --- what catalogues have and leave out
+
+
+def test_statistics_count_priced_parts_by_currency_and_name_silent_families(folder):
+    """Of four motors two have prices, in rows or lists; no row gives rotor inertia, one family of two gives voltage."""
+    other = "- {family: M 90, source: sheet, columns: [part], rows: [[M90]]}\n"
+    (folder / "parts.yaml").write_text(PARTS + other)
+    found = coverage(opened(folder, "part,price,currency\nM90,10,GBP\n"), "motors")
+    assert (found.parts, found.priced, found.prices) == (5, 3, {"EUR": 1, "USD": 1, "GBP": 1})
+    assert found.silent["rotor inertia"] == ["M 20", "M 90"] and found.silent["nominal voltage"] == ["M 90"]
+    ran = CliRunner().invoke(app, ["catalog", "stats", "--catalog", str(folder / "parts.yaml")])
+    assert "rotor inertia (all families)" in ran.output and "prices: motors 1 in EUR, 1 in USD" in ran.output
 
 
 # --- the lists that ship

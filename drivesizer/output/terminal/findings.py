@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import isnan
 
@@ -36,6 +37,10 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
             every = [one[section] for one in found.values() if section in one]
             if every:
                 _completeness(out, {"all": _together(every)}, section)
+                left = Counter(figure for one in every for figure, some in one.silent.items() for _ in some)
+                whole = sum(one.families for one in every)
+                said = ", ".join(f"{figure} {count}" for figure, count in left.most_common())
+                out.print(Text(f"of {whole} families leave out decisive figures: {said}" if said else ""))
         out.print(Text("drivesizer catalog stats --catalog maxon shows one catalogue in detail"))
         return
     for name, sections in found.items():
@@ -43,26 +48,61 @@ def statistics(shelf: Mapping[str, Catalog]) -> None:
         heading(
             out, name, ", ".join(f"{count} combination{'s' * (count > 1)} of {what}" for what, count in pairs if count)
         )
-        rows = [(section, str(one.parts), str(one.families), *_confidences([one])) for section, one in sections.items()]
-        blocks(out, [listed((("", "left"), ("parts", "right"), ("families", "right"), *_LEVELS), rows)])
+        rows = [(section, str(one.parts), str(one.families), _priced([one]), *_confidences([one]))
+                for section, one in sections.items()]  # fmt: skip
+        heads = (("", "left"), ("parts", "right"), ("families", "right"), ("priced", "right"), *_LEVELS)
+        blocks(out, [listed(heads, rows)])
+        _currencies(out, {section: [one] for section, one in sections.items()})
     for section in PARTS:
         some = {name: sections[section] for name, sections in found.items() if section in sections}
         _completeness(out, some, section)
+        for name, one in some.items():
+            _silent(out, name, one)
 
 
 def _summary(out: Console, found: Mapping[str, Mapping[str, Coverage]]) -> None:
     """Many catalogues, a line each, and their sum by section."""
-    rows, whole = [], []
+    rows, whole, every = [], [], dict[str, list[Coverage]]()
     for section in PARTS:
         some = [one[section] for one in found.values() if section in one]
-        rows.append((section, str(sum(one.parts for one in some)), str(len(some)), *_confidences(some)))
+        every[section] = some
+        count = str(sum(one.parts for one in some))
+        rows.append((section, count, str(len(some)), _priced(some), *_confidences(some)))
     for name, sections in found.items():
         parts = "\n".join(
             f"{one.parts} {section if one.parts > 1 else singular(section)}" for section, one in sections.items()
         )
-        whole.append((name, parts, *_confidences(list(sections.values()))))
-    blocks(out, [listed((("", "left"), ("parts", "right"), ("makers", "right"), *_LEVELS), rows),
-                 listed((("catalogue", "left"), ("parts", "left"), *_LEVELS), whole)])  # fmt: skip
+        whole.append((name, parts, _priced(list(sections.values())), *_confidences(list(sections.values()))))
+    price = ("priced", "right")
+    blocks(out, [listed((("", "left"), ("parts", "right"), ("makers", "right"), price, *_LEVELS), rows),
+                 listed((("catalogue", "left"), ("parts", "left"), price, *_LEVELS), whole)])  # fmt: skip
+    _currencies(out, every)
+
+
+def _priced(some: Sequence[Coverage]) -> str:
+    """The share of parts that have a price."""
+    return _share(sum(one.priced for one in some), sum(one.parts for one in some))
+
+
+def _currencies(out: Console, by_section: Mapping[str, Sequence[Coverage]]) -> None:
+    """The currencies of the prices, with the number of parts that have one in each."""
+    said = []
+    for section, some in by_section.items():
+        count: Counter[str] = sum((Counter(one.prices) for one in some), Counter())
+        if count:
+            said.append(f"{section} {', '.join(f'{number} in {code}' for code, number in count.most_common())}")
+    if said:
+        out.print(Text(f"prices: {'; '.join(said)}"))
+
+
+def _silent(out: Console, name: str, one: Coverage) -> None:
+    """The figures that decide in a sizing and that a family gives of none of its parts."""
+    said = []
+    for figure, families in one.silent.items():
+        some = ", ".join(families[:_BESIDE]) + (f" and {len(families) - _BESIDE} more" if families[_BESIDE:] else "")
+        said.append(f"{figure} ({'all families' if len(families) == one.families else some})")
+    if said:
+        out.print(Text(printable(f"{name}, decisive figures that families leave out: {'; '.join(said)}")))
 
 
 def _confidences(some: Sequence[Coverage]) -> list[str]:
@@ -80,7 +120,7 @@ def _together(some: Sequence[Coverage]) -> Coverage:
     return Coverage(
         parts=sum(one.parts for one in some), families=sum(one.families for one in some),
         excluded=sum(one.excluded for one in some), known=total([one.known for one in some]),
-        sure=total([one.sure for one in some]),
+        sure=total([one.sure for one in some]), priced=sum(one.priced for one in some), prices={}, silent={},
     )  # fmt: skip
 
 
