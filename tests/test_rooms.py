@@ -33,6 +33,7 @@ ORDER = (
     ("sizing", "prediction"),
     ("multi_axis", "output"),
     ("study",),
+    ("design",),
     ("commands",),
     ("live",),
     ("cli",),

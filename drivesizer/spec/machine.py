@@ -22,6 +22,7 @@ from drivesizer.loads.motions import Cam, Harmonic
 from drivesizer.loads.rotary_table import RotaryTable
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
+from drivesizer.spec.design import Design
 from drivesizer.spec.machine_record import AxisSpec, Carried, MachineSpec
 from drivesizer.spec.messages import explained
 from drivesizer.spec.platform import Budget
@@ -80,7 +81,7 @@ def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
 # its own.
 
 
-_OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot")  # fields of a machine that no axis has
+_OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot", "design")  # fields of a machine that no axis has
 WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
 _COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
 Both = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, and without tolerances
@@ -149,6 +150,7 @@ class MachineFields(fields.Section):
     budget: Budget | None = None
     brake_resistor: BrakeResistor | None = None
     report: TitleBlock = fields.all_defaults()
+    design: Design | None = None
 
     @field_validator("axes", mode="before")
     @classmethod

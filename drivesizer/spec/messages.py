@@ -16,6 +16,7 @@ from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.spec.design import FREE, open_figures
 from drivesizer.spec.drive import DIRECT, DirectStage, GearheadStage
 from drivesizer.spec.sections import Lives
 from drivesizer.units import KINDS, noun
@@ -170,6 +171,9 @@ def explained(
 ) -> InputError:
     """The error that a user reads: the first fault in the file as its message, up to five as its lines."""
     data = source.data if data is None else data
+    for path, given in open_figures(source.data):
+        found = "is free" if FREE in given else "is an expression"
+        return InputError(f"{source.where(path)}: {found}; `drivesizer design` fills in what is open")
     faults = [(_path(dict(fault), data), dict(fault)) for fault in error.errors(include_url=False)]
     # A misspelt key also leaves the right one missing: the misspelling is reported.
     unknown = {path[:-1] for path, fault in faults if fault["type"] == "extra_forbidden"}

@@ -26,6 +26,7 @@ from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.power_stage import PowerStage as StageFigures
 from drivesizer.spec import drive, sections
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
+from drivesizer.spec.design import Design
 from drivesizer.spec.messages import explained, refuse_contradictions
 from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
@@ -97,6 +98,7 @@ class RobotSpec(fields.Section, OfFile):
     plant: drive.Plant = fields.all_defaults()
     select: drive.Select = fields.all_defaults()
     tolerances: Tolerances = fields.all_defaults()
+    design: Design | None = fields.optional("of its free figures, for `drivesizer design`")
     report: sections.TitleBlock = fields.all_defaults("for the head of reports")
     cases: Annotated[list[sections.Case], Field(max_length=100)] = fields.no_entries(
         "further load cases; a drive must pass all"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
@@ -18,12 +18,14 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.fields import Names, Section, exactly_one
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
+from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.spec.any_spec import is_machine
 from drivesizer.spec.machine import read_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.tolerances import has_tolerance, tolerance
 from drivesizer.study.fields import kind_of, path_of, unknown_field
+from drivesizer.study.figures import Derived
 from drivesizer.units import number, scale, to_si
 
 # -- The schema of study.yaml.
@@ -202,7 +204,8 @@ def once(place: Place, given: Sequence[Any]) -> None:
         seen.add(repr(value))
 
 
-def _axis(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
+def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
+    """A field of a spec with its values: those of a list, or a range of which a grid takes steps."""
     axes = spec.data.get("axes") or {} if is_machine(spec) else {}
     path = path_of(name, axes)
     if path is None:
@@ -353,6 +356,10 @@ class Job:
     machine: bool = False  # whether the specs are machines of several axes
     axis: str | None = None  # of a machine that is tabled; None: the whole machine
     members: tuple[str, ...] = ()  # axes of a machine that is tabled as a whole
+    derived: tuple[Derived, ...] = ()  # fields that follow from others
+    columns: tuple[str, ...] = ()  # further figures of the machine
+    pareto: tuple[str, ...] = ()  # objectives of which each variant has the drives of the front too
+    merit: Callable[[DriveSet], float] | None = None  # what a drive is judged by beside its figures, less is better
 
     @property
     def sent(self) -> Job:
@@ -467,7 +474,7 @@ def read_study(path: str | Path) -> Plan:
     specs = [_spec(Place(source, place), name, Path(path).parent) for place, name in zip(places, names, strict=True)]
     hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
     axes = tuple(
-        _axis(Place(source, ("vary", name)), specs[0], name, given, hypercube is None)
+        axis_of(Place(source, ("vary", name)), specs[0], name, given, hypercube is None)
         for name, given in (study.vary or {}).items()
     )
     of_machine = machine_job(source, study, specs)

@@ -20,16 +20,19 @@ from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.view.mounted import STEPPER, view_for
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.machine.budgets import machine_budget
 from drivesizer.output.parts import unknown_of
 from drivesizer.results.check import worst
-from drivesizer.results.drive_set import DriveSet
-from drivesizer.results.sizing import Counts, unknown_parts
+from drivesizer.results.drive_set import DriveSet, EnergyBudget
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import Counts, objective_figure, unknown_parts
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.search.shortlist import shortlist
 from drivesizer.spec.any_spec import is_machine, read_any
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.study.fields import changed
+from drivesizer.study.figures import SpecFigures
 from drivesizer.study.plan import Job, Plan, Variant
 from drivesizer.version import __version__
 
@@ -162,6 +165,57 @@ _MACHINE = (
         lambda sizing: sizing.power.reliability.probability if sizing.power and sizing.power.reliability else nan,
     ),
 )  # fmt: skip
+
+
+class Further(NamedTuple):
+    """A figure of the machine with a drive in it: a column where a study or an expression names it."""
+
+    column: Column
+    of_drive: Callable[[Problem, DriveSet, EnergyBudget | None], float]
+    of_machine: Callable[[MachineSizing], float]
+
+
+def _of_battery(of: Callable[[EnergyBudget], float]) -> Callable[[MachineSizing], float]:
+    return lambda sizing: of(sizing.power.energy) if sizing.power and sizing.power.energy else nan
+
+
+def _machine_cycle(sizing: MachineSizing) -> float:
+    """Time of the cycle of all axes [s]."""
+    figures = sizing.power.figures if sizing.power else ()
+    return next((one.value for one in figures if one.name == "machine_cycle"), nan)
+
+
+def _no_sum(sizing: MachineSizing) -> float:
+    """Nothing of several axes."""
+    return nan
+
+
+FURTHER = {
+    "time": Further(
+        Column("cycle_time_s", "number", "s"),
+        lambda problem, *_: float(problem.cases[0].cycle.duration.sum()), _machine_cycle,
+    ),
+    "autonomy": Further(
+        Column("autonomy_s", "number", "s"),
+        lambda *of: of[-1].autonomy if of[-1] else nan, _of_battery(lambda energy: energy.autonomy),
+    ),
+    "range": Further(
+        Column("range_m", "number", "m"),
+        lambda *of: of[-1].range if of[-1] else nan, _of_battery(lambda energy: energy.range),
+    ),
+    "moved_mass": Further(
+        Column("moved_mass_kg", "number", "kg"),
+        lambda problem, *_: getattr(problem.machine.load, "mass", nan), _no_sum,
+    ),
+    "joule_heat": Further(
+        Column("joule_heat_W", "number", "W"), lambda _, one, __: objective_figure(one, "joule_heat").value, _no_sum
+    ),
+    "peak_current": Further(
+        Column("peak_current_A", "number", "A"), lambda _, one, __: objective_figure(one, "peak_current").value, _no_sum
+    ),
+}  # fmt: skip
+"""Figures that a table has where they are wanted, by their names in expressions."""
+MERIT = Column("merit")  # of a drive, by a function of a program's
 _MARGIN = Column("smallest_margin", "number", "1"), Column("smallest_margin_check", "text")
 _WHERE = Column("smallest_margin_axis", "text")
 _HEAD = Column("objective", "text"), Column("rank", "whole"), Column("status", "text")
@@ -177,15 +231,16 @@ def columns_of(plan: Plan) -> tuple[Column, ...]:
     for axis in plan.job.axes:
         whole = all(isinstance(axis.table_value(value), int) for value in axis.values)
         varied.append(Column(axis.head, "number" if axis.kind else "whole" if whole else "text", axis.unit))
-    return (Column("variant", "whole"), *spec, *varied, *catalogs, *_result(plan.job))
+    return (Column("variant", "whole"), *spec, *varied, *catalogs, *result_columns(plan.job))
 
 
-def _result(job: Job) -> tuple[Column, ...]:
+def result_columns(job: Job) -> tuple[Column, ...]:
     """The columns behind what varies: of a drive, or of a machine."""
+    more = (*(FURTHER[name].column for name in job.columns), *([MERIT] if job.merit else ()))
     if job.machine and job.axis is None:
         drives = (Column(f"{name}.set", "text") for name in job.members)
-        return (*_HEAD, *(column for column, _ in _MACHINE), *_MARGIN, _WHERE, *drives, *_COUNTS, *_LAST)
-    return (*_HEAD, *(column for column, _ in _DRIVE), *_TOTALS, *_MARGIN, *_COUNTS, *_LAST)
+        return (*_HEAD, *(column for column, _ in _MACHINE), *_MARGIN, _WHERE, *drives, *more, *_COUNTS, *_LAST)
+    return (*_HEAD, *(column for column, _ in _DRIVE), *_TOTALS, *_MARGIN, *more, *_COUNTS, *_LAST)
 
 
 # The best drives of a variant: the result of ``drivesizer size`` without relaxations, the other method and the
@@ -200,6 +255,7 @@ class Best(NamedTuple):
     counts: Counts
     objective: str
     drives: int  # of this kind that the machine has
+    problem: Problem | None = None
 
 
 def best(
@@ -208,19 +264,30 @@ def best(
     *,
     objective: Ranking | None = None,
     top: int = 1,
+    pareto: tuple[str, ...] = (),
     made: dict[Hashable, Any] | None = None,
 ) -> Best:
-    """The best drives of a spec."""
+    """The best drives of a spec, and those of the Pareto front of some objectives."""
     ranked = catalog.once(("ranked by", repr(objective)), lambda: spec.select.ranked_by(objective), (spec.select,))
     spec = spec.with_select(ranked)
-    found = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=made)
+    found = shortlist(spec, catalog, top, misses=0, brief=True, checks_alone=True, made=made, pareto=pareto)
     first = found.best or [*islice(chain(found.unsure, found.short, found.rejected), 1)]
+    first = [*first, *(row for row in found.found.front if row not in first)] if found.best else first
     shown = tuple(found.record(row, rank, reliability=found.reliability.get(row)) for rank, row in enumerate(first, 1))
     sets, nearest = (shown, None) if found.best else ((), next(iter(shown), None))
-    return Best(sets, nearest, found.found.counts, title_of(spec.select.objective), spec.load.motors)
+    return Best(sets, nearest, found.found.counts, title_of(spec.select.objective), spec.load.motors, found.problem)
 
 
-def _drive_rows(head: Row, found: Best) -> list[Row]:
+def _further(job: Job, problem: Problem | None, one: DriveSet) -> Row:
+    """Further figures of the machine with a drive in it, as far as the job wants some."""
+    if problem is None or not (job.columns or job.merit):
+        return []
+    energy = machine_budget(problem, one).energy if {"autonomy", "range"} & {*job.columns} else None
+    found: Row = [FURTHER[name].column.cell(FURTHER[name].of_drive(problem, one, energy)) for name in job.columns]
+    return [*found, MERIT.cell(float(job.merit(one)))] if job.merit else found
+
+
+def _drive_rows(job: Job, head: Row, found: Best) -> list[Row]:
     """Rows of a variant: one for each drive, or one with the check that the closest rejected drive fails most."""
     counts = [found.counts.considered, found.counts.feasible]
     rows = []
@@ -229,14 +296,15 @@ def _drive_rows(head: Row, found: Best) -> list[Row]:
         rows.append([
             *head, found.objective, one.rank, one.status, *(column.cell(of(one)) for column, of in _DRIVE),
             *(column.cell(value) for column, value in zip(_TOTALS, totals, strict=True)), *_smallest_margin(one),
-            *counts, "", "",
+            *_further(job, found.problem, one), *counts, "", "",
         ])  # fmt: skip
     if rows:
         return rows
     near = found.nearest
     none = [None if column.form != "text" else "" for column in (*(column for column, _ in _DRIVE), *_TOTALS)]
     margin, label = (_smallest_margin(near), near.label) if near else ([None, ""], "")
-    return [[*head, found.objective, None, "fail", *none, *margin, *counts, label, ""]]
+    unknown = [None] * (len(job.columns) + bool(job.merit))
+    return [[*head, found.objective, None, "fail", *none, *margin, *unknown, *counts, label, ""]]
 
 
 def _smallest_margin(one: DriveSet) -> Row:
@@ -245,7 +313,7 @@ def _smallest_margin(one: DriveSet) -> Row:
     return [_MARGIN[0].cell(check.margin), check.name] if check else [None, ""]
 
 
-def _machine_row(head: Row, members: Sequence[str], sizing: MachineSizing) -> Row:
+def _machine_row(job: Job, head: Row, sizing: MachineSizing) -> Row:
     """The row of a variant; of an axis without a drive the margin is that of the closest rejected."""
     labels = {one.name: one.best.label for one in sizing.axes if one.best}
     counts = [one.result.counts for one in sizing.axes]
@@ -258,7 +326,8 @@ def _machine_row(head: Row, members: Sequence[str], sizing: MachineSizing) -> Ro
     return [
         *head, sizing.objective, 1 if sizing.status != "fail" else None, sizing.status,
         *(column.cell(of(sizing)) for column, of in _MACHINE), _MARGIN[0].cell(margin), check, axis,
-        *(labels.get(name, "") for name in members),
+        *(labels.get(name, "") for name in job.members),
+        *(FURTHER[name].column.cell(FURTHER[name].of_machine(sizing)) for name in job.columns),
         sum(one.considered for one in counts), sum(one.feasible for one in counts),
         f"{lost.name}: {near.label}" if lost and near else "", "",
     ]  # fmt: skip
@@ -275,6 +344,11 @@ def _closest(one: AxisSizing) -> DriveSet | None:
 @lru_cache(maxsize=8)
 def _source(name: str, text: str) -> YamlSource:
     return YamlSource(text, name)
+
+
+@lru_cache(maxsize=8)
+def _figures(name: str, text: str) -> SpecFigures:
+    return SpecFigures(_source(name, text))
 
 
 @lru_cache(maxsize=8)
@@ -314,6 +388,8 @@ def document_of(job: Job, variant: Variant) -> YamlSource:
     data = source.data
     for axis, value in zip(job.axes, variant.values, strict=True):
         data = changed(data, axis.path, value)
+    for one in job.derived:
+        data = one.entered(data, _figures(*job.specs[variant.spec]))
     found, names = source.with_data(data), job.catalogs[variant.catalogs]
     axes = (found.data.get("axes") or {}) if is_machine(found) else {}
     own = [name for name, given in axes.items() if "catalogs" in ((given or {}).get("select") or ())]
@@ -361,7 +437,7 @@ def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
                 except (ArithmeticError, AssertionError, LookupError, TypeError, ValueError) as error:
                     # of the program, not of the variant: its row says so, and the following variants are still computed
                     message = f"a fault of drivesizer, please report it: {type(error).__name__}: {error}"[:400]
-                none = ["" if column.form == "text" else None for column in _result(job)[len(_HEAD) : -1]]
+                none = ["" if column.form == "text" else None for column in result_columns(job)[len(_HEAD) : -1]]
                 title = title_of(objective) if objective else ""
                 rows.append([*variant.head, title, None, "error", *none, message])
     return Part(rows, len(variants), made)
@@ -380,7 +456,8 @@ def _rows(
         if "spec" not in alike:
             alike["spec"] = spec_of(job, variant)
         spec = alike["spec"]
-        return _drive_rows(head, best(spec, parts(spec), objective=objective, top=job.top, made=alike))
+        found = best(spec, parts(spec), objective=objective, top=job.top, pareto=job.pareto, made=alike)
+        return _drive_rows(job, head, found)
     from drivesizer.multi_axis.sizing import size_machine  # a spec of one axis needs nothing of machines
 
     source = document_of(job, variant)
@@ -392,7 +469,8 @@ def _rows(
 
     sizing = size_machine(read_any(source), top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
     if job.axis is None:
-        return [_machine_row(head, job.members, sizing)]
+        return [_machine_row(job, head, sizing)]
     axis = sizing.axis(job.axis)
     sets, result = axis.result.sets[: job.top], axis.result
-    return _drive_rows(head, Best(sets, None if sets else _closest(axis), result.counts, result.objective, axis.drives))
+    near = None if sets else _closest(axis)
+    return _drive_rows(job, head, Best(sets, near, result.counts, result.objective, axis.drives, result.problem))

@@ -1,0 +1,65 @@
+"""``drivesizer design``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from drivesizer.commands.common import DEFAULT, Fields, Spec, file_option, progress, whole_option, with_fields
+from drivesizer.commands.ends import STOPPED
+
+
+def design(
+    spec: Spec = DEFAULT,
+    output: Annotated[
+        Path | None, file_option("--output", "-o", help="Write the spec with the best figures to this file.")
+    ] = None,
+    rounded: Annotated[bool, typer.Option("--rounded", help="Write the rounded figures instead.")] = False,
+    minimise: Annotated[
+        str | None, typer.Option(metavar="EXPRESSION", help="In place of the spec's: mass, price.")
+    ] = None,
+    subject_to: Annotated[
+        list[str] | None, typer.Option(metavar="LIMIT", help="A limit, e.g. 'autonomy >= 3 h'; repeatable.")
+    ] = None,
+    pareto: Annotated[str | None, typer.Option(metavar="A,B", help="Figures of a front, e.g. mass,energy.")] = None,
+    folder: Annotated[
+        Path | None, file_option("--folder", metavar="FOLDER", help="Keep all machines here; the same command resumes.")
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew in that folder.")] = False,
+    processes: Annotated[
+        int, whole_option("--processes", 2, 0, 1024, meaning="Processes; 0 is one for each core.")
+    ] = 0,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
+    ] = None,
+    fields: Fields = None,
+) -> None:
+    """Find the best machine with its drive: free figures, limits, a front; what holds it and what may be rounded."""
+    from drivesizer.study.workers import one_thread_each
+
+    with one_thread_each():  # before NumPy is loaded
+        from drivesizer.design.answer import answer
+        from drivesizer.design.task import read_task
+        from drivesizer.design.words import text_of
+        from drivesizer.files.writing import write_files
+        from drivesizer.files.yaml_source import read
+
+        source = with_fields(read(spec), fields or [])
+        fronts = [one.strip() for one in pareto.split(",")] if pareto else None
+        task = read_task(source, minimise=minimise, subject_to=subject_to, pareto=fronts)
+        try:
+            with progress("machines") as advance:
+                found = answer(
+                    task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance
+                )
+        except KeyboardInterrupt:
+            kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
+            typer.echo(f"drivesizer: stopped; {kept}", err=True)
+            raise typer.Exit(STOPPED) from None
+    typer.echo(text_of(found))
+    if output and found.best:
+        write_files({output: found.filled(rounded=rounded).encode()})
+        typer.echo(f"\n{output}")
+    raise typer.Exit(0 if found.best else 1)

@@ -1,0 +1,215 @@
+"""The best machine of a task, and what one wants to know of it: how flat the optimum is, what holds it, the front."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from math import floor, isinf, log10
+from pathlib import Path
+from typing import Any
+
+from drivesizer.design.machines import Choice, Machine, Machines, Values, machines
+from drivesizer.design.search import Pair, Progress, best_of, every_machine, evolved, front_of, nearest_of
+from drivesizer.design.task import Free, Task
+from drivesizer.study.workers import workers
+
+FLAT = 0.01  # share by which a figure may be worse where an optimum is called flat
+_HALVINGS = 9  # of the range on either side
+_BOUND = "end of its range"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flat:
+    """A free figure near the optimum, the others as they are: how far it may go for a hundredth of the goal."""
+
+    free: Free
+    low: Any  # values as they go into the spec
+    high: Any
+    below: str  # what ends it there
+    above: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """The best machine that was found, and its neighbours."""
+
+    task: Task
+    best: Machine | None  # None where none is within the limits
+    choice: Choice | None
+    nearest: Machine | None  # closest to the limits, where none is within them
+    front: tuple[Pair, ...]
+    flat: tuple[Flat, ...]
+    rounded: Machine | None  # the best with round figures, where these cost no more than a hundredth
+    sized: int  # machines
+    looked_at: int  # machines, with those that the spec alone puts beyond a limit
+    whole: bool  # whether no machine is left that could be better
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The free figures of the best machine, as they go into the spec; empty where there is none."""
+        names = [one.axis.name for one in self.task.free]
+        return dict(zip(names, self.best.values, strict=True)) if self.best else {}
+
+    def filled(self, *, rounded: bool = False) -> str:
+        """The spec's text with the figures of the best machine, comments kept."""
+        one = self.rounded if rounded and self.rounded else self.best
+        assert one is not None
+        return self.task.filled(one.values)
+
+    def __str__(self) -> str:
+        from drivesizer.design.words import text_of
+
+        return text_of(self)
+
+
+def answer(
+    task: Task,
+    *,
+    processes: int = 0,
+    folder: Path | None = None,
+    fresh: bool = False,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+) -> Answer:
+    """The best machine of a task.
+
+    Parameters
+    ----------
+    task
+        Of :func:`read_task`.
+    processes, scheduler
+        As of a study; 0 is one for each core, where there is something to share.
+    folder
+        Where the rows of all machines are kept; the same task goes on from them.
+    fresh
+        Begin anew in it.
+    progress
+        Called with the machines that are done and all there are to be.
+    """
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    most = 1 if task.job.merit else processes or cores
+    advance: Progress = progress or (lambda done, total: None)
+    whole = task.combinations <= task.evaluations
+    with workers(most, scheduler) as on, machines(task, on, folder, fresh=fresh) as of:
+        (every_machine if whole else evolved)(of, advance)
+        best = best_of(list(of.known.values()))
+        flat, rounded = tuple[Flat, ...](), None
+        if best is not None:
+            flat = tuple(_flatness(of, best))
+            better = best_of(list(of.known.values()))
+            if better is not None and better is not best:  # that a neighbour is
+                best, flat = better, tuple(_flatness(of, better))
+            rounded = _rounded(of, best, flat)
+        return Answer(
+            task=task, best=best, choice=best.choice() if best else None,
+            nearest=None if best else nearest_of(list(of.known.values())), front=tuple(front_of(of)), flat=flat,
+            rounded=rounded, sized=of.sized, looked_at=len(of.known), whole=whole,
+        )  # fmt: skip
+
+
+# -- How flat the optimum is: each figure alone goes as far to either side as the goal allows, by halving.
+
+
+@dataclass
+class _Side:
+    """One figure on its way to one side: places in its list, or figures."""
+
+    place: int  # of the free figure
+    good: float
+    bad: float | None  # None: not looked at yet
+    end: float
+    why: str = ""
+
+    def next(self, free: Free) -> float | None:
+        """The next coordinate to try; None where the end is known well enough."""
+        if self.bad is None:
+            return None if self.end == self.good else self.end
+        middle = (self.good + self.bad) / 2
+        if not free.continuous:
+            middle = float(floor(middle) if self.bad > self.good else -floor(-middle))
+        return None if middle == self.good else middle
+
+
+def _flatness(of: Machines, best: Machine) -> list[Flat]:
+    """How far each figure may go."""
+    free = of.task.free
+    coordinates = [one.coordinate(value) for one, value in zip(free, best.values, strict=True)]
+    sides = [
+        _Side(place, coordinates[place], None, end)
+        for place, one in enumerate(free)
+        for end in one.bounds
+    ]  # fmt: skip
+    most = of.task.evaluations // 4 // len(sides)  # of many figures each is looked at more coarsely
+    for _ in range(min(max(most, 2), _HALVINGS)):
+        tried = [(side, x) for side in sides if (x := side.next(free[side.place])) is not None]
+        if not tried:
+            break
+        found = of.at([_with(free, best.values, side.place, x) for side, x in tried])
+        for (side, x), machine in zip(tried, found, strict=True):
+            if worse := _why_worse(best, machine):
+                side.bad, side.why = x, worse
+            else:
+                side.good, side.bad = x, x if side.bad is None else side.bad
+    flats = []
+    for place, one in enumerate(free):
+        low, high = sides[2 * place], sides[2 * place + 1]
+        flats.append(Flat(
+            free=one, low=one.value(low.good), high=one.value(high.good), below=low.why or _BOUND,
+            above=high.why or _BOUND,
+        ))  # fmt: skip
+    return flats
+
+
+def _with(free: tuple[Free, ...], values: Values, place: int, coordinate: float) -> Values:
+    return (*values[:place], free[place].value(coordinate), *values[place + 1 :])
+
+
+def _why_worse(best: Machine, other: Machine) -> str:
+    """What is wrong with a machine beside the best; empty where it is as good but for a hundredth."""
+    one, now = best.choice(), other.choice()
+    assert one is not None
+    if now is None:
+        return other.why
+    return "worse by more than 1 %" if now.goals[0] > one.goals[0] + FLAT * abs(one.goals[0]) else ""
+
+
+# -- Round figures in that range.
+
+
+def _rounded(of: Machines, best: Machine, flat: tuple[Flat, ...]) -> Machine | None:
+    """The best machine with round figures that cost a hundredth at most, closer to the best ones if need be."""
+    for share in (1.0, 0.5, 0.2, 0.05):
+        values = tuple(_round_in(one, value, share) for one, value in zip(flat, best.values, strict=True))
+        if values == best.values:
+            return None
+        (found,) = of.at([values])
+        if not _why_worse(best, found):
+            return found
+    return None
+
+
+def _round_in(flat: Flat, value: Any, share: float) -> Any:
+    """The roundest figure within a share of the way to the ends of a flat range."""
+    if not flat.free.continuous:
+        return value
+    best, low, high = (flat.free.coordinate(one) for one in (value, flat.low, flat.high))
+    return flat.free.value(roundest(best - share * (best - low), best + share * (high - best), best))
+
+
+def roundest(low: float, high: float, near: float) -> float:
+    """The roundest figure between two, near a third: a multiple of 5, 2 or 1 times the largest power of ten.
+
+    >>> roundest(171.3, 188.9, 176.2), roundest(0.97, 1.08, 1.01), roundest(2.0, 2.0, 2.0)
+    (180.0, 1.0, 2.0)
+    """
+    largest = max(abs(low), abs(high))
+    if not low < high or isinf(largest):
+        return near
+    for power in range(floor(log10(largest)) + 1, floor(log10(high - low)) - 2, -1):
+        for step in (5.0, 2.0, 1.0):
+            unit = float(f"{step}e{power}")
+            nearest = round(near / unit)
+            for multiple in (nearest, nearest + 1, nearest - 1):
+                if low <= multiple * unit <= high and multiple:
+                    return float(f"{multiple * unit:.12g}")
+    return near

@@ -1,0 +1,337 @@
+"""A spec with free figures as a task: what is free, what follows from it, what is made least, within which limits."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import floor, inf, prod
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.arithmetic import Expression, Limit, expression, limit
+from drivesizer.files.yaml_edit import Edit, edited
+from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.search.ranking import COUNTED
+from drivesizer.spec.any_spec import is_machine
+from drivesizer.spec.design import EXPRESSION, FREE, Design, open_figures
+from drivesizer.spec.drive import OBJECTIVES, Select
+from drivesizer.spec.messages import explained
+from drivesizer.study.fields import changed, kind_of
+from drivesizer.study.figures import NAMED, SpecFigures, at, columns_for, derived_fields, kind_of_figure
+from drivesizer.study.plan import Axis, Job, Place, Plan, StudyFile, axis_of, machine_job
+from drivesizer.study.rows import result_columns
+from drivesizer.units import number, scale, to_si
+
+_RANGE = re.compile(r"\s*(?P<low>.+?)\s*\.\.\s*(?P<high>.+?)\s*")
+_EXAMPLE = "e.g. {free: 120 mm .. 250 mm, step: 10 mm}, or a choice, {free: [2, 4]}"
+_DIGITS = 5  # of a figure inside a range without steps
+_MERIT = "merit"
+_OF_BATTERY = {
+    "autonomy": "s",
+    "range": "m",
+}  # limits that the battery's section can say, so that drives are held to it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Free:
+    """A free figure: a range, with steps or without, or a choice."""
+
+    axis: Axis
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it may be any figure of its range."""
+        return not self.axis.values
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Ends of its coordinate: of the figure itself, else of the place in its list."""
+        return (self.axis.span or (0.0, 0.0)) if self.continuous else (0.0, len(self.axis.values) - 1.0)
+
+    def value(self, coordinate: float) -> Any:
+        """The value at a coordinate, as it goes into the spec."""
+        if not self.continuous:
+            return self.axis.values[round(coordinate)]
+        low, high = self.bounds
+        return _text(min(max(float(f"{coordinate:.{_DIGITS}g}"), low), high), self.axis.unit)
+
+    def coordinate(self, value: Any) -> float:
+        """The coordinate of a value."""
+        return number(value)[0] if self.continuous else float(self.axis.values.index(value))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """A spec with its free figures, read and checked."""
+
+    source: YamlSource  # as it is written
+    plan: Plan  # of the study that its machines are variants of
+    free: tuple[Free, ...]
+    minimise: Expression
+    pareto: tuple[Expression, ...]
+    limits: tuple[Limit, ...]
+    own_limits: tuple[Edit, ...]  # that the spec says for itself
+    evaluations: int
+    seed: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def job(self) -> Job:
+        """Data for the processes that size machines."""
+        return self.plan.job
+
+    @property
+    def goals(self) -> tuple[Expression, ...]:
+        """What is made least: first what decides, then what the front is of."""
+        return (self.minimise, *(one for one in self.pareto if one.text != self.minimise.text))
+
+    @property
+    def combinations(self) -> float:
+        """Number of machines there are; infinite where a range has no steps."""
+        return inf if any(one.continuous for one in self.free) else prod(float(len(f.axis.values)) for f in self.free)
+
+    @cached_property
+    def figures(self) -> SpecFigures:
+        """Figures of the spec by name."""
+        name, text = self.job.specs[0]
+        return SpecFigures(YamlSource(text, name))
+
+    @cached_property
+    def heads(self) -> tuple[str, ...]:
+        """Columns of a machine's row."""
+        varied = (one.axis.head for one in self.free)
+        return ("variant", *varied, *(column.head for column in result_columns(self.job)))
+
+    def filled(self, values: Sequence[Any]) -> str:
+        """The spec's text with its free figures filled in, and what follows from them."""
+        data = self.figures.source.data
+        for one, value in zip(self.free, values, strict=True):
+            data = changed(data, one.axis.path, value)
+        for derived in self.job.derived:
+            data = derived.entered(data, self.figures)
+        places = [*(one.axis.path for one in self.free), *(one.path for one in self.job.derived)]
+        edits = [*(Edit(path, at(data, path)) for path in places), *self.own_limits]
+        if self.job.objectives[0] is not None and not is_machine(self.source):
+            edits.append(Edit(("select", "objective"), self.job.objectives[0]))
+        return edited(self.source.text, edits, self.source.name)
+
+
+def read_task(
+    source: YamlSource,
+    *,
+    free: Mapping[str, Any] | None = None,
+    merit: Callable[[DriveSet], float] | None = None,
+    **given: Any,
+) -> Task:
+    """The task of a spec.
+
+    Parameters
+    ----------
+    source
+        The spec, or a machine of several axes.
+    free
+        Further free figures by the names of their fields, as ranges or lists.
+    merit
+        What is made least of a drive, in place of an expression.
+    given
+        Fields of the section ``design`` in place of the spec's.
+    """
+    if not isinstance(source.data, dict):
+        raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
+    section = _section(source, {name: value for name, value in given.items() if value is not None})
+    spaces, texts, data = _spaces(source, free or {})
+    plain = source.with_data(data)
+    axes = tuple(_free(Place(source, path), plain, path, one) for path, one in spaces.items())
+    if not axes:
+        raise InputError(f"{source.name}: no figure is free; expected one or more, {_EXAMPLE}")
+    figures = SpecFigures(plain)
+    derived = derived_fields(
+        figures, {_name(path): text for path, text in texts.items()},
+        lambda name, error: InputError(f"{source.where(figures.place(name)[0])}: {error}"),
+    )  # fmt: skip
+    for one in derived:
+        data = one.entered(data, figures)
+    edits = [Edit(path, at(data, path)) for path in (*spaces, *texts)]
+    where = Place(source, ("design",))
+    minimise, pareto, limits = _goals(source, section, figures, where, merit is not None)
+    own, limits = _own_limits(data, limits)
+    base = YamlSource(edited(source.text, [*edits, *own], source.name), source.name)
+    of_machine = machine_job(source, StudyFile(spec=source.name), [base])
+    objective, front, notes = _inside(
+        data, [minimise, *pareto], limits, bool(of_machine.get("members")), merit is not None
+    )
+    job = Job(
+        specs=((source.name, base.text),), axes=tuple(one.axis for one in axes), catalogs=(None,),
+        objectives=(objective,), top=10 if merit else 1, derived=derived, pareto=front, merit=merit,
+        **of_machine,
+    )  # fmt: skip
+    names = [name for one in (minimise, *pareto, *(each.of for each in limits)) for name in one.names]
+    heads = [column.head for column in result_columns(job)]
+    job = replace(job, columns=columns_for([*names, "time", "autonomy", "range"], heads))
+    plan = Plan(source=source, names=(source.name,), job=job, catalogs=("",), shares=None)
+    return Task(
+        source=source, plan=plan, free=axes, minimise=minimise, pareto=pareto, limits=limits, own_limits=own,
+        evaluations=section.evaluations, seed=section.seed, notes=notes,
+    )  # fmt: skip
+
+
+def _section(source: YamlSource, given: dict[str, Any]) -> Design:
+    written = source.data.get("design") or {}
+    try:
+        return Design.model_validate({**written, **given} if isinstance(written, dict) else written)
+    except ValidationError as error:
+        below = source.with_data(written)
+        raise explained(error, below, Design, at=()) from None
+
+
+def _spaces(source: YamlSource, free: Mapping[str, Any]) -> tuple[dict[Path_, Any], dict[Path_, str], Any]:
+    """What is free and what follows, by its path; and the data with one value of each in its place."""
+    figures, data = SpecFigures(source), source.data
+    spaces: dict[Path_, Any] = {}
+    texts: dict[Path_, str] = {}
+    for path, given in open_figures(data):
+        if EXPRESSION in given:
+            if len(given) > 1 or not isinstance(given[EXPRESSION], str):
+                raise InputError(f'{source.where(path)}: expected {{expression: "2 * load.wheel_diameter"}} alone')
+            texts[path] = given[EXPRESSION]
+            continue
+        if unknown := [key for key in given if key not in (FREE, "step")]:
+            raise InputError(f"{source.where((*path, unknown[0]))}: unknown key; expected free, step"
+                             f"{nearest(unknown[0], (FREE, 'step'))}")  # fmt: skip
+        spaces[path] = given
+    for name, given in free.items():
+        spaces[figures.place(name, given=False)[0]] = given if isinstance(given, dict) else {FREE: given}
+    for path, given in spaces.items():
+        data = changed(data, path, _first(given[FREE]))
+    return spaces, texts, data
+
+
+def _first(given: Any) -> Any:
+    if isinstance(given, list):
+        return given[0] if given else None
+    match = _RANGE.fullmatch(str(given))
+    return match["low"] if match else given
+
+
+def _text(figure: float, unit: str) -> str:
+    return f"{figure:.12g} {unit}".rstrip()
+
+
+def _name(path: Path_) -> str:
+    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
+
+
+def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -> Free:
+    """A free figure of its range or choice."""
+    name, space = _name(path), given[FREE]
+    if isinstance(space, list):
+        if "step" in given:
+            raise place.error("a choice has no steps; expected a range with it", "step")
+        return Free(axis=axis_of(place, plain, name, space, True))
+    match = _RANGE.fullmatch(space) if isinstance(space, str) else None
+    if match is None:
+        raise place.error(f"{quoted(space)} is no range; expected {_EXAMPLE}", FREE)
+    kind = kind_of(plain, path, match["low"])
+    if not kind:
+        raise place.error(f"is no quantity; expected a choice, e.g. {{free: [{_first(space)}]}}")
+    try:
+        low, high = (to_si(match[end], kind) for end in ("low", "high"))
+    except InputError as error:
+        raise place.error(error, FREE) from None
+    if not low < high:
+        raise place.error(f"{quoted(space)}: the first is not below the second; expected {_EXAMPLE}", FREE)
+    first, unit = number(match["low"])
+    factor, offset = scale(unit, kind) if unit else (1.0, 0.0)
+    axis = Axis(name=name, path=path, kind=kind, unit=unit, span=(first, float(f"{(high - offset) / factor:.12g}")))
+    if "step" not in given:
+        return Free(axis=axis)
+    try:
+        step = to_si(given["step"], kind) / factor
+    except InputError as error:
+        raise place.error(error, "step") from None
+    count = (axis.span or (0.0, 0.0))[1] - first
+    if not 0.0 < step <= count or count / step > 100_000:
+        raise place.error(f"{quoted(given['step'])} is no step of it; expected up to the range, {_EXAMPLE}", "step")
+    figures = [float(f"{first + n * step:.12g}") for n in range(floor(count / step + 1e-9) + 1)]
+    return Free(axis=replace(axis, values=tuple(_text(one, unit) for one in figures)))
+
+
+def _goals(
+    source: YamlSource, section: Design, figures: SpecFigures, where: Place, judged: bool
+) -> tuple[Expression, tuple[Expression, ...], tuple[Limit, ...]]:
+    """What is made least, what the front is of, and the limits; every name in them is known."""
+
+    def known(one: Expression, *path: str | int) -> Expression:
+        for name in one.names:
+            try:
+                if name != _MERIT:
+                    kind_of_figure(name, figures)
+            except InputError as error:
+                raise where.error(error, *path) from None
+        return one
+
+    def read(text: str, *path: str | int) -> Expression:
+        try:
+            return known(expression(text), *path)
+        except InputError as error:
+            raise (error if str(error).startswith(source.name) else where.error(error, *path)) from None
+
+    select = source.data.get("select")
+    ranked = select.get("objective") if isinstance(select, dict) else None
+    own = ranked if ranked in NAMED else Select.model_fields["objective"].default
+    pareto = tuple(read(text, "pareto", n) for n, text in enumerate(section.pareto))
+    text = _MERIT if judged else section.minimise or (pareto[0].text if pareto else str(own))
+    limits = list[Limit]()
+    for n, one in enumerate(section.subject_to):
+        try:
+            limits.append(limit(one, lambda name: kind_of_figure(name, figures)))
+        except InputError as error:
+            raise where.error(error, "subject_to", n) from None
+        known(limits[-1].of, "subject_to", n)
+    return read(text, "minimise"), pareto, tuple(limits)
+
+
+def _own_limits(data: Any, limits: Iterable[Limit]) -> tuple[tuple[Edit, ...], tuple[Limit, ...]]:
+    """Limits that the battery's section can say: the search holds every drive to them."""
+    battery, own, rest = data.get("battery"), list[Edit](), list[Limit]()
+    for one in limits:
+        name = one.of.text
+        if name in _OF_BATTERY and one.sign == ">=" and isinstance(battery, dict):
+            given = battery.get(name)
+            if given is None or to_si(given, NAMED[name].kind) < one.bound:
+                own.append(Edit(("battery", name), f"{one.bound:.12g} {_OF_BATTERY[name]}"))
+            continue
+        rest.append(one)
+    return tuple(own), tuple(rest)
+
+
+def _inside(
+    data: Any, goals: Iterable[Expression], limits: Iterable[Limit], several: bool, judged: bool
+) -> tuple[str | None, tuple[str, ...], tuple[str, ...]]:
+    """The objective of the search for a drive, objectives of which it gives the front, and notes."""
+    if judged:
+        return None, ("mass", "price"), ()
+    names = [name for one in (*goals, *(each.of for each in limits)) for name in one.names]
+    wanted = list(dict.fromkeys(NAMED[name].by for name in names if name in NAMED and NAMED[name].by))
+    notes: tuple[str, ...] = ()
+    if data.get("method") == "paper" and (left := [one for one in wanted if one in COUNTED]):
+        wanted = [one for one in wanted if one not in left]
+        notes = (f"the paper's method ranks no drives by {' and '.join(left)}: drives are chosen by what it does",)
+    if several and len(wanted) > 1:
+        notes = (*notes, f"drives of each axis are chosen by {wanted[0]} alone")
+        wanted = wanted[:1]
+    assert all(one in OBJECTIVES for one in wanted)
+    return (wanted[0] if wanted else None), tuple(wanted) if len(wanted) > 1 else (), notes
+
+
+def load_task(path: Path, **given: Any) -> Task:
+    """The task of a file."""
+    from drivesizer.files.yaml_source import read
+
+    return read_task(read(path), **given)

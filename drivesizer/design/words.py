@@ -1,0 +1,167 @@
+"""The best machine in words: figures, what holds them, drive, limits, the front."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import isinf, isnan
+from typing import Any
+
+from drivesizer.design.answer import Answer
+from drivesizer.design.machines import Choice, Machine
+from drivesizer.files.arithmetic import Expression
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.words import number_of
+from drivesizer.results.check import sentence_case
+from drivesizer.results.check_kinds import CHECKS
+from drivesizer.study.figures import NAMED, kind_of_figure, row_figures
+from drivesizer.units import KINDS, show
+
+_SHOWN = ("mass", "price", "energy", "time", "autonomy", "range")
+_FRONT = 12  # machines of the front that are listed
+
+
+def text_of(answer: Answer) -> str:
+    """The whole answer, line by line."""
+    return "\n".join(_lines(answer))
+
+
+def _lines(answer: Answer) -> Iterator[str]:
+    task, best, choice = answer.task, answer.best, answer.choice
+    yield _searched(answer)
+    if best is None or choice is None:
+        yield from _none(answer)
+        return
+    yield ""
+    yield f"  {_title(task.minimise)}: {_figure(answer, task.minimise, choice.goals[0])}"
+    yield ""
+    yield from _table(_free(answer))
+    yield ""
+    yield from _drive(answer, choice)
+    if answer.rounded:
+        yield ""
+        one = answer.rounded.choice()
+        assert one is not None
+        figures = ", ".join(f"{f.axis.name} {_value(v)}" for f, v in zip(task.free, answer.rounded.values, strict=True))
+        yield f"  Rounded: {figures}: {_figure(answer, task.minimise, one.goals[0])}"
+    if answer.front:
+        yield ""
+        yield from _table(_front(answer))
+    for note in task.notes:
+        yield f"  Note: {note}."
+
+
+def _searched(answer: Answer) -> str:
+    """How many machines were looked at, and whether a better one may be left."""
+    task = answer.task
+    if answer.whole:
+        left = task.combinations - answer.looked_at
+        beyond = answer.looked_at - answer.sized
+        more = f", {beyond:,} of which the spec alone puts beyond a limit" if beyond else ""
+        more += f"; {left:,.0f} more cannot be better" if left > 0 else ""
+        return f"All of {number_of(int(task.combinations), 'machine')} looked at{more}."
+    of = "any number" if isinf(task.combinations) else f"{task.combinations:.3g}"
+    free = number_of(len(task.free), "free figure")
+    return (
+        f"{number_of(answer.sized, 'machine')} sized of {of} that {free} allow; not all, so a better one may be left."
+    )
+
+
+def _none(answer: Answer) -> Iterator[str]:
+    yield ""
+    yield "  No machine is within all limits."
+    if answer.nearest is not None:
+        figures = ", ".join(_pairs(answer, answer.nearest))
+        yield f"  Closest: {figures}; it fails on {_why(answer.nearest.why)}."
+
+
+def _pairs(answer: Answer, one: Machine) -> Iterator[str]:
+    return (f"{f.axis.name} {_value(value)}" for f, value in zip(answer.task.free, one.values, strict=True))
+
+
+def _free(answer: Answer) -> list[tuple[str, ...]]:
+    """The free figures with the ranges in which the optimum is flat."""
+    assert answer.best is not None
+    rows: list[tuple[str, ...]] = [("free figure", "best", "within 1 %", "below that", "above that")]
+    for flat, value in zip(answer.flat, answer.best.values, strict=True):
+        same = flat.low == flat.high
+        span = "only this" if same else f"{_value(flat.low)} .. {_value(flat.high)}"
+        rows.append((flat.free.axis.name, _value(value), span, _why(flat.below), _why(flat.above)))
+    return rows
+
+
+def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
+    """The drive with what it costs, and the limits that it is closest to."""
+    heads, task = answer.task.heads, answer.task
+    row = dict(zip(heads, choice.row, strict=True))
+    sets = {head.removesuffix("set").rstrip("."): value for head, value in row.items() if head.endswith("set")}
+    for name, label in sets.items():
+        number = f"{row['drives']} of " if not name and row.get("drives", 1) != 1 else ""
+        yield f"  {name or 'drive'}: {number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
+    figure = row_figures(heads, choice.row, _of_spec(answer))
+    shown = [(NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
+    lacking = {NAMED[f].title: row.get(f"{f}_lacks") for f in ("mass", "price")}
+    for title, value, named in shown:
+        if not isnan(value):
+            lacks = lacking.get(title)
+            more = f", at least: {lacks} not known" if lacks else ""
+            yield f"  {title}: {show(value, named.unit, named.kind)}{more}"
+    yield f"  tightest: {_why(str(row['smallest_margin_check']))}, {100 * choice.margin:+.1f} %"
+    for limit in task.limits:
+        yield f"  {limit.text}: {_figure(answer, limit.of, limit.of.value(figure))}"
+
+
+def _of_spec(answer: Answer) -> Callable[[str], float]:
+    """Figures of the best machine's spec by name."""
+    best, task = answer.best, answer.task
+    assert best is not None
+    data = YamlSource(task.filled(best.values), task.source.name).data
+    return lambda name: task.figures.value(name, data)
+
+
+def _front(answer: Answer) -> list[tuple[str, ...]]:
+    """The front, thinned to a dozen machines."""
+    task = answer.task
+    heads = (*(_title(one) for one in task.goals), *(one.axis.name for one in task.free), "drive")
+    step = max(1, -(-len(answer.front) // _FRONT))
+    few = [*answer.front[::step], *([answer.front[-1]] if (len(answer.front) - 1) % step else [])]
+    rows = [heads]
+    for machine, choice in few:
+        row = dict(zip(task.heads, choice.row, strict=True))
+        goals = (_figure(answer, one, value) for one, value in zip(task.goals, choice.goals, strict=True))
+        rows.append((*goals, *map(_value, machine.values), str(row.get("set", ""))))
+    return rows
+
+
+def _title(one: Expression) -> str:
+    return NAMED[one.text].title if one.text in NAMED else one.text
+
+
+def _figure(answer: Answer, one: Expression, value: float) -> str:
+    """A value of an expression: in the unit of the trade where it is of one figure alone, else in SI."""
+    name = one.text.removeprefix("-")
+    value = -value if name != one.text else value
+    if name in NAMED:
+        return show(value, NAMED[name].unit, NAMED[name].kind)
+    if one.names == (name,) and name != "merit":
+        kind = kind_of_figure(name, answer.task.figures) or "dimensionless"
+        return show(value, KINDS[kind].si, kind)
+    return f"{value:.5g}"
+
+
+def _value(value: Any) -> str:
+    """A free figure as it goes into the spec, no more digits than it needs."""
+    return str(value)
+
+
+def _why(name: str) -> str:
+    """A check by its title; anything else as it is."""
+    for checks in CHECKS.values():
+        if name in checks:
+            return sentence_case(checks[name].title)
+    return name
+
+
+def _table(rows: list[tuple[str, ...]]) -> Iterator[str]:
+    widths = [max(len(row[n]) for row in rows) for n in range(len(rows[0]))]
+    for row in rows:
+        yield ("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip()

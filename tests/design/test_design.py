@@ -1,0 +1,212 @@
+"""The best machine with its drive: closed forms, brute force, limits, what is wrong in one line."""
+
+from __future__ import annotations
+
+import math
+import re
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from drivesizer.cli import app
+from drivesizer.design.answer import answer, roundest
+from drivesizer.design.task import read_task
+from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource, read
+from drivesizer.sizing import size
+from drivesizer.spec.robot import load_spec
+
+ROTOR = 5e-5  # kg*m^2
+MOTORS = f"""\
+catalog: 1
+manufacturer: Anymaker
+sources: {{s: {{document: data sheet, confidence: quoted, date: "2024-05"}}}}
+motors:
+- family: LAW
+  source: s
+  common: {{kind: brushed, nominal_voltage: 400 V, torque_constant: 1 N*m/A, resistance: 1 ohm, inductance: 1 mH,
+    no_load_current: 1e-6 mA, nominal_current: 50 A, nominal_torque: 50 N*m, max_speed: 100000 rpm, mass: 1 kg,
+    no_load_speed: 3819.7 rpm, max_winding_temperature: 300 degC,
+    thermal_resistance_housing: 0.001 K/W, thermal_resistance_winding: 0.001 K/W, winding_time_constant: 9 s,
+    motor_time_constant: 999 s}}
+  columns: [part, rotor_inertia (kg*m^2)]
+  rows: [[A, {ROTOR}]]
+compatibility: {{motor_gearhead: [{{motors: [LAW], gearheads: [direct], source: s}}]}}
+"""
+TABLE = """\
+name: table
+load: {kind: rotary_table, inertia: 0.02 kg*m^2}
+motion: {profile: trapezoid, speed: 2 rad/s, acceleration_time: 1 s, cruise_time: 1 s}
+transmission:
+  - {kind: direct}
+  - {kind: gear, ratio: {free: 3 .. 60}, efficiency: 1}   # of the belt's makers
+supply: {nominal: 400 V, accepts: all}
+select: {catalogs: [motors.yaml], estimates: "off"}
+design: {minimise: joule_heat, evaluations: 400}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "motors.yaml").write_text(MOTORS, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def best(folder: Path, text: str, **how):
+    (folder / "robot.yaml").write_text(text, encoding="utf-8")
+    return answer(read_task(read(folder / "robot.yaml")), processes=1, **how)
+
+
+def figure(found, name="transmission[2].ratio"):
+    return float(re.match(r"[-\d.e]+", str(found.values[name]))[0])
+
+
+@pytest.mark.parametrize(("efficiency", "friction"), [(1.0, 0.0), (1.0, 0.5), (0.7, 0.5)])
+def test_the_ratio_of_least_heat_is_that_of_the_closed_form(folder, efficiency, friction):
+    """Pasch, Seering 1984: sqrt(J_L/J_M); Giberti et al. 2010: sqrt(T_rms/(eta J_M a_rms)) where it always drives."""
+    text = TABLE.replace("efficiency: 1}", f"efficiency: {efficiency}}}")
+    text = text.replace("0.02 kg*m^2}", f"0.02 kg*m^2, friction_torque: {friction} N*m}}")
+    ends = friction + 0.02 * 2.0, friction, friction - 0.02 * 2.0
+    rms = math.sqrt(sum(one**2 for one in ends) / 3)
+    alpha = 2.0 * math.sqrt(2 / 3)
+    expected = math.sqrt(rms / (efficiency * ROTOR * alpha))
+    assert friction or expected == pytest.approx(math.sqrt(0.02 / ROTOR))
+    found = best(folder, text.replace("3 .. 60", "3 .. 200"))
+    assert figure(found) == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_trapezoid_of_thirds_takes_the_least_heat_and_a_parabola_less(folder):
+    """Over D in T the integral of a^2 is 12 D^2/T^3 of the parabola of speed, 13.5 of thirds, 16 of the triangle."""
+    text = TABLE.replace("{free: 3 .. 60}", "7")
+    move = """{profile: trapezoid, speed: {expression: 6 / (3 - motion.acceleration_time)},
+  acceleration_time: {free: 0.3 s .. 1.49 s}, cruise_time: {expression: 3 - 2 * motion.acceleration_time}}"""
+    found = best(folder, re.sub(r"motion: .*", f"motion: {move}", text))
+    assert figure(found, "motion.acceleration_time") == pytest.approx(1.0, rel=2e-3)
+    thirds = found.choice.goals[0]
+    sums = 0.5 * 16 / 12, thirds / 13.5 * 16
+    triangle = best(folder, re.sub(r"motion: .*", f"motion: {move}", text).replace("0.3 s .. 1.49 s", "[1.499999 s]"))
+    assert triangle.choice.goals[0] == pytest.approx(sums[1], rel=1e-3)
+
+
+def test_a_wheel_and_a_ratio_of_which_only_the_quotient_counts_are_flat_together(folder):
+    """Traction is M i eta/r: without inertia of the wheel the valley i/r is flat, and both may go along it."""
+    axis = "{kind: belt_axis, mass: 20 kg, pulley_diameter: {free: 40 mm .. 80 mm}}"
+    text = TABLE.replace("{kind: rotary_table, inertia: 0.02 kg*m^2}", axis).replace("speed: 2 rad/s", "speed: 1 m/s")
+    found = best(folder, text.replace("3 .. 60", "5 .. 30"))
+    expected = math.sqrt(20 / ROTOR)  # per metre: i/r = sqrt(m/J_M)
+    assert figure(found) / (figure(found, "load.pulley_diameter") / 2e3) == pytest.approx(expected, rel=2e-3)
+
+
+CART = """\
+name: cart
+load: {kind: wheeled_vehicle, mass: MASS kg, driven_wheels: {free: [2, 4]}, rolling_resistance: 0.02,
+  wheel_diameter: {free: 120 mm .. 240 mm, step: 40 mm}, inertia: 40 kg*cm^2, slope: SLOPE deg}
+motion: {speed: {free: 0.8 m/s .. 1.6 m/s, step: 0.2 m/s}, acceleration_time: 1 s, cruise_time: 10 s}
+supply: {nominal: 24 V, accepts: all}
+select: {catalogs: [maxon], motor: {family: [RE 25, RE 30, RE 35, RE 40]}, gearhead: {family: [GP 32 A, GP 42 C]}}
+design: {minimise: GOAL, subject_to: [LIMIT]}
+"""
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_brute_force_finds_no_better_machine(tmp_path, number):
+    """Twenty carts by chance: of every combination `size` makes the sums, whatever the design room looks at."""
+    chance = np.random.default_rng(number)
+    goal = ["mass", "price", "mass - 0.5 * motion.speed", "mass + load.wheel_diameter"][number % 4]
+    least = f"motion.speed >= {chance.choice([0.9, 1.1, 1.3])} m/s"
+    text = CART.replace("MASS", f"{chance.uniform(30, 150):.3g}").replace("SLOPE", f"{chance.uniform(0, 4):.2g}")
+    text = text.replace("GOAL", goal).replace("LIMIT", least)
+    (tmp_path / "cart.yaml").write_text(text, encoding="utf-8")
+    task = read_task(read(tmp_path / "cart.yaml"))
+    found = answer(task, processes=1)
+    brute = math.inf
+    for values in product(*(one.axis.values for one in task.free)):
+        wheels, diameter, speed = values[0], *(float(one.split()[0]) for one in values[1:])
+        if speed < float(least.split()[2]):
+            continue
+        spec = load_spec_of(task.filled(values))
+        for one in size(spec, top=1, brief=True).sets:
+            mass, more = wheels * one.mass, (0.0, 0.0, -0.5 * speed, diameter / 1e3)[number % 4]
+            brute = min(brute, wheels * one.price if goal == "price" else mass + more)
+    assert (found.choice.goals[0] if found.choice else math.inf) == pytest.approx(brute, rel=1e-9)
+
+
+def load_spec_of(text):
+    return load_spec({**YamlSource(text, "cart").data})
+
+
+def test_what_no_machine_meets_is_no_optimum(folder):
+    """An infeasible point is never the best: it is named as the closest, with what it fails on, and the status is 1."""
+    (folder / "robot.yaml").write_text(TABLE.replace("400 V, accepts", "1 V, accepts"), encoding="utf-8")
+    run = CliRunner().invoke(app, ["design", "--processes", "1", "-o", "best.yaml"])
+    assert run.exit_code == 1
+    assert "No machine is within all limits." in run.stdout
+    assert not (folder / "best.yaml").exists()
+
+
+def test_the_spec_is_written_with_its_comments_and_sizes_as_it_was_found(folder):
+    (folder / "robot.yaml").write_text(TABLE, encoding="utf-8")
+    run = CliRunner().invoke(app, ["design", "--processes", "1", "-o", "best.yaml", "--folder", "rows"])
+    assert run.exit_code == 0, run.output
+    text = (folder / "best.yaml").read_text(encoding="utf-8")
+    assert "# of the belt's makers" in text
+    assert "free" not in text
+    ratio = float(re.search(r"ratio: ([\d.]+)", text)[1])
+    assert f"{ratio:g}" in run.stdout
+    before = (folder / "rows" / "rows.jsonl").read_bytes()
+    again = CliRunner().invoke(app, ["design", "--processes", "1", "-o", "best.yaml", "--folder", "rows"])
+    assert again.stdout == run.stdout
+    assert (folder / "rows" / "rows.jsonl").read_bytes() == before  # nothing was sized again
+    (folder / "rows" / "rows.jsonl").write_bytes(before[: len(before) // 2])  # killed on the way
+    assert CliRunner().invoke(app, ["design", "--processes", "1", "--folder", "rows"]).stdout in run.stdout
+
+
+def test_thirty_free_figures_are_told_not_to_be_searched_whole(folder):
+    powers = ", ".join(f"{{name: c{n}, power: {{free: 1 W .. 9 W}}}}" for n in range(29))
+    text = f"{TABLE}equipment: [{powers}]\n".replace("evaluations: 400", "evaluations: 60")
+    found = best(folder, text)
+    assert len(found.values) == 30
+    assert "30 free figures allow: not all of them" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("free: 3 .. 60", "free: 60 .. 3"), 'ratio.free: "60 .. 3": the first is not below the second'),
+        (("free: 3 .. 60", "free: 3 kg .. 60"), "robot.yaml:6: transmission[2].ratio.free"),
+        (("free: 3 .. 60", "free: 3 .. 60, stop: 2"), 'robot.yaml:6: transmission[2].ratio.stop: unknown key'),
+        (("free: 3 .. 60", "free: 3 .. 60, step: -2"), "robot.yaml:6: transmission[2].ratio.step"),
+        (("free: 3 .. 60", "free: []"), "robot.yaml:6: transmission[2].ratio"),
+        (("{free: 3 .. 60}", "7"), "robot.yaml: no figure is free"),
+        (("joule_heat,", "weight,"), 'robot.yaml:9: design.minimise: "weight" is no figure'),
+        (("joule_heat,", "load.mass,"), "robot.yaml:9: design.minimise"),
+        (("joule_heat,", "'().__class__',"), "robot.yaml:9: design.minimise"),
+        (("joule_heat,", "mass, subject_to: [mass < 3 kg],"), "is no limit; expected e.g. autonomy >= 3 h"),
+        (("joule_heat,", "mass, subject_to: [mass <= 3 s],"), "unit of time, not of mass"),
+        (("0.02 kg*m^2", "{expression: 2 * load.inertia}"), "follows from itself"),
+        (("0.02 kg*m^2", "{expression: 2 * load.width}"), "load.width"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_one_line(folder, change, said):
+    with pytest.raises(InputError) as error:
+        best(folder, TABLE.replace(*change))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_free_figure_is_refused_where_one_is_wanted(folder):
+    (folder / "robot.yaml").write_text(TABLE, encoding="utf-8")
+    with pytest.raises(InputError, match=r"robot.yaml:6: transmission\[2\].ratio: is free; `drivesizer design`"):
+        load_spec("robot.yaml")
+
+
+@pytest.mark.parametrize(
+    ("ends", "near", "found"),
+    [((171.3, 188.9), 176, 180), ((0.21, 0.29), 0.25, 0.25), ((1.49, 2.6), 1.6, 2), ((3, 3), 3, 3)],
+)
+def test_the_roundest_figure_of_a_range(ends, near, found):
+    assert roundest(*ends, near) == pytest.approx(found)
