@@ -27,6 +27,7 @@ __all__ = [
     "SizingResult",
     "Validation",
     "catalog",
+    "design",
     "equations",
     "explain",
     "load_catalog",
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from drivesizer import catalog, equations, units
     from drivesizer.catalog import load as load_catalog
     from drivesizer.control.validation import Validation
+    from drivesizer.design.answer import design
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
     from drivesizer.multi_axis.sizing import size_machine
     from drivesizer.output.document.tables import tables
@@ -67,6 +69,7 @@ _HOME = {  # module, and the name in it where that is another; modules themselve
     "RobotSpec": "spec.robot",
     "SizingResult": "results.sizing",
     "Validation": "control.validation",
+    "design": "design.answer",
     "explain": "sizing",
     "load_catalog": "catalog:load",
     "load_machine": "spec.machine",

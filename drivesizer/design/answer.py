@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import floor, isinf, log10
 from pathlib import Path
@@ -10,7 +11,10 @@ from typing import Any
 
 from drivesizer.design.machines import Choice, Machine, Machines, Values, machines
 from drivesizer.design.search import Pair, Progress, best_of, every_machine, evolved, front_of, nearest_of
-from drivesizer.design.task import Free, Task
+from drivesizer.design.task import Free, Task, read_task
+from drivesizer.files.yaml_source import read, written
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.spec.robot import RobotSpec
 from drivesizer.study.workers import workers
 
 FLAT = 0.01  # share by which a figure may be worse where an optimum is called flat
@@ -105,6 +109,74 @@ def answer(
             nearest=None if best else nearest_of(list(of.known.values())), front=tuple(front_of(of)), flat=flat,
             rounded=rounded, sized=of.sized, looked_at=len(of.known), whole=whole,
         )  # fmt: skip
+
+
+def design(
+    spec: str | Path | Mapping[str, Any] | RobotSpec,
+    *,
+    free: Mapping[str, Any] | None = None,
+    minimise: str | Callable[[DriveSet], float] | None = None,
+    subject_to: Sequence[str] | None = None,
+    pareto: Sequence[str] | None = None,
+    evaluations: int | None = None,
+    seed: int | None = None,
+    processes: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Answer:
+    """The best machine with its drive.
+
+    Parameters
+    ----------
+    spec
+        A file, the same fields as a dict, or a spec that was read.
+    free
+        Free figures beside those that the spec has, by field: ``{"load.wheel_diameter": "120 mm .. 250 mm"}``, a list,
+        or ``{"free": ..., "step": ...}``.
+    minimise
+        An expression, such as ``"mass + 0.1 * price"``, or a function of a drive.
+    subject_to, pareto, evaluations, seed
+        As in section ``design`` of a spec, and in its place where given.
+    processes
+        That share the work; 0 is one for each core. With a function it is done in this one.
+    folder
+        Where every machine is kept; the same call goes on from there.
+    progress
+        Called with the machines that are done and all there are to be.
+
+    Returns
+    -------
+    Answer
+        Figures of the best machine, its drive, the front, how flat the optimum is; printed, it says all of that.
+
+    Raises
+    ------
+    InputError
+        When the spec, a free figure or an expression is wrong: one line.
+
+    Examples
+    --------
+    >>> cart = {
+    ...     "name": "cart", "supply": {"nominal": "24 V", "accepts": "all"},
+    ...     "load": {"kind": "wheeled_vehicle", "mass": "60 kg", "driven_wheels": 2, "wheel_diameter": "200 mm",
+    ...              "rolling_resistance": 0.02, "inertia": "40 kg*cm^2"},
+    ...     "motion": {"speed": "1 m/s", "acceleration_time": "1 s", "cruise_time": "9 s"},
+    ...     "select": {"motor": {"family": "RE 40"}, "gearhead": {"family": "GP 42 C"}},
+    ... }
+    >>> found = design(cart, free={"load.wheel_diameter": ["150 mm", "250 mm"]}, minimise="load.wheel_diameter")
+    >>> found.values
+    {'load.wheel_diameter': '150 mm'}
+    """
+    if isinstance(spec, RobotSpec):
+        source = spec.source
+    else:
+        source = written(spec) if isinstance(spec, Mapping) else read(Path(spec))
+    judged = None if minimise is None or isinstance(minimise, str) else minimise
+    task = read_task(
+        source, free=free, merit=judged, minimise=None if judged else minimise, evaluations=evaluations, seed=seed,
+        subject_to=None if subject_to is None else list(subject_to), pareto=None if pareto is None else list(pareto),
+    )  # fmt: skip
+    return answer(task, processes=processes, folder=None if folder is None else Path(folder), progress=progress)
 
 
 # -- How flat the optimum is: each figure alone goes as far to either side as the goal allows, by halving.

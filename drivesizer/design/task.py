@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import floor, inf, prod
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -328,10 +327,3 @@ def _inside(
         wanted = wanted[:1]
     assert all(one in OBJECTIVES for one in wanted)
     return (wanted[0] if wanted else None), tuple(wanted) if len(wanted) > 1 else (), notes
-
-
-def load_task(path: Path, **given: Any) -> Task:
-    """The task of a file."""
-    from drivesizer.files.yaml_source import read
-
-    return read_task(read(path), **given)
