@@ -58,6 +58,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
         "ControllerTolerances": "`controller`",
     },
     "cases": {"Case": ""},
+    "design": {"Design": ""},
     "report": {"TitleBlock": ""},
     "mission": {"Mission": ""},
     "control": {

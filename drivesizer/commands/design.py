@@ -41,8 +41,8 @@ def design(
 
     with one_thread_each():  # before NumPy is loaded
         from drivesizer.design.answer import answer
+        from drivesizer.design.result import text_of
         from drivesizer.design.task import read_task
-        from drivesizer.design.words import text_of
         from drivesizer.files.writing import write_files
         from drivesizer.files.yaml_source import read
 

@@ -1,4 +1,4 @@
-"""The best machine of a task, and what one wants to know of it: how flat the optimum is, what holds it, the front."""
+"""The best machine of a task, and what one wants to know of it: how flat the optimum is, what may be rounded."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from math import floor, isinf, log10
 from pathlib import Path
 from typing import Any
 
-from drivesizer.design.machines import Choice, Machine, Machines, Values, machines
-from drivesizer.design.search import Pair, Progress, best_of, every_machine, evolved, front_of, nearest_of
+from drivesizer.design.machines import Machine, Machines, Values, machines
+from drivesizer.design.result import Answer, Flat
+from drivesizer.design.search import Progress, best_of, every_machine, evolved, front_of, nearest_of
 from drivesizer.design.task import Free, Task, read_task
 from drivesizer.files.yaml_source import read, written
 from drivesizer.results.drive_set import DriveSet
@@ -20,50 +21,6 @@ from drivesizer.study.workers import workers
 FLAT = 0.01  # share by which a figure may be worse where an optimum is called flat
 _HALVINGS = 9  # of the range on either side
 _BOUND = "end of its range"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Flat:
-    """A free figure near the optimum, the others as they are: how far it may go for a hundredth of the goal."""
-
-    free: Free
-    low: Any  # values as they go into the spec
-    high: Any
-    below: str  # what ends it there
-    above: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Answer:
-    """The best machine that was found, and its neighbours."""
-
-    task: Task
-    best: Machine | None  # None where none is within the limits
-    choice: Choice | None
-    nearest: Machine | None  # closest to the limits, where none is within them
-    front: tuple[Pair, ...]
-    flat: tuple[Flat, ...]
-    rounded: Machine | None  # the best with round figures, where these cost no more than a hundredth
-    sized: int  # machines
-    looked_at: int  # machines, with those that the spec alone puts beyond a limit
-    whole: bool  # whether no machine is left that could be better
-
-    @property
-    def values(self) -> dict[str, Any]:
-        """The free figures of the best machine, as they go into the spec; empty where there is none."""
-        names = [one.axis.name for one in self.task.free]
-        return dict(zip(names, self.best.values, strict=True)) if self.best else {}
-
-    def filled(self, *, rounded: bool = False) -> str:
-        """The spec's text with the figures of the best machine, comments kept."""
-        one = self.rounded if rounded and self.rounded else self.best
-        assert one is not None
-        return self.task.filled(one.values)
-
-    def __str__(self) -> str:
-        from drivesizer.design.words import text_of
-
-        return text_of(self)
 
 
 def answer(

@@ -1,13 +1,15 @@
-"""The best machine in words: figures, what holds them, drive, limits, the front."""
+"""The best machine as a record, and in words: figures, what holds them, drive, limits, the front."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from math import isinf, isnan
 from typing import Any
 
-from drivesizer.design.answer import Answer
 from drivesizer.design.machines import Choice, Machine
+from drivesizer.design.search import Pair
+from drivesizer.design.task import Free, Task
 from drivesizer.files.arithmetic import Expression
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.words import number_of
@@ -18,6 +20,48 @@ from drivesizer.units import KINDS, show
 
 _SHOWN = ("mass", "price", "energy", "time", "autonomy", "range")
 _FRONT = 12  # machines of the front that are listed
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Flat:
+    """A free figure near the optimum, the others as they are: how far it may go for a hundredth of the goal."""
+
+    free: Free
+    low: Any  # values as they go into the spec
+    high: Any
+    below: str  # what ends it there
+    above: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """The best machine that was found, and its neighbours."""
+
+    task: Task
+    best: Machine | None  # None where none is within the limits
+    choice: Choice | None
+    nearest: Machine | None  # closest to the limits, where none is within them
+    front: tuple[Pair, ...]
+    flat: tuple[Flat, ...]
+    rounded: Machine | None  # the best with round figures, where these cost no more than a hundredth
+    sized: int  # machines
+    looked_at: int  # machines, with those that the spec alone puts beyond a limit
+    whole: bool  # whether no machine is left that could be better
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The free figures of the best machine, as they go into the spec; empty where there is none."""
+        names = [one.axis.name for one in self.task.free]
+        return dict(zip(names, self.best.values, strict=True)) if self.best else {}
+
+    def filled(self, *, rounded: bool = False) -> str:
+        """The spec's text with the figures of the best machine, comments kept."""
+        one = self.rounded if rounded and self.rounded else self.best
+        assert one is not None
+        return self.task.filled(one.values)
+
+    def __str__(self) -> str:
+        return text_of(self)
 
 
 def text_of(answer: Answer) -> str:
