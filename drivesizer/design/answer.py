@@ -141,7 +141,7 @@ def design(
 
 @dataclass
 class _Side:
-    """One figure on its way to one side: places in its list, or figures."""
+    """One figure and how far it may go to one side: in places of its list, or figures."""
 
     place: int  # of the free figure
     good: float
