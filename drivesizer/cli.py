@@ -36,7 +36,7 @@ _COMMANDS = {
     "validate": ("commands.validate", "Simulate a drive over its profile in closed loop.",
                  "validate examples/sps_robot.yaml --profile trapezoid"),
     "commission": ("commands.commission", "The gains as the controller takes them, in its own units.",
-                   "commission examples/sps_robot.yaml --device epos4 -o drive.dcf"),
+                   "commission examples/sps_robot.yaml --set control.bandwidth=10Hz -o drive.dcf"),
     "drive": ("commands.validate", "Drive a platform along a trajectory, wheel by wheel.",
               "drive examples/sps_platform.yaml examples/sps_way.csv"),
     "report": ("commands.sizing", "Write the report: PDF, HTML, XLSX, CSV or JSON.",

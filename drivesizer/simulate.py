@@ -232,7 +232,7 @@ def commissioned(
     recalled = [row for row in rows if row.parameter.confidence == "recalled" and not unconfirmed]
     rows = [row for row in rows if row not in recalled]
     if recalled:
-        names = (f"{row.parameter.name} = {row.text} {row.parameter.unit}".strip() for row in recalled)
+        names = (f"{row.parameter.name} = {row.text} {row.unit}".strip() for row in recalled)
         left_out.append(f"{', '.join(names)}: known from memory alone (--unconfirmed)")
     if not rows:
         raise InputError(f"--device: all that is known of {device.title} is from memory alone; expected --unconfirmed")
@@ -240,8 +240,9 @@ def commissioned(
     if values.get("rate", 0.0) > most:
         raise InputError(f"--device: {device.title} cannot express {values['rate'] / 1e3:.3g} kHz of pulses: "
                          f"{most / 1e3:.3g} kHz at most; expected fewer control.microsteps")  # fmt: skip
-    limited = devices.with_limit(device, rows, drive)
-    return Commissioned(proof, rows, left_out, simulated(devices.as_written(device, rows, proof, values), limited))
+    again = simulated(devices.as_written(device, rows, proof, values), devices.with_limit(device, rows, drive))
+    said = f"the loop is that of {device.title}, with the gains and limits that are written there, after rounding"
+    return Commissioned(proof, rows, left_out, replace(again, assumptions=(said, *again.assumptions)))
 
 
 def with_remedies(

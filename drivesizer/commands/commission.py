@@ -71,7 +71,7 @@ def commission(
     table.columns[0].no_wrap = True
     for row in rows:
         more = (row.in_si, row.parameter.meaning)[: len(heads)]
-        table.add_row(row.parameter.name, row.text, row.parameter.unit, *more)
+        table.add_row(row.parameter.name, row.text, row.unit, *more)
     out.print(f"{one.title}: {found.label}", markup=False)
     out.print(table)
     said = [*loops(made), *_warned(one, made, board), *(f"{word}: {one.words[word]}" for word in ("first", "load"))]
@@ -128,7 +128,8 @@ def loops(made: Commissioned) -> list[str]:
     lines = [f"with these figures: {proof.status} over {proof.over}" + (f" ({proof.failed})" if proof.failed else "")]
     for exact, written in zip(made.exact.loops, proof.loops, strict=True):
         lost = max(0.0, degrees(exact.phase_margin - written.phase_margin))
-        lines.append(f"{written.name} loop: phase margin {degrees(written.phase_margin):.1f}°, {lost:.2f}° lost by "
+        name = written.name if getattr(proof.gains, "kp", 1.0) else "position"  # which acts on the voltage by itself
+        lines.append(f"{name} loop: phase margin {degrees(written.phase_margin):.1f}°, {lost:.2f}° lost by "
                      f"rounding; bandwidth {written.bandwidth:.3g} Hz")  # fmt: skip
     return lines
 
@@ -147,7 +148,7 @@ def _remarks(device: Device, made: Commissioned, board: dict[str, float]) -> lis
     return [
         f"{device.title}, by drivesizer: {made.exact.drive_set.label}", f"source of units: {device.words['source']}",
         f"first: {device.words['first']}", f"load: {device.words['load']}", "",
-        *(f"{row.parameter.name} = {row.text} {row.parameter.unit}: {row.parameter.meaning}; "
+        *(f"{f'{row.parameter.name} = {row.text} {row.unit}'.rstrip()}: {row.parameter.meaning}; "
           + f"{row.in_si}; " * bool(row.in_si) + f"exactly {row.exact:.8g}; {row.parameter.confidence}"
           for row in made.rows), "",
         *loops(made), *_warned(device, made, board),

@@ -74,6 +74,8 @@ def validate(
     else:
         sizing.validation(proofs[""], checks=checks)
         common.print_notes(proofs[""].warnings)
+    if device or firmware:
+        common.print_notes(tuple(dict.fromkeys(proof.assumptions[0] for proof in proofs.values())))
     raise typer.Exit(int(any(proof.status == "fail" for proof in proofs.values())))
 
 

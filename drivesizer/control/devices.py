@@ -118,12 +118,13 @@ class Written(NamedTuple):
     exact: float
     value: float  # after rounding
     si: float = math.nan  # the figure that it carries, after rounding
+    rotary: bool = False  # of units that are given of a linear axis or of a rotary one
 
     @property
     def text(self) -> str:
         """The value as it stands in the file."""
         if self.parameter.rounding == "float":
-            return repr(float(f"{self.value:.8g}")).removesuffix(".0")
+            return str(np.float32(self.value)).removesuffix(".0")
         return f"{self.value:.{self.parameter.decimals}f}"
 
     @property
@@ -131,7 +132,13 @@ class Written(NamedTuple):
         """The figure in SI that the written value is; empty where it is none."""
         if math.isnan(self.si):
             return ""
-        return f"{self.parameter.figure} = {self.si:.6g} {_SI[self.parameter.figure]}".rstrip()
+        unit = _SI[self.parameter.figure].split(" or ")[-self.rotary]
+        return f"{self.parameter.figure} = {self.si:.6g} {unit}".rstrip()
+
+    @property
+    def unit(self) -> str:
+        """The controller's unit."""
+        return self.parameter.unit.split(" or ")[-self.rotary]
 
 
 class Writing(NamedTuple):
@@ -429,7 +436,8 @@ def _written(parameter: Parameter, values: dict[str, float]) -> Written | str:
     low, high = parameter.ends
     if not low <= value <= high:
         return f"{said}, and it takes {low:.10g} to {high:.10g}"
-    return Written(parameter, exact, value, parameter.figure_at(value, values) if parameter.figure else math.nan)
+    si = parameter.figure_at(value, values) if parameter.figure else math.nan
+    return Written(parameter, exact, value, si, rotary=values.get("mm", 1e3) != 1e3)
 
 
 def read_back(rows: list[Written]) -> dict[str, float]:
