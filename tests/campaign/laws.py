@@ -314,6 +314,8 @@ def main() -> int:
                     wrong[law] += bool(lines)
                     for line in lines[:3]:
                         print(f"{number} {law}: {line}", flush=True)
+            if (done := number + 1 - given.first) % 10 == 0:
+                print(f"{done} of {given.count}", file=sys.stderr, flush=True)
     print(f"{tried} machines with drives to look at; broken: {dict(wrong)}")
     return bool(sum(wrong.values()))
 
