@@ -268,7 +268,10 @@ def with_remedies(
         kinds += [remedies.slower_ramps(spec, proof)] * mine.steps
     option = f"--axis {axis} --set" if axis else "--set"
     next_drives = [one for one in others if one.label != mine.label][:_OTHERS]
-    drives = [("another drive", f"{option} {one.order_numbers}", spec, one) for one in next_drives]
+    drives = [
+        (f"another drive{_heavier(mine, one) if axis else ''}", f"{option} {one.order_numbers}", spec, one)
+        for one in next_drives
+    ]
     under, tried = f"axes.{axis}." if axis else "", list[Remedy]()
     for kind in (*([(c.what, under + c.entry, c.spec, mine) for c in kind] for kind in kinds), drives):
         for what, entry, changed, one in kind:
@@ -284,6 +287,16 @@ def with_remedies(
             if status != "fail":
                 break
     return replace(proof, tried=tuple(tried))
+
+
+def _heavier(mine: DriveSet, other: DriveSet) -> str:
+    """How much heavier another drive is for an axis that carries it, in words; its controller rides on none."""
+
+    def of_turning(one: DriveSet) -> float:
+        return sum(part.mass for role, part in one.parts.items() if part is not None and role != "controller")
+
+    more = of_turning(other) - of_turning(mine)
+    return f", {show(more, 'g', 'mass', 3)} heavier" if more > 0.0 else ""
 
 
 def validate_all(

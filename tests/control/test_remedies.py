@@ -118,6 +118,14 @@ def test_a_remedy_that_size_rejects_does_not_help(sizing, proof):
     assert [one for one in found.tried if one not in changes] == [one for one in proof.tried if "--set" in one.entry]
 
 
+def test_another_drive_says_what_it_adds_to_the_axis_that_carries_it(sizing, proof):
+    first = sizing.sets[0]
+    heavy = replace(first, motor=replace(first.motor, family="heavier", mass=first.motor.mass + 0.25))
+    worn = replace(first, checks=(replace(first.checks[0], status="fail"),), status="fail")
+    found = with_remedies(proof, sizing.spec, [heavy], axis="slide", sized=lambda _, one: worn)
+    assert found.tried[-1].what == "another drive, 250 g heavier"
+
+
 def test_axis_by_axis_of_a_machine(tmp_path):
     """Entered under the axis, or with the option that names it: the same loop as that of a machine of one axis."""
     own = {name: FIELDS[name] for name in ("load", "motion", "transmission")}
