@@ -45,6 +45,8 @@ _COMMANDS = {
               "quote examples/sps_robot.yaml -o quote.csv"),
     "predict": ("commands.predict", "Predict what is measured of a set at the bench, with bands.",
                 "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
+    "identify": ("commands.identify", "A drive's figures out of its log, with bands.",
+                 "identify log.csv --motor 118752 -o fit.svg"),
     "export": ("commands.export", "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
                "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     "serve": ("live.command", "A page in the browser where the drive follows the figures.", "serve robot.yaml"),

@@ -30,7 +30,7 @@ ORDER = (
     ("machine", "control", "joints"),
     ("simulate",),
     ("search",),
-    ("sizing", "prediction"),
+    ("sizing", "prediction", "identification"),
     ("multi_axis", "output"),
     ("study",),
     ("design",),
@@ -41,7 +41,7 @@ ORDER = (
 )
 RANK = {room: rank for rank, line in enumerate(ORDER) for room in line}
 # above it, and yet not to be imported: commands join them
-APART = {"output": {"search", "sizing", "simulate", "prediction"}}
+APART = {"output": {"search", "sizing", "simulate", "prediction", "identification"}}
 FILES = {
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): path
     for path in PACKAGE.rglob("*.py")

@@ -27,7 +27,13 @@ OTHER_NAMES = ("order_number", "also_called")  # columns of some sections, besid
 _RECORDS = 256  # parts of late, by row
 
 Part = TypeVar("Part")
-CONFIDENCE = ("quoted", "secondary", "derived", "recalled")  # from the most to the least reliable; then ESTIMATED
+CONFIDENCE = (
+    "measured",
+    "quoted",
+    "secondary",
+    "derived",
+    "recalled",
+)  # the most reliable first; then ESTIMATED
 ESTIMATED = "estimated"  # from peers: no catalogue may say so of its own figures
 
 
@@ -35,7 +41,7 @@ class Source(NamedTuple):
     """Source of figures."""
 
     document: str
-    confidence: str  # quoted, secondary, derived or recalled
+    confidence: str  # measured, quoted, secondary, derived or recalled
     date: str = ""
     url: str = ""
 

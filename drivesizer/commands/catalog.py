@@ -117,7 +117,7 @@ def take_in(
     family: Stated = None,
     name: Stated = None,
     document: Stated = None,
-    confidence: Annotated[str | None, typer.Option(help="quoted, secondary, derived or recalled.")] = None,
+    confidence: Annotated[str | None, typer.Option(help="measured, quoted, secondary, derived or recalled.")] = None,
     date: Stated = None,
     url: Stated = None,
 ) -> None:

@@ -78,6 +78,11 @@ class Mechanics:
         return self.gear_efficiency * self.belt_efficiency
 
     @property
+    def shares(self) -> tuple[float, float]:
+        """Torque at the motor per torque at the driven shaft, where it drives the load and where the load drives it."""
+        return through_gears(self.ratio, self.efficiency)
+
+    @property
     def motor_per_speed(self) -> float:
         """Motor speed per speed of the load, K/r [rad/m, or 1]."""
         return self.ratio / self.radius
@@ -89,7 +94,7 @@ class Mechanics:
 
     def at_motor(self, torque: Any, direction: Any) -> Any:
         """Torque at the motor [N*m] against one at the driven shaft and friction, by the direction of power."""
-        driving, braking = through_gears(self.ratio, self.efficiency)
+        driving, braking = self.shares
         share = np.where(torque * direction > 0.0, driving, braking)
         return self.friction * direction + torque * np.where(direction == 0.0, 1.0 / self.ratio, share)
 
@@ -127,10 +132,9 @@ class Mode(NamedTuple):
 
 def modes(train: DriveTrain) -> tuple[Mode, ...]:
     """The five modes of a rigid drive train in the order of :class:`Regime`; at rest, friction balances the motor."""
-    shares = through_gears(train.ratio, train.efficiency)  # driving and braking
     found = [Mode(inf, 0.0)]
     for friction, resistance in ((train.friction, train.forward_torque), (-train.friction, train.backward_torque)):
-        for share in shares:
+        for share in train.shares:
             inertia = train.motor_inertia + train.load_inertia * share / train.ratio
             found.append(Mode(inertia, friction + resistance * share))
     return tuple(found)
@@ -228,16 +232,17 @@ _NORM = 0.5  # of the matrix times the step, up to which the series is used
 
 
 def columns(trains: Sequence[DriveTrain]) -> dict[str, Array]:
-    """Drive trains as columns, by the names of their figures; total ratio and efficiency among them."""
+    """Drive trains as columns, by the names of their figures; total ratio, efficiency and shares among them."""
     names = [*(f.name for f in fields(DriveTrain)), "ratio", "efficiency"]
-    return {name: np.array([getattr(train, name) for train in trains], float) for name in names}
+    found = {name: np.array([getattr(train, name) for train in trains], float) for name in names}
+    return found | {"shares": np.array([train.shares for train in trains]).T}
 
 
 def generators(machine: dict[str, Array], resistance: Array) -> Array:
     """Matrices G of dx/dt = G x in each mode, the inputs among the states (u, m constant, l a ramp)."""
     two = machine["stiffness"][0] < inf
     K, k, driven, zero = machine["ratio"], machine["torque_constant"], machine["load_inertia"], 0.0 * machine["ratio"]
-    shares, L = through_gears(K, machine["efficiency"]), machine["inductance"][:, None]  # driving and braking
+    shares, L = machine["shares"], machine["inductance"][:, None]  # driving and braking
     count, u = (12, 6) if two else (3, 4)
     G = np.zeros((*resistance.shape, count, u + 4, u + 4))
     G[..., 0, 0] = (-resistance / L)[..., None]  # what all modes have: current, charge, angle, and the load's ramp

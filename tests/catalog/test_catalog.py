@@ -289,7 +289,7 @@ WRONG = [
     ("column twice", "columns: [part, ratio]", "columns: [part, part]", "34: gearheads[2].columns", "every column once"),
     ("column and common", "diameter: 40 mm", "mass: 40 g", "9: motors[1].common.mass", "mass is a column of this table as well; give it once"),
     ("family as a column", "columns: [part, ratio]", "columns: [part, family]", "34: gearheads[2].columns[2]", "family stands at the head of its table"),
-    ("unknown confidence", "confidence: quoted}", "confidence: certain}", "4: sources.sheet", 'confidence "certain" is not one of quoted, secondary, derived, recalled'),
+    ("unknown confidence", "confidence: quoted}", "confidence: certain}", "4: sources.sheet", 'confidence "certain" is not one of measured, quoted, secondary, derived, recalled'),
     ("source without document", 'document: "Acme M40, rev. C", ', "", "4: sources.sheet", '"document" is missing'),
     ("no sources", ACME[ACME.index("  sheet:") : ACME.index("motors:\n")], "", "3: sources", "expected at least one, e.g. sheet: {document:"),
     ("note on an unknown part", 'parts: ["M40-48"], fields', 'parts: ["M40-49"], fields', "15: motors[1].notes[1].parts", '"M40-49" is not a part of this table'),

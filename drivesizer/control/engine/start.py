@@ -15,7 +15,6 @@ from drivesizer.control.engine.kernel import feedforward_current, holding_torque
 from drivesizer.control.engine.layout import PARAMETERS, STATE, TALLY, Array
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError
-from drivesizer.physics.drive_train import through_gears
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
 
 
@@ -147,7 +146,7 @@ _NODES, _NODE = 24, 20.0  # nodes of temperature, and K between them: the modes 
 
 def mechanical(m: Mechanics) -> dict[str, float]:
     """Rotor, gears and load by the names of the parameters."""
-    driving, braking = through_gears(m.ratio, m.efficiency)
+    driving, braking = m.shares
     return {
         "J_M": m.motor_inertia, "F_M": m.friction, "RATIO": m.ratio, "DRIVE": driving, "BRAKE": braking,
         "J_L": m.load_inertia, "T_F": m.forward_torque, "T_B": m.backward_torque, "T_0": m.rest_torque,

@@ -76,6 +76,7 @@ _MEANING = {
     "numbers": "with all their digits, shown with four; the unit is beside or in the head",
     "SI value": "the same figure in the unit of the SI",
     "margin": "limit over demand less 1; of a required minimum what there is over what is required less 1",
+    "measured": "identified from a log of the part itself",
     "quoted": "from the maker's own document",
     "secondary": "copied by others",
     "derived": "computed or inferred",

@@ -23,6 +23,7 @@ from drivesizer.output.thinning import curve_points
 from drivesizer.results.check import LoopShare, Reliability
 from drivesizer.results.check_kinds import missing_figures
 from drivesizer.results.drive_set import DriveParts, DriveSet, EnergyBudget, MassRow, Requirement
+from drivesizer.results.identification import Comparison, Identification, IdentifiedFigure
 from drivesizer.results.machine import AxisSizing, Course, MachinePower, MachineSizing
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.robot import RobotSpec
@@ -150,6 +151,11 @@ def _platform(result: SizingResult) -> PlatformNumbers | None:
     return platform_numbers(result.spec, result.shown)
 
 
+def _si_unit(one: IdentifiedFigure) -> str:
+    """SI; of a kind without a name as it is shown."""
+    return KINDS[one.kind].si if one.kind in KINDS else one.unit
+
+
 def _properties(record: type, *names: str) -> dict[str, Callable[[Any], Any]]:
     """Properties of a record that are keys too."""
     return {name: getattr(record, name).fget for name in names}
@@ -164,6 +170,8 @@ _LEFT_OUT: dict[type, set[str]] = {
     MachinePower: {"time", "drawn", "returned", "total", "left"},
     Validation: {"series", "series_units"},
     LinearRun: {"train", "series"},
+    Identification: {"time", "traces"},
+    Comparison: {"time", "traces"},
 }
 _MADE: dict[type, dict[str, Callable[[Any], Any]]] = {
     MachineSizing: {"machine": _machine, **_properties(MachineSizing, "status", "total")},
@@ -177,6 +185,7 @@ _MADE: dict[type, dict[str, Callable[[Any], Any]]] = {
     MachinePower: {"course": _course},
     Validation: {"spec": _entered},
     Loop: {"bode": _bode, "step": _step},
+    IdentifiedFigure: {"unit": _si_unit},
 }
 
 

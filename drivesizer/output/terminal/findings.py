@@ -108,7 +108,10 @@ def _silent(out: Console, name: str, one: Coverage) -> None:
 def _confidences(some: Sequence[Coverage]) -> list[str]:
     """The share of each confidence among all known figures."""
     counts = {level: sum(one.sure[level] for one in some) for level in CONFIDENCE}
-    return [_share(counts[level], sum(counts.values())) for level in CONFIDENCE]
+    shares = {level: _share(counts[level], sum(counts.values())) for level in CONFIDENCE}
+    if not counts["measured"]:  # of own parts alone
+        shares["measured"] = ""
+    return [*shares.values()]
 
 
 def _together(some: Sequence[Coverage]) -> Coverage:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
     from drivesizer.machine.platform_budget import PermittedSpeeds
+    from drivesizer.results.identification import Comparison, Identification
     from drivesizer.results.prediction import Prediction
 
 
@@ -238,6 +239,24 @@ def predicted(found: Prediction) -> None:
     out = console()
     heading(out, found.label, "")
     render.blocks(out, prediction_blocks(found))
+
+
+def identified(found: Identification) -> None:
+    """Print an identification."""
+    from drivesizer.output.document.identified import identification_blocks
+
+    out = console()
+    heading(out, f"{found.log}: {found.label}" if found.label else found.log, "")
+    render.blocks(out, identification_blocks(found))
+
+
+def compared(found: Comparison) -> None:
+    """Print a log beside its sizing."""
+    from drivesizer.output.document.identified import comparison_blocks
+
+    out = console()
+    heading(out, f"{found.log}: {found.label}, {found.over}", "")
+    render.blocks(out, comparison_blocks(found))
 
 
 def driven(

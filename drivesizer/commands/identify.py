@@ -1,0 +1,150 @@
+"""``drivesizer identify`` and ``drivesizer compare``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from drivesizer.commands import common
+from drivesizer.commands.catalog import Names
+from drivesizer.commands.common import Chosen, Json, OfAxis, file_argument, file_option
+from drivesizer.errors import InputError, quoted
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from drivesizer.catalog.query import Hit
+    from drivesizer.identification.identify import Reference
+    from drivesizer.results.drive_set import DriveSet
+    from drivesizer.spec.robot import RobotSpec
+
+_DRAWN = (".svg", ".pdf", ".png")
+_SPECS = (".yaml", ".yml")
+
+LogFile = Annotated[
+    Path,
+    file_argument(metavar="LOG", help="CSV, TSV, XLSX, SysId JSON, .wpilog, a pendulum's or a calibration's JSON."),
+]
+OfSpec = Annotated[Path | None, file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged.")]
+Scales = Annotated[
+    list[str] | None, typer.Option("--scale", metavar="COLUMN=FACTOR", help="speed=6.2832; may be repeated.")
+]
+
+
+def identify(
+    log: LogFile,
+    motor: Annotated[str | None, typer.Option(metavar="PART", help="The motor, by its number in a catalogue.")] = None,
+    spec: OfSpec = None,
+    chosen: Chosen = None,
+    inertia: Annotated[str | None, typer.Option(help="Known, of what is mounted at the output.")] = None,
+    ratio: Annotated[float, common.number_option("--ratio", 9.0, meaning="Of gears before a logged torque.")] = 1.0,
+    scale: Scales = None,
+    json: Json = False,
+    output: Annotated[
+        list[Path] | None,
+        file_option("--output", "-o", help="Measured against model (.svg, .pdf, .png), or a catalogue (.yaml)."),
+    ] = None,
+    axis: OfAxis = None,
+    catalogs: Names = None,
+) -> None:
+    """Identify a drive by its log: figures with bands, what it cannot separate, what is wrong with it."""
+    from drivesizer.files.writing import check_targets, write_files
+    from drivesizer.identification.identify import identify as identified
+    from drivesizer.identification.part_file import part_file
+
+    paths = output or []
+    for path in paths:
+        if path.suffix.lower() not in (*_DRAWN, *_SPECS):
+            expected = f"expected {', '.join(_DRAWN)}, or .yaml for a row of a catalogue"
+            raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
+    check_targets(paths)
+    if motor and spec:
+        raise InputError("--motor: the spec has the motor; expected one of --motor and --spec")
+    if not ratio > 0.0:
+        raise InputError(f"--ratio: {ratio:g} is not above 0; expected e.g. 9")
+    hit, of = _reference(motor, spec, chosen, axis, catalogs, ratio)
+    if inertia is not None:
+        of = of._replace(inertia=_inertia(inertia))
+    with common.working("fitting the drive's model to the log; first, once: translating it to machine code"):
+        found = identified(log, of, scales=_factors(scale))
+    files = {path: part_file(found, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
+    files |= {path: _drawn(path, found.time, found.traces) for path in paths if path.suffix.lower() in _DRAWN}
+    if json:
+        from drivesizer.output.json.documents import as_text
+
+        typer.echo(as_text(found))
+    else:
+        from drivesizer.output.terminal.sizing import identified as printed
+
+        printed(found)
+    for path in write_files(files):
+        typer.echo(f"{path} written", err=True)
+
+
+def _drawn(path: Path, time: Any, traces: Any) -> bytes:
+    from drivesizer.output.report.figures.measured import measured_and_model
+    from drivesizer.output.report.figures.picture import on_paper
+
+    if not traces or not len(time):
+        raise InputError(f"{path}: there is nothing over time to draw")
+    form: Any = path.suffix.lower().removeprefix(".")
+    return on_paper(measured_and_model(time, traces))(form)
+
+
+def _inertia(text: str) -> float:
+    from drivesizer.units import to_si
+
+    try:
+        value = to_si(text, "inertia")
+    except InputError as error:
+        raise InputError(f"--inertia: {error}") from None
+    if not value > 0.0:
+        raise InputError(f"--inertia: {quoted(text)} is not above 0; expected e.g. 12 g*cm^2")
+    return value
+
+
+def _factors(words: list[str] | None) -> Mapping[str, float]:
+    found = {}
+    for word in words or ():
+        name, _, factor = word.partition("=")
+        try:
+            found[name.strip()] = float(factor)
+        except ValueError:
+            raise InputError(f"--scale: {quoted(word)}; expected a column and its factor, e.g. speed=6.2832") from None
+    return found
+
+
+def _reference(
+    motor: str | None, spec: Path | None, chosen: list[str] | None, axis: str | None, catalogs: list[str] | None,
+    ratio: float,
+) -> tuple[Hit | None, Reference]:  # fmt: skip
+    """What is known of the drive: nothing, a motor, or all that a spec and its drive say."""
+    from drivesizer.identification.identify import Reference
+    from drivesizer.identification.reference import of_drive, of_motor
+
+    if motor:
+        from drivesizer.catalog.query import find, open_catalogs
+
+        hits = [hit for hit in find(open_catalogs(catalogs or ()), motor) if hit.section == "motors"]
+        if not hits:
+            raise InputError(f"--motor: {quoted(motor)} is no motor; expected one of a catalogue's section motors")
+        return hits[0], of_motor(hits[0], ratio)
+    if spec is None:
+        return None, Reference(ratio=ratio)
+    own, drive = _machine(spec, chosen, axis, catalogs)
+    return None, of_drive(own, drive)
+
+
+def _machine(
+    spec: Path, chosen: list[str] | None, axis: str | None, catalogs: list[str] | None
+) -> tuple[RobotSpec, DriveSet]:
+    """A spec and its drive: named, or the best."""
+    fields, drives = common.fields_and_drives(chosen)
+    axes = common.with_drives(common.load(spec, catalogs, axis, fields), drives)[0]
+    if len(axes) > 1:
+        raise InputError(
+            f"--axis: expected one of {', '.join(name for name, _, _ in axes)}; a log is that of one drive"
+        )
+    return axes[0][1], axes[0][2]

@@ -1,0 +1,162 @@
+r"""Files of a controller's own calibration, held against themselves: moteus (constants, d-axis sweeps) and ODrive.
+
+A sweep is y = w (lambda + L_d i_d) with the voltage y = u_q - R i_q at electrical speeds w and currents i_d; the flux
+linkage stands in v_per_hz too, :math:`\lambda = v / (\pi n)` of n poles, and the maker's own fit has a term of
+saturation besides. Currents are amplitudes of the q axis: :math:`k_t = 3/2 \cdot n/2 \cdot \lambda`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from math import isnan, nan, pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drivesizer.errors import InputError
+from drivesizer.files.text import read_bytes
+from drivesizer.identification.fit import BAND, spreads
+from drivesizer.identification.log import LARGEST
+from drivesizer.results.identification import Identification, IdentifiedFigure, Inseparable, LogFinding, Trace
+
+_CONTRADICT = 0.1  # of two figures of one file
+_KV = 30.0  # rpm/V times V/Hz of one motor, of amplitude to half of the supply
+_INDUCTANCES = 2e-6, 4e-3  # H, that ODrive accepts
+_MODEL = 0.03  # of the flux linkage, that another term for saturation moves it by at least
+_RESULTS = Inseparable(
+    "any band", "the file has results alone", "a log of voltage, current, speed, stalled and running"
+)
+
+
+def calibration(path: Path) -> Identification | None:
+    """A calibration file's figures with cross-checks.
+
+    Parameters
+    ----------
+    path
+        A JSON file.
+
+    Returns
+    -------
+    Identification or None
+        None where it is another kind of file.
+
+    Raises
+    ------
+    InputError
+        When it is one and lacks figures.
+    """
+    if path.suffix not in (".json", ".log"):
+        return None
+    raw = read_bytes(path, LARGEST)
+    if raw.lstrip()[:1] != b"{":
+        return None
+    try:
+        data = json.loads(raw)
+    except (ValueError, RecursionError):
+        return None
+    try:
+        if isinstance(data.get("raw"), dict) and isinstance(data.get("params"), dict):
+            return _sweep(data, path)
+        if "v_per_hz" in data and "calibration" in data:
+            return _constants(data, path)
+        flat = dict(_flat(data))
+        if any(name.endswith("phase_resistance") for name in flat):
+            return _odrive(flat, path)
+    except (TypeError, ValueError, KeyError, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{path}: {' '.join(str(error).split())[:80]}; expected a calibration as its program wrote it"
+        ) from None
+    return None
+
+
+def _flat(data: Mapping[str, Any], above: str = "", depth: int = 0) -> Iterator[tuple[str, float]]:
+    for name, value in data.items():
+        if isinstance(value, dict) and depth < 8:
+            yield from _flat(value, f"{above}{name}.", depth + 1)
+        elif isinstance(value, int | float):
+            yield f"{above}{name}", float(value)
+
+
+def _printed(name: str, title: str, kind: str, unit: str, value: float) -> IdentifiedFigure:
+    return IdentifiedFigure(name, title, kind, unit, value, nan, nan, "as the file has it")
+
+
+def _sweep(data: Mapping[str, Any], path: Path) -> Identification:
+    rows = [
+        (float(d), float(point["omega"]), float(point["y"])) for d, points in data["raw"].items() for point in points
+    ]
+    if len(rows) < 8:
+        raise InputError(f"{path}: raw: {len(rows)} points; expected at least 8")
+    i_d, w, y = np.array(rows).T
+    params = data["params"]
+    poles, v_per_hz, R = (float(params[name]) for name in ("poles", "v_per_hz", "R"))
+    table = np.column_stack([w, w * i_d])
+    (flux, L_d), *_ = np.linalg.lstsq(table, y, rcond=None)
+    left = table @ np.array([flux, L_d]) - y
+    size = float(left.std()) or 1.0
+    sigma = spreads((table / size)[None], (left / size)[None])
+    by_file = float(data.get("fit", {}).get("lambda_m", nan))
+    by_hz = v_per_hz / (pi * poles)
+    reach = [BAND * float(x) for x in sigma.max(axis=0)]
+    reach[0] = max(reach[0], abs(by_file - flux) if by_file > 0.0 else 0.0, _MODEL * flux)
+    k = 0.75 * poles
+    figures = (
+        IdentifiedFigure("flux_linkage", "flux linkage", "plain", "V*s", flux, flux - reach[0], flux + reach[0],
+                         "with and without saturation", by_file, nan),
+        IdentifiedFigure("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", k * flux,
+                         k * (flux - reach[0]), k * (flux + reach[0]), "with and without saturation", k * by_hz, nan),
+        IdentifiedFigure("L_d", "inductance of the d axis", "inductance", "mH", L_d, L_d - reach[1], L_d + reach[1],
+                         ("formal", "bootstrap", "subsets")[int(sigma[:, 1].argmax())]),
+        _printed("R", "resistance of a phase", "resistance", "ohm", R),
+    )  # fmt: skip
+    findings = [*_contradictions("v_per_hz over poles", by_hz, "the flux linkage of the sweep", flux)]
+    traces = (Trace("voltage", "voltage", "V", y, table @ np.array([flux, L_d])),)
+    return _made(path, figures, findings, len(rows), w, traces,
+                 Inseparable("inertia and friction", "it has steady points alone", "a log of a move"))  # fmt: skip
+
+
+def _contradictions(one: str, a: float, other: str, b: float) -> Iterator[LogFinding]:
+    if not (isnan(a) or isnan(b)) and abs(a / b - 1.0) > _CONTRADICT:
+        text = f"{one} gives {a:.4g}, {other} {b:.4g}: a contradiction of {abs(a / b - 1.0):.0%} within the file"
+        yield LogFinding("contradiction", text, b / a, severe=True)
+
+
+def _constants(data: Mapping[str, Any], path: Path) -> Identification:
+    poles, v_per_hz = float(data["calibration"]["poles"]), float(data["v_per_hz"])
+    flux = v_per_hz / (pi * poles)
+    findings = [*_contradictions("kv times v_per_hz", float(data.get("kv", nan)) * v_per_hz, "30 rpm/Hz", _KV)]
+    figures = (
+        _printed("flux_linkage", "flux linkage", "plain", "V*s", flux),
+        _printed("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", 0.75 * poles * flux),
+        _printed("R", "resistance of a phase", "resistance", "ohm", float(data["winding_resistance"])),
+    )
+    return _made(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
+
+
+def _odrive(flat: Mapping[str, float], path: Path) -> Identification:
+    def of(end: str) -> float:
+        return next((value for name, value in flat.items() if name.endswith(end)), nan)
+
+    R, L, k_t = of("phase_resistance"), of("phase_inductance"), of("torque_constant")
+    findings = []
+    if not _INDUCTANCES[0] <= L <= _INDUCTANCES[1]:
+        findings.append(LogFinding("range", f"an inductance of {L:.3g} H is outside 2 uH to 4 mH", severe=True))
+    figures = (
+        _printed("R", "resistance, terminal to terminal", "resistance", "ohm", 2.0 * R),
+        _printed("L", "inductance, terminal to terminal", "inductance", "mH", 2.0 * L),
+        _printed("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", k_t),
+    )
+    return _made(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
+
+
+def _made(
+    path: Path, figures: Any, findings: Any, samples: int, time: Any, traces: Any, tied: Inseparable
+) -> Identification:
+    return Identification(log=path.name, label="", columns={}, samples=samples, duration=nan, driven="none",
+                          figures=tuple(figures), inseparable=(tied,), findings=tuple(findings), condition=nan, time=time,
+                          traces=traces, remarks=())  # fmt: skip

@@ -1,0 +1,120 @@
+"""Winding and housing out of logged temperatures: thermal resistances and time constants by output error.
+
+The two bodies are those of ``kernel.heat``, warmed by copper loss at the logged current; what heats them besides is in
+the log's housing alone. Less than two time constants of the housing give lower bounds of what lies behind it.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from drivesizer.identification.fit import BAND, spreads
+from drivesizer.identification.log import Log
+from drivesizer.kernel.heat import added, bodies_of, law_of, spread
+from drivesizer.physics.thermal import COPPER, resistance_at
+from drivesizer.results.identification import IdentifiedFigure, Inseparable, Trace
+
+Array = NDArray[np.float64]
+
+_SPANS = 300  # of constant mean square current
+_LEAST_RISE = 3.0  # K, below which temperatures say nothing
+_SIGMA = 0.3  # K, of a sensor
+_LONG = 2.0  # time constants of the housing
+_SURE = 0.5  # of a figure, standard deviation
+_FIGURES = (
+    ("R_th1", "thermal resistance winding to housing", "thermal_resistance", "K/W"),
+    ("tau_w", "time constant of the winding", "time", "s"),
+    ("R_th2", "thermal resistance housing to ambient", "thermal_resistance", "K/W"),
+    ("tau_h", "time constant of the housing", "time", "s"),
+)
+_NEEDS = "temperatures of winding and housing over two time constants of the housing, while it warms and cools"
+
+
+class Heat(NamedTuple):
+    """What temperatures say."""
+
+    figures: tuple[IdentifiedFigure, ...] = ()
+    inseparable: tuple[Inseparable, ...] = ()
+    time: Array = np.zeros(0)
+    traces: tuple[Trace, ...] = ()
+
+
+def heated(log: Log, current: Array | None, R_25: float) -> Heat:
+    """Fit the two bodies to a log's temperatures.
+
+    Parameters
+    ----------
+    log
+        With ``winding``, ``housing`` or both.
+    current
+        Of the motor [A]; None where unknown.
+    R_25
+        Of the winding at 25 degC [ohm]; NaN unknown.
+
+    Returns
+    -------
+    Heat
+        Empty where no temperature rises.
+    """
+    names = [name for name in ("winding", "housing") if name in log.columns]
+    rises = [name for name in names if float(np.ptp(log.columns[name])) > _LEAST_RISE]
+    if "winding" not in rises or log.steady:
+        return Heat()
+    if current is None or not R_25 > 0.0:
+        lacks = "current" if current is None else "resistance"
+        return Heat(inseparable=(Inseparable("thermal figures", f"the {lacks} is unknown", f"the motor's {lacks}"),))
+    time = log.columns["time"] - log.columns["time"][0]
+    edges = np.unique(np.linspace(0, len(time) - 1, min(_SPANS, len(time) - 1) + 1).astype(int))
+    spans = np.diff(time[edges])
+    square = np.array([float((current[a:b] ** 2).mean()) for a, b in pairwise(edges)])
+    measured = np.array([log.columns[name][edges] for name in rises])
+    ambient = float(min(column[0] for column in measured))
+    start = [float(log.columns[name][0]) - ambient for name in names]
+    start = [start[0], start[1] if "housing" in rises else start[0]]
+    places = [("winding", "housing").index(name) for name in rises]
+
+    def course(x: Array) -> Array:
+        R_th1, tau_w, R_th2, tau_h = np.exp(x).tolist()
+        b = bodies_of(float(resistance_at(R_25, ambient)), COPPER * R_25, R_th1, R_th2, tau_w / R_th1, tau_h / R_th2)
+        w, h = start
+        found = [(w, h)]
+        for dt, I2 in zip(spans.tolist(), square.tolist(), strict=True):
+            law = law_of(b, I2, 0.0)
+            more_w, more_h, _ = added(law, spread(law, dt), dt, w, h)
+            w, h = min(max(w + more_w, -300.0), 3000.0), min(max(h + more_h, -300.0), 3000.0)
+            found.append((w, h))
+        return np.array(found).T[places] + ambient
+
+    def rest(x: Array) -> Array:
+        return np.asarray((course(x) - measured).ravel() / _SIGMA)
+
+    total = float(time[-1])
+    low, high = np.log([1e-3, 1e-2, 1e-3, 1.0]), np.log([1e3, 1e5, 1e4, 1e7])
+    tries = [np.clip(np.log([2.0, total / a, 6.0, total * c]), low + 0.01, high - 0.01)
+             for a in (20.0, 4.0) for c in (0.5, 3.0)]  # fmt: skip
+    best = min((least_squares(rest, x, bounds=(low, high), x_scale=1.0, max_nfev=60) for x in tries),
+               key=lambda one: float(one.cost))  # fmt: skip
+    r = best.fun.reshape(len(rises), -1)
+    size = max(float(np.sqrt((r**2).mean())), 1.0)
+    three = spreads(best.jac.reshape(len(rises), r.shape[1], 4) / size, r / size)
+    values, sigma = np.exp(best.x), three.max(axis=0)
+    figures, unsure = [], []
+    for k, (name, title, kind, unit) in enumerate(_FIGURES):
+        bound = k >= 2 and (total < _LONG * values[3] or sigma[k] > _SURE)
+        if k < 2 and sigma[k] > _SURE:
+            unsure.append(title)
+            continue
+        grows = float(np.exp(BAND * min(sigma[k], 5.0)))
+        unsure += [title] if bound else []
+        basis = "lower bound" if bound else ("formal", "bootstrap", "subsets")[int(three[:, k].argmax())]
+        figures.append(IdentifiedFigure(name, title, kind, unit, float(values[k]), float(values[k]) / grows,
+                                        np.inf if bound else float(values[k]) * grows, basis))  # fmt: skip
+    tied = (Inseparable(", ".join(unsure), f"the log lasts {total:.3g} s", _NEEDS),) if unsure else ()
+    made = course(best.x)
+    traces = tuple(Trace(name, "temperature", "degC", measured[k], made[k]) for k, name in enumerate(rises))
+    return Heat(tuple(figures), tied, time[edges], traces)

@@ -1,0 +1,354 @@
+"""A log to an identification: which model it allows, the fit, figures with bands, and the log's checks.
+
+Out of voltage, current and speed come resistance, constants, inertia and friction, the torque constant as the voltage
+per speed unless a load is known. Out of voltage and speed alone come voltages per speed, acceleration and against
+friction, as many logs have them; out of current and speed alone currents. A data sheet beside it makes inertia and
+friction of these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import isnan, nan, sqrt
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.identification.calibration import calibration
+from drivesizer.identification.checks import log_findings, unit_findings
+from drivesizer.identification.fit import BAND, Fit, fitted
+from drivesizer.identification.heat import heated
+from drivesizer.identification.log import Log, read_log
+from drivesizer.identification.model import Record
+from drivesizer.physics.motion_curves import local_parabola
+from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
+from drivesizer.results.identification import Identification, IdentifiedFigure, Inseparable, LogFinding, Trace
+
+Array = NDArray[np.float64]
+
+_MOST = 8000  # samples that are fitted
+_RESTARTS = 30  # stretches of a log driven by its current, which would drift
+_SHORTEST = 100  # samples of such a stretch
+_START = 9.0  # samples whose parabola gives the speed at a start
+_TOLERANCE = {"R": 0.10, "k_e": 0.10, "k_t": 0.10, "J": 0.15, "L": 0.20}  # of a data sheet, where it says none
+_LATE = 1.0  # samples of delay that are worth a word
+
+
+class Reference(NamedTuple):
+    """The drive that a log is held against, as far as it is known, SI."""
+
+    label: str = ""
+    figures: Mapping[str, float] = {}  # R, L, k_e, k_t, J, e: by the model's names
+    ratio: float = 1.0  # of all gears, behind which a load is
+    gear_ratio: float = nan  # of the gearhead alone, behind which its torque was logged
+    per_speed: float = nan  # speed of the motor by that of the load [rad/m or 1]
+    weight: float = 0.0  # N*m at the output of the gears, that is known to pull at rest
+    inertia: float = nan  # kg*m^2 of what is known to be mounted at the output
+
+
+NOTHING = Reference()
+
+
+def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float] | None = None) -> Identification:
+    """Identify a drive by its log.
+
+    Parameters
+    ----------
+    path
+        The log; or a file of a controller's own calibration.
+    of
+        What is known of the drive.
+    scales
+        Factors of columns, by quantity.
+
+    Returns
+    -------
+    Identification
+        Figures with bands, what cannot be separated, checks of the log.
+
+    Raises
+    ------
+    InputError
+        When the file is no log, or lacks speed and position.
+    """
+    found = calibration(path)
+    if found is not None:
+        return found
+    log = scaled(read_log(path), scales or {})
+    columns = at_motor(log, of)
+    if "speed" not in columns or not {"voltage", "current"} & set(columns):
+        have = ", ".join(log.heads.values())
+        raise InputError(f"{path}: {quoted(have)}; expected the motor's speed or position, and its voltage or current")
+    if log.steady:
+        raise InputError(f"{path}: no time; expected the time of each row")
+    one, time = record(log, columns, of)
+    known = {name: x for name, x in of.figures.items() if x > 0.0}
+    free, known = _fitted_figures(one, known)
+    fit = fitted(one, known, free)
+    current = columns.get("current")
+    heat = heated(log, current, fit.values["R"] if "R" in fit.free else of.figures.get("R", nan))
+    figures = [*_figures(one, fit, known, of, log), *heat.figures]
+    traces = [
+        Trace(
+            "motor speed" if of.label else "speed", "rotary_speed", "rpm", one.outputs["speed"], fit.modelled["speed"]
+        )
+    ]
+    if "current" in one.outputs:
+        traces.append(Trace("current", "current", "A", one.outputs["current"], fit.modelled["current"]))
+    remarks = [*log.remarks, *_remarks(one, fit, known, of)]
+    return Identification(
+        log=log.name, label=of.label, columns=log.heads, samples=len(one.u), duration=float(time[-1] - time[0]),
+        driven=one.driven, figures=tuple(figures), inseparable=(*_structural(one, fit, known), *fit.inseparable,
+        *heat.inseparable), findings=tuple(_findings(log, one, fit, of)), condition=fit.condition, time=time,
+        traces=tuple(traces), remarks=tuple(remarks),
+    )  # fmt: skip
+
+
+def scaled(log: Log, scales: Mapping[str, float]) -> Log:
+    """A log with some columns times a factor."""
+    for name in scales:
+        if name not in log.columns:
+            raise InputError(f"--scale: {quoted(name)} is no column of the log; expected {', '.join(log.columns)}")
+    columns = {name: column * scales.get(name, 1.0) for name, column in log.columns.items()}
+    return log._replace(columns=columns)
+
+
+def at_motor(log: Log, of: Reference) -> dict[str, Array]:
+    """Columns at the motor: voltage by duty and supply, speed by the load's, or as slope of a position."""
+    columns = dict(log.columns)
+    if "voltage" not in columns and {"duty", "supply"} <= set(columns):
+        duty = columns["duty"]
+        columns["voltage"] = columns["supply"] * (duty / 100.0 if np.abs(duty).max() > 1.5 else duty)
+    if "speed" not in columns and "load_speed" in columns and of.per_speed > 0.0:
+        columns["speed"] = columns["load_speed"] * of.per_speed
+    if "speed" not in columns and "position" in columns and not log.steady:
+        columns["speed"] = np.concatenate([
+            local_parabola(t, x, 5.0 * float(np.median(np.diff(t))))[1] if len(t) > 3 else np.zeros(len(t))
+            for t, x in zip(_moves(log, columns["time"]), _moves(log, columns["position"]), strict=True)
+        ])  # fmt: skip
+    return columns
+
+
+def _moves(log: Log, column: Array) -> list[Array]:
+    return np.split(column, [k for k in log.starts if k])
+
+
+def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Record, Array]:
+    """A log on an even grid; inputs are means over each interval, outputs values at its start."""
+    driven = "voltage" if "voltage" in columns else "current"
+    time = columns["time"]
+    apart = np.diff(time)
+    usual = float(np.median(apart[apart > 0.0]))
+    moves = [t for t in _moves(log, time) if len(t) > 5]
+    total = sum(float(t[-1] - t[0]) for t in moves)
+    h = max(usual, total / _MOST)
+    torque = columns.get("gearhead_torque", columns.get("torque")) if log.weight is None else log.weight
+    ratio = of.gear_ratio if "gearhead_torque" in columns and of.gear_ratio > 0.0 else of.ratio
+    warms: list[Array] | None = [] if driven == "voltage" and {"current", "winding"} <= set(columns) else None
+    inputs, loads, starts, outputs, grid = [], [], [], {name: list[Array]() for name in ("current", "speed")}, []
+    for k in np.unique([0, *log.starts]):
+        end = next((n for n in log.starts if n > k), len(time))
+        t = time[k:end]
+        if len(t) <= 5:
+            continue
+        even = t[0] + h * np.arange(int((t[-1] - t[0]) / h * (1 + 1e-9)) + 1)
+        given = columns[driven][k:end]
+        between = given[:-1] if driven == "voltage" else (given[:-1] + given[1:]) / 2.0  # held, or on a line
+        held = np.append(0.0, np.cumsum(np.diff(t) * between))
+        beyond = held[-1] + given[-1] * h
+        edges = np.interp(np.append(even, even[-1] + h), np.append(t, t[-1] + h), np.append(held, beyond))
+        inputs.append(np.diff(edges) / h)
+        loads.append(np.full(len(even), of.weight) if torque is None else np.interp(even, t, torque[k:end]))
+        w = columns["speed"][k:end]
+        smooth = local_parabola(t, w, _START * h)[0] if len(t) > 5 else w
+        first = np.full(len(even), nan)
+        step = len(even) if driven == "voltage" else max(_SHORTEST, total / h / _RESTARTS)
+        places = np.arange(0, max(len(even) - 10, 1), int(step))
+        first[places] = np.interp(even[places], t, smooth)
+        starts.append(first)
+        for name in outputs:
+            if name in columns and not (name == "current" and driven == "current"):
+                outputs[name].append(np.interp(even, t, columns[name][k:end]))
+        if warms is not None:
+            warms.append(COPPER * (np.interp(even, t, columns["winding"][k:end]) - DATA_TEMPERATURE))
+        grid.append(even)
+    if not grid:
+        raise InputError(f"{log.name}: no move of more than 5 rows; expected one without gaps")
+    load = np.concatenate(loads)
+    rotor = of.figures.get("J", nan) if torque is None else nan
+    one = Record(
+        h=h, driven=driven, u=np.concatenate(inputs), load=np.append(load, load[-1]),
+        outputs={name: np.concatenate(parts) for name, parts in outputs.items() if parts},
+        start=np.concatenate(starts), ratio=ratio, rotor=rotor if rotor > 0.0 else nan,
+        warm=None if warms is None else np.concatenate(warms),
+    )  # fmt: skip
+    return one, np.concatenate(grid)
+
+
+def _fitted_figures(one: Record, known: dict[str, float]) -> tuple[tuple[str, ...], dict[str, float]]:
+    """What is fitted of a record, and what is known instead: without data sheet a resistance or constant of 1."""
+    loads = ("k_t", "e", "e_back") if one.loaded else ()
+    if one.driven == "current":
+        return ("J", "M_c", "b", *loads, "delay"), known if one.loaded else {"k_t": 1.0, "k_e": 1.0} | known
+    if "current" not in one.outputs:
+        own = known if "R" in known and "k_t" in known else {"R": 1.0, "k_t": 1.0}
+        if one.loaded:  # torque per voltage is what a known load gives
+            own = {"R": own["R"]}
+        return ("L", "k_e", "J", "M_c", *loads, "delay"), {n: x for n, x in own.items() if n in ("R", "k_t", "e")}
+    return ("R", "L", "k_e", "J", "M_c", "b", *loads, "delay"), {n: x for n, x in known.items() if n != "k_t"}
+
+
+# -- Figures as they are printed.
+
+_TITLES = {
+    "R": ("resistance", "resistance", "ohm"), "L": ("inductance", "inductance", "mH"),
+    "k_e": ("back-EMF constant", "back_emf_constant", "mV*s/rad"),
+    "k_t": ("torque constant", "torque_constant", "mN*m/A"),
+    "J": ("inertia at the motor", "inertia", "g*cm^2"), "M_c": ("dry friction at the motor", "torque", "mN*m"),
+    "b": ("viscous friction at the motor", "damping", "N*m*s/rad"),
+    "e": ("gear efficiency, driving", "dimensionless", "%"),
+    "e_back": ("gear efficiency, driven by the load", "dimensionless", "%"),
+    "delay": ("delay of the input", "time", "ms"),
+}  # fmt: skip
+_OF_VOLTAGE = {  # without a data sheet, where the model has a resistance of 1 ohm and a constant of 1 N*m/A
+    "L": ("tau_e", "electrical time constant", "time", "ms"),
+    "k_e": ("k_V", "voltage per speed", "back_emf_constant", "mV*s/rad"),
+    "J": ("k_A", "voltage per acceleration", "plain", "V*s^2/rad"),
+    "M_c": ("k_S", "voltage against dry friction", "voltage", "V"),
+}
+_OF_CURRENT = {
+    "J": ("i_A", "current per acceleration", "plain", "A*s^2/rad"),
+    "M_c": ("i_S", "current against dry friction", "current", "A"),
+    "b": ("i_V", "current per speed", "plain", "A*s/rad"),
+}
+
+
+def _normalised(
+    one: Record, fit: Fit, known: Mapping[str, float], of: Reference
+) -> dict[str, tuple[str, str, str, str]]:
+    """Other names where torques are not known as such."""
+    if "k_t" in fit.free or (one.driven == "voltage" and "current" in one.outputs):
+        return {}
+    if one.driven == "current":
+        return {} if of.figures.get("k_t", nan) > 0.0 else _OF_CURRENT
+    return {} if known.get("R") != 1.0 or known.get("k_t") != 1.0 else _OF_VOLTAGE
+
+
+def _figures(one: Record, fit: Fit, known: Mapping[str, float], of: Reference, log: Log) -> Iterator[IdentifiedFigure]:
+    normal = _normalised(one, fit, known, of)
+    shared = _sheet_share(one, fit, normal)
+    for name in _TITLES:
+        if name in fit.free:
+            kinds = fit.spread[name]
+            basis, value = ("formal", "bootstrap", "subsets")[int(kinds.argmax())], fit.values[name]
+            sigma = float(kinds.max())
+            if name in ("J", "M_c", "b"):
+                sigma = sqrt(sigma**2 + (shared * value) ** 2)
+        elif name == "k_t" and "k_e" in fit.free and "current" in one.outputs:
+            basis, value = "as the back-EMF constant", fit.values["k_e"]
+            sigma = float(fit.spread["k_e"].max())
+        else:
+            continue
+        factor = one.h if name == "delay" else 1.0
+        title, kind, unit = _TITLES[name]
+        name_, title, kind, unit = normal.get(name, (name, title, kind, unit))
+        if name == "k_t" and known.get("R") == 1.0:
+            name_, title, kind, unit = "torque_per_volt", "stall torque per voltage", "plain", "N*m/V"
+        if log.weight is not None or (not of.label and of.ratio == 1.0):
+            title = title.replace(" at the motor", " at the shaft")
+        printed = of.figures.get(name, nan) if name not in normal and name_ == name else nan
+        printed = nan if name == "J" and not _bare(of, log) else printed
+        tolerance = _TOLERANCE.get(name, 0.2) * printed
+        deviation = (value - printed) / sqrt(sigma**2 + tolerance**2) if printed > 0.0 else nan
+        reach = BAND * sigma
+        least, most = -np.inf if name == "delay" else 0.0, 1.0 if name in ("e", "e_back") else np.inf
+        yield IdentifiedFigure(name_, title, kind, unit, factor * value, factor * max(value - reach, least),
+                               factor * min(value + reach, most), basis, printed, deviation)  # fmt: skip
+    if "J" in fit.free and "J" not in normal:
+        yield from _inertias(fit, of, log)
+
+
+def _bare(of: Reference, log: Log) -> bool:
+    """Whether the inertia is the rotor's: nothing else turns, or a torque was logged behind it."""
+    return bool({"torque", "gearhead_torque"} & set(log.columns)) or (
+        isnan(of.inertia) and isnan(of.per_speed) and log.weight is None
+    )
+
+
+def _sheet_share(one: Record, fit: Fit, normal: Mapping[str, Any]) -> float:
+    """Relative spread that figures have by those that are taken from the data sheet."""
+    if normal or ("current" in one.outputs and one.driven == "voltage") or "k_t" in fit.free:
+        return 0.0
+    return (
+        _TOLERANCE["k_t"] / BAND
+        if one.driven == "current"
+        else sqrt(_TOLERANCE["k_t"] ** 2 + _TOLERANCE["R"] ** 2) / BAND
+    )
+
+
+def _inertias(fit: Fit, of: Reference, log: Log) -> Iterator[IdentifiedFigure]:
+    """Inertia of the load by that of the rotor, or the other way round."""
+    mounted = log.inertia if log.inertia > 0.0 else of.inertia
+    spread = BAND * float(fit.spread["J"].max())
+    if mounted > 0.0:
+        value = fit.values["J"] - mounted / of.ratio**2
+        yield IdentifiedFigure("rotor_inertia", "inertia without what is mounted", "inertia", "g*cm^2", value,
+                               max(value - spread, 0.0), value + spread, "inertia less that which is known",
+                               of.figures.get("J", nan))  # fmt: skip
+    elif not _bare(of, log) and (rotor := of.figures.get("J", nan)) > 0.0:
+        square = of.ratio**2
+        value = (fit.values["J"] - rotor) * square
+        reach = (spread + _TOLERANCE["J"] * rotor) * square
+        yield IdentifiedFigure("load_inertia", "inertia of the load at the output", "inertia", "kg*m^2", value,
+                               max(value - reach, 0.0), value + reach, "inertia less that of the rotor")  # fmt: skip
+
+
+def _structural(one: Record, fit: Fit, known: Mapping[str, float]) -> Iterator[Inseparable]:
+    """What the columns themselves do not allow to tell apart."""
+    if one.driven == "voltage" and "current" not in one.outputs:
+        yield Inseparable("resistance, torque constant, inertia and friction apart", "the current was not logged",
+                          "voltage and current, one move of it under load at low speed")  # fmt: skip
+        yield Inseparable("viscous friction apart from back-EMF", "both grow with the speed", "the current")
+    if one.driven == "current":
+        yield Inseparable("resistance and back-EMF constant", "the voltage was not logged", "the voltage at the motor")
+        if "k_t" not in fit.free:
+            yield Inseparable("torque constant apart from inertia and friction", "no torque was logged",
+                              "a measured torque at the output, or a known load lifted and lowered")  # fmt: skip
+    if one.driven == "voltage" and "current" in one.outputs and not one.loaded:
+        yield Inseparable("torque constant apart from back-EMF constant, gear loss", "no load at the output is known",
+                          "a measured torque, or a known load lifted and lowered")  # fmt: skip
+
+
+def _findings(log: Log, one: Record, fit: Fit, of: Reference) -> Iterator[LogFinding]:
+    yield from log_findings(log, pulled=of.weight != 0.0)
+    if "k_e" in fit.free:
+        yield from unit_findings(
+            "the voltage per speed", "speed", fit.values["k_e"], of.figures.get("k_e", nan), of.ratio
+        )
+    if "R" in fit.free:
+        yield from unit_findings("the resistance", "current", fit.values["R"], of.figures.get("R", nan), 1.0)
+    late = fit.values["delay"]
+    if abs(late) > _LATE:
+        yield LogFinding(
+            "delay", f"the {one.driven} acts {late:.2g} samples ({1e3 * late * one.h:.3g} ms) after its row"
+        )
+    for name, made in fit.modelled.items():
+        if name in one.outputs:
+            measured = one.outputs[name]
+            left = float(np.sqrt(((made - measured) ** 2).mean())) / (float(measured.std()) or 1.0)
+            if left > 0.3:
+                text = f"the model leaves {left:.0%} of the {name}'s spread: another law than friction and inertia acts"
+                yield LogFinding("misfit", text, severe=True)
+
+
+def _remarks(one: Record, fit: Fit, known: Mapping[str, float], of: Reference) -> Iterator[str]:
+    taken = [n for n in ("R", "k_t") if n in of.figures and known.get(n) == of.figures[n] and n not in fit.free]
+    if taken and (one.driven == "current" or "current" not in one.outputs):
+        yield f"{' and '.join(taken)} are the data sheet's: their tolerance is in the bands of inertia and friction"
+    if one.warm is not None:
+        yield "the resistance is that at 25 °C by the logged temperature of the winding"
+    if not isnan(one.rotor) and one.loaded:
+        yield "the load's inertia is behind the gears, the rotor's is the data sheet's"

@@ -1,0 +1,341 @@
+"""Logs of drives as people have them, to one record: columns in SI by quantity, and where moves begin.
+
+Tables by the heads of ``_QUANTITIES``; JSON of WPILib SysId and of pendulum rigs (BAM); WPILib's binary data logs.
+Where a head says no unit that of the SI is taken, with a remark: a speed that is off by 2 pi is found by its figures.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from math import nan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.sheets import as_text, decimal_sign, plain_head, sheets, split_head, unit_of
+from drivesizer.files.text import read_bytes
+from drivesizer.identification.wpilog import SIGNATURE, entries
+from drivesizer.units import KINDS, kind_of_unit, scale
+
+Array = NDArray[np.float64]
+
+LARGEST = 64_000_000  # bytes
+_MOST = 1_000_000  # rows
+_FEWEST = 20  # rows
+_GRAVITY = 9.80665  # m/s^2
+_GAP = 10.0  # times the usual interval, from which on a move has ended
+_UNMOVED = 1e-9  # share by which a column changes that says nothing
+
+
+class Log(NamedTuple):
+    """A log: columns in SI by quantity, moves one behind another."""
+
+    name: str
+    columns: dict[str, Array]  # time among them, unless the rows are steady points
+    heads: dict[str, str]  # quantity -> as the file has it
+    starts: tuple[int, ...]  # rows at which moves begin
+    remarks: tuple[str, ...]
+    inertia: float = nan  # kg*m^2 of what is known to be mounted at the output
+    weight: Array | None = None  # N*m at the output against forward motion, where the rig's load is known
+
+    @property
+    def steady(self) -> bool:
+        """Whether the rows are points at rest or at constant speed, not moments."""
+        return "time" not in self.columns
+
+
+# quantity | kinds of its unit | heads, the surest first; of several columns that mean one the first is taken
+_QUANTITIES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    name: (tuple(kinds.split()), tuple(word.strip() for word in words.split(";")))
+    for name, kinds, words in (
+        ("time", "time", "time; t; timestamp; elapsed time; zeit; seconds"),
+        ("supply", "voltage", "supply voltage; bus voltage; input voltage; vbus; battery voltage; input volts; vin"),
+        ("voltage", "voltage", "motor voltage; applied voltage; output voltage; voltage; volts; u; spannung; v"),
+        ("duty", "dimensionless", "duty cycle; duty; pwm; applied output"),
+        ("current", "current", "motor current; q axis current; current; amps; strom; iq; i; a"),
+        ("speed", "rotary_speed", "motor speed; angular velocity; velocity; speed; omega; vel; w; n; drehzahl"),
+        ("load_speed", "speed rotary_speed", "load speed; speed; velocity"),
+        ("reference", "speed rotary_speed", "speed reference; speed demand; speed set point; output speed set point"),
+        ("error", "speed rotary_speed", "error; speed error; tracking error"),
+        ("position_error", "length angle", "position error"),
+        ("position", "angle", "position; angle; motor position; pos; theta; winkel"),
+        ("torque", "torque", "shaft torque; output torque; torque; load torque; drehmoment; load cell; futek torque"),
+        ("gearhead_torque", "torque", "gearhead torque; gear torque"),
+        ("winding", "temperature", "winding temperature; motor temperature; motor temp; winding; temperature; temp"),
+        ("housing", "temperature", "housing temperature; housing temp; case temperature; housing"),
+        ("power", "power", "supply power; input power; electrical power"),
+    )
+}  # fmt: skip
+
+
+def read_log(path: Path) -> Log:
+    """Read a log.
+
+    Parameters
+    ----------
+    path
+        CSV, TSV or XLSX with heads; SysId or pendulum JSON; ``.wpilog``.
+
+    Returns
+    -------
+    Log
+        With two columns or more that change.
+
+    Raises
+    ------
+    InputError
+        When the file is too large, is no log, or nothing changes in it.
+    """
+    raw = read_bytes(path, LARGEST)
+    if not raw.strip(b" \r\n\t\0"):
+        raise InputError(f"{path}: is empty; expected a header and rows of time, voltage, current, speed")
+    if raw.startswith(SIGNATURE):
+        return _checked(_data_log(raw, path), path)
+    if path.suffix == ".json" or raw.lstrip()[:1] == b"{":
+        return _checked(_json(as_text(raw, path), path), path)
+    return _checked(_table(path), path)
+
+
+def _checked(log: Log, path: Path) -> Log:
+    """A log whose numbers are finite, whose time rises, and in which something changes."""
+    columns, count = log.columns, len(next(iter(log.columns.values())))
+    if count < _FEWEST and not log.steady:
+        raise InputError(f"{path}: {count} rows; expected at least {_FEWEST}")
+    if count > _MOST:
+        raise InputError(f"{path}: {count} rows; expected at most {_MOST}: log less often, or a part of it")
+    lost = np.zeros(count, bool)
+    for name, column in columns.items():
+        bad = ~np.isfinite(column)
+        if bad.mean() > 0.2:
+            raise InputError(
+                f"{path}: {log.heads[name]}: {int(bad.sum())} of {count} rows are no numbers; expected figures"
+            )
+        lost |= bad
+    remarks, starts = list(log.remarks), log.starts
+    if lost.any():
+        remarks.append(f"{int(lost.sum())} of {count} rows with a cell that is no number are left out")
+        starts = tuple(sorted({int((~lost[:k]).sum()) for k in starts}))
+        columns = {name: column[~lost] for name, column in columns.items()}
+        log = log._replace(weight=None if log.weight is None else log.weight[~lost])
+    if "time" in columns:
+        time = columns["time"]
+        apart = np.diff(time)
+        inner = np.ones(len(apart), bool)
+        inner[[k - 1 for k in starts if 0 < k <= len(apart)]] = False
+        if not (apart[inner] > 0.0).mean() > 0.9:
+            raise InputError(f"{path}: {log.heads['time']}: does not rise; expected the time of each row")
+        if not (apart[inner] > 0.0).all():  # a row written twice
+            kept = np.append(True, (apart > 0.0) | ~inner)
+            starts = tuple(sorted({int(kept[:k].sum()) for k in starts}))
+            columns = {name: column[kept] for name, column in columns.items()}
+            remarks.append(f"{int((~kept).sum())} rows with the time of the row before are left out")
+            log = log._replace(weight=None if log.weight is None else log.weight[kept])
+            apart = np.diff(columns["time"])
+        usual = float(np.median(apart[apart > 0.0]))
+        starts = tuple(sorted({*starts, *(np.flatnonzero((apart > _GAP * usual) | (apart <= 0.0)) + 1).tolist()}))
+    moved = [n for n, c in columns.items() if n != "time" and np.ptp(c) > _UNMOVED * (np.abs(c).max() or 1.0)]
+    if not moved:
+        raise InputError(f"{path}: nothing changes in {', '.join(log.heads.values())}; expected a move")
+    return log._replace(columns=columns, starts=starts, remarks=tuple(remarks))
+
+
+# -- Tables.
+
+
+def _table(path: Path) -> Log:
+    table = max(sheets(path, LARGEST), key=lambda one: len(one.rows))
+    rows = [(line, cells) for line, cells in table.rows if any(cells)]
+    rows = [(line, cells) for line, cells in rows if not cells[0].startswith("#")]
+    found = next(((place, at) for place, (_, cells) in enumerate(rows[:40]) if len(at := _meant(cells)) >= 2), None)
+    if found is None:
+        raise InputError(f"{path}: no header was found; expected e.g. time (s),voltage (V),current (A),speed (rpm)")
+    place, at = found
+    heads = rows[place][1]
+    below = rows[place + 1][1] if place + 1 < len(rows) else []
+    own = [unit_of(cell.replace("rad.s", "rad/s").replace("Deg C", "degC")) for cell in below]
+    has_units = any(own) and not any(
+        cell and not unit and _is_number(cell) for cell, unit in zip(below, own, strict=True)
+    )
+    numbers = rows[place + 1 + has_units :]
+    decimal = decimal_sign([cell for _, some in numbers[:500] for cell in some], table.separator)
+    columns, remarks = dict[str, Array](), list[str]()
+    for name, k in at.items():
+        unit = split_head(heads[k])[1] or (own[k] if has_units and k < len(own) else "")
+        factor, offset = _factor(name, unit, heads[k], remarks)
+        cells = [_number(some[k] if k < len(some) else "", decimal) for _, some in numbers]
+        columns[name] = np.array(cells, float) * factor + offset
+    return Log(path.name, columns, {name: heads[k] for name, k in at.items()}, (0,), tuple(remarks))
+
+
+def _is_number(cell: str) -> bool:
+    return cell.lstrip("+-")[:1].isdigit()
+
+
+def _number(cell: str, decimal: str) -> float:
+    try:
+        return float(cell.replace(",", ".") if decimal == "," else cell) if "_" not in cell else nan
+    except ValueError:
+        return nan
+
+
+def _meant(cells: Sequence[str]) -> dict[str, int]:
+    """Place of each quantity among heads: by word, where its unit fits."""
+    heads = [plain_head(split_head(cell)[0].replace("_", " ")) for cell in cells]
+    units = [split_head(cell)[1] for cell in cells]
+    found = dict[str, int]()
+    for name, (kinds, words) in _QUANTITIES.items():
+        fits = [k for k in range(len(cells)) if k not in found.values() and (not units[k] or _fits(units[k], kinds))]
+        place = next((k for word in words for k in fits if heads[k] == word), None)
+        if place is not None and not (name in ("load_speed", "reference") and not units[place]):
+            found[name] = place
+    return found
+
+
+def _fits(unit: str, kinds: Iterable[str]) -> bool:
+    return any(_scaled(unit, kind) is not None for kind in kinds)
+
+
+def _scaled(unit: str, kind: str) -> tuple[float, float] | None:
+    try:
+        return scale(unit, kind)
+    except InputError:
+        return (2.0 * np.pi, 0.0) if kind == "rotary_speed" and unit == "Hz" else None
+
+
+def _factor(name: str, unit: str, head: str, remarks: list[str]) -> tuple[float, float]:
+    """Factor and offset to SI; without a unit that of the SI, but degrees Celsius."""
+    kinds = _QUANTITIES[name][0]
+    for kind in kinds if unit else ():
+        if (found := _scaled(unit, kind)) is not None:
+            return found
+    if unit and kind_of_unit(unit) is not None:
+        raise InputError(
+            f"{head}: {quoted(unit)} is no unit of {kinds[0].replace('_', ' ')}; expected e.g. {KINDS[kinds[0]].si}"
+        )
+    if name in ("winding", "housing"):
+        return 1.0, 273.15
+    if name != "duty":
+        remarks.append(f"{head} has no unit: {KINDS[kinds[0]].si} is taken")
+    return 1.0, 0.0
+
+
+# -- JSON: SysId, pendulum rigs.
+
+_SYSID = ("slow-forward", "slow-backward", "fast-forward", "fast-backward")
+_TURNS = {"Rotations": 2.0 * np.pi, "Radians": 1.0, "Degrees": np.pi / 180.0}
+_XL330_FULL = 885.0  # of its duty register
+
+
+def _json(text: str, path: Path) -> Log:
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is not JSON ({error})") from None
+    try:
+        if isinstance(data, dict) and any(name in data for name in _SYSID):
+            return _sysid(data, path)
+        if isinstance(data, dict) and isinstance(data.get("entries"), list) and "mass" in data:
+            return _pendulum(data, path)
+        if isinstance(data, list) and data and isinstance(data[0], dict):
+            return _table(path)
+    except (TypeError, ValueError, KeyError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(
+            f"{path}: {' '.join(str(error).split())[:80]}; expected a log in the form of its program"
+        ) from None
+    raise InputError(f"{path}: expected tests slow-forward ... of SysId, or mass, length and entries of a pendulum rig")
+
+
+def _sysid(data: Mapping[str, Any], path: Path) -> Log:
+    """Rows of time, voltage, position and speed of up to four tests; older ones of a drivetrain have two sides."""
+    tests = [np.array(data[name], float) for name in _SYSID if data.get(name)]
+    tests = [test for test in tests if test.ndim == 2 and len(test) > 1]
+    if not tests or {test.shape[1] for test in tests} - {4, 9, 10}:
+        raise InputError(f"{path}: expected rows of time, voltage, position, speed in {', '.join(_SYSID)}")
+    wide = tests[0].shape[1] > 4
+    rows = np.concatenate([test[:, [0, 1, 3, 5]] if wide else test for test in tests])
+    unit = str(data.get("units", "Radians"))
+    factor = _TURNS.get(unit, 1.0)
+    remarks = [] if unit in _TURNS else [f"units {quoted(unit)}: taken as radians"]
+    if unit not in _TURNS and (turn := float(data.get("unitsPerRotation", 0.0))):
+        factor, remarks = 2.0 * np.pi / turn, [f"{quoted(unit)}: {turn:g} a turn"]
+    columns = {"time": rows[:, 0], "voltage": rows[:, 1], "position": factor * rows[:, 2], "speed": factor * rows[:, 3]}
+    starts = tuple(np.cumsum([0, *(len(test) for test in tests[:-1])]).tolist())
+    return Log(path.name, columns, dict.fromkeys(columns, "SysId"), starts, tuple(remarks))
+
+
+def _pendulum(data: Mapping[str, Any], path: Path) -> Log:
+    """A known mass on an arm: weight by the angle from hanging, inertia; voltage by duty where that is logged."""
+    entries_ = [one for one in data["entries"] if isinstance(one, dict)]
+
+    def column(name: str) -> Array:
+        return np.array([float(one.get(name, nan)) for one in entries_])
+
+    mass, length, arm = (float(data.get(name, 0.0)) for name in ("mass", "length", "arm_mass"))
+    if not (0.0 < mass < 1e6 and 0.0 < length < 1e4):
+        raise InputError(f"{path}: mass {mass:g}, length {length:g}; expected kg and m above 0")
+    angle, supply = column("position"), column("input_volts")
+    columns = {"time": column("timestamp"), "position": angle, "speed": column("speed")}
+    remarks = ["the load is the rig's: weight and inertia by its mass and length"]
+    if str(data.get("motor", "")).startswith("xl"):
+        duty = column("load")
+        duty = np.where(duty > 32767.0, duty - 65536.0, duty) / _XL330_FULL
+        columns["voltage"] = duty * supply
+        remarks.append(f"voltage: duty register over {_XL330_FULL:g} times the supply")
+    if "current" in entries_[0]:
+        columns["current"] = column("current") / 1000.0
+    if "temp" in entries_[0]:
+        columns["winding"] = column("temp") + 273.15
+    on = np.array([bool(one.get("torque_enable", True)) for one in entries_])
+    weight = (mass + arm / 2.0) * length * _GRAVITY * np.sin(angle)
+    starts = (0, *(np.flatnonzero(np.diff(on.astype(int)) != 0) + 1).tolist())
+    if not on.all():
+        remarks.append("stretches with the torque off are left out")
+        kept_starts = tuple(sorted({int(on[:k].sum()) for k in starts if on[:k].sum() < on.sum()}))
+        columns = {name: values[on] for name, values in columns.items()}
+        weight, starts = weight[on], kept_starts
+    inertia = (mass + arm / 3.0) * length**2
+    heads = {name: name for name in columns}
+    return Log(path.name, columns, heads, starts, tuple(remarks), inertia, weight)
+
+
+# -- Binary data logs.
+
+
+def _data_log(raw: bytes, path: Path) -> Log:
+    """Numeric entries by the ends of their names, at the moments of the voltage; a state splits tests."""
+    found = entries(raw, path)
+    wanted: dict[str, tuple[Array, Array]] = {}
+    for name, words in {"voltage": ("voltage", "volts"), "speed": ("velocity", "speed"), "position": ("position",),
+                        "current": ("current", "amps"), "supply": ("batteryvoltage",)}.items():  # fmt: skip
+        for title, series in found.items():
+            last = title.rsplit("/", 1)[-1].lower().replace("-", "").replace("_", "")
+            if (
+                len(series[0]) >= _FEWEST
+                and name not in wanted
+                and any(last.startswith(w) or last.endswith(w) for w in words)
+            ):
+                wanted[name] = series
+    if "voltage" not in wanted or not {"speed", "position"} & set(wanted):
+        shown = ", ".join(list(found)[:8]) or "none"
+        raise InputError(f"{path}: entries {quoted(shown)}; expected voltage, and velocity or position")
+    time = np.unique(wanted["voltage"][0])
+    first = max(series[0][0] for series in wanted.values())
+    last = min(series[0][-1] for series in wanted.values())
+    time = time[(time >= first) & (time <= last)]
+    if len(time) < _FEWEST:
+        raise InputError(f"{path}: {len(time)} moments at which all of {', '.join(wanted)} are logged; expected more")
+    columns = {"time": time}
+    for name, (t, y) in wanted.items():
+        held = name in ("voltage", "supply")
+        order = np.argsort(t, kind="stable")
+        t, y = t[order], y[order]
+        columns[name] = y[np.clip(np.searchsorted(t, time, "right") - 1, 0, None)] if held else np.interp(time, t, y)
+        columns[name] = columns[name] * (2.0 * np.pi if name in ("speed", "position") else 1.0)
+    remarks = ("velocity and position are taken in rotations",)
+    return Log(path.name, columns, {name: name for name in columns}, (0,), remarks)

@@ -1,0 +1,114 @@
+"""A catalogue file of the motor that was identified: the data sheet's row with what was measured in its place."""
+
+from __future__ import annotations
+
+from math import isnan
+
+from drivesizer.catalog.catalog_file import parse
+from drivesizer.catalog.exporting import digits
+from drivesizer.catalog.parts import Column, printed
+from drivesizer.catalog.query import Hit, partners
+from drivesizer.catalog.schema import SCHEMA
+from drivesizer.errors import InputError, quoted
+from drivesizer.files.yaml_source import YamlSource
+from drivesizer.results.identification import Identification
+from drivesizer.units import from_si
+
+_COLUMNS = {  # figure of an identification -> column
+    "R": "resistance", "L": "inductance", "k_t": "torque_constant", "k_e": "back_emf_constant",
+    "M_c": "friction_torque", "b": "viscous_friction", "R_th1": "thermal_resistance_winding",
+    "R_th2": "thermal_resistance_housing", "tau_w": "winding_time_constant", "tau_h": "motor_time_constant",
+}  # fmt: skip
+_DROPPED = {  # of the data sheet: names, and what would contradict
+    "part", "order_number", "also_called", "family", "manufacturer", "speed_constant", "no_load_speed",
+    "no_load_current",
+    "stall_torque", "stall_current", "speed_torque_gradient", "mechanical_time_constant", "max_efficiency",
+}  # fmt: skip
+_NEEDED = ("R", "k_t", "rotor_inertia")
+
+
+def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
+    """The text of a catalogue with the identified motor.
+
+    Parameters
+    ----------
+    found
+        The identification.
+    hit
+        The motor's row of the data sheet; None without one.
+    name
+        Of the file.
+
+    Returns
+    -------
+    bytes
+        YAML in the form of a catalogue, read as one before it is returned.
+
+    Raises
+    ------
+    InputError
+        When resistance, torque constant or inertia could not be separated and there is no data sheet.
+    """
+    if hit is not None and hit.section != "motors":
+        raise InputError(
+            f"{quoted(hit.part)} is an actuator: its figures are printed at the output; expected a motor to write a row"
+        )
+    figures = {one.name: one.value for one in found.figures}
+    if "rotor_inertia" not in figures and "load_inertia" not in figures and "J" in figures:
+        figures["rotor_inertia"] = figures["J"]
+    lacks = [n for n in _NEEDED if not figures.get(n, 0.0) > 0.0]
+    if lacks and hit is None:
+        raise InputError(
+            f"{found.log}: {', '.join(lacks)} cannot be had from this log alone; expected --motor for the rest of a row"
+        )
+    measured = {
+        column: figures[n] for n, column in (_COLUMNS | {"rotor_inertia": "rotor_inertia"}).items() if n in figures
+    }
+    columns = printed("motors")
+    stem = name.rsplit(".", 1)[0]
+    row: dict[str, str] = {"part": f"{hit.part} measured" if hit else stem, "kind": "brushed"}
+    if hit is not None:
+        for column in columns.values():
+            value = hit[column.name]
+            known = bool(value) if column.kind == "text" else not isnan(value)
+            if known and column.name not in _DROPPED:
+                row[column.name] = str(value) if column.kind == "text" else digits(value, column)
+    for column_name, value in measured.items():
+        row[column_name] = _rounded(value, columns[column_name])
+    return _text(found, hit, row, sorted(measured), name).encode()
+
+
+def _rounded(value: float, column: Column) -> str:
+    return f"{float(f'{float(from_si(value, column.unit, column.kind)):.5g}'):g}"
+
+
+def _text(found: Identification, hit: Hit | None, row: dict[str, str], measured: list[str], name: str) -> str:
+    columns = printed("motors")
+    heads = [f"{n} ({columns[n].unit})" if columns[n].kind != "text" and columns[n].unit != "1" else n for n in row]
+    cells = [quoted(x) if columns[n].kind == "text" else x for n, x in row.items()]
+    family = quoted(f"{hit['family'] or hit.part} measured" if hit else row["part"])
+    source, sheet = f"identified from {found.log}", hit.catalog.sources[hit.table.source[hit.row]] if hit else None
+    lines = [f"catalog: {SCHEMA}", f"manufacturer: {quoted(hit['manufacturer'] or 'measured') if hit else 'measured'}",
+             "sources:", f"  log: {{document: {quoted(source)}, confidence: measured}}"]  # fmt: skip
+    if sheet is not None:
+        lines.append(f"  sheet: {{document: {quoted(sheet.document, 200)}, confidence: {sheet.confidence}}}")
+    lines += ["motors:", f"- family: {family}", f"  source: {'sheet' if sheet else 'log'}",
+              f"  columns: [{', '.join(heads)}]", "  rows:", f"  - [{', '.join(cells)}]"]  # fmt: skip
+    if sheet is not None:
+        lines += [
+            "  notes:",
+            f"  - {{fields: [{', '.join(measured)}], text: {quoted(source)}, source: log, confidence: measured}}",
+        ]
+    lines += [
+        "compatibility:",
+        "  motor_gearhead:",
+        f"  - {{name: direct drive, source: log, motors: [{family}], gearheads: [direct]}}",
+    ]
+    if hit is not None:
+        listed = list(partners(hit).get("gearheads", {}))
+        across = ", ".join(f"{{{quoted(hit.catalogue)}: {quoted(one)}}}" for one in listed)
+        if across:
+            lines.append(f"  - {{name: as the data sheet's, source: sheet, motors: [{family}], gearheads: [{across}]}}")
+    text = "\n".join(lines) + "\n"
+    parse(YamlSource(text, name), name, "")
+    return text
