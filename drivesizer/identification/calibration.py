@@ -157,6 +157,7 @@ def _odrive(flat: Mapping[str, float], path: Path) -> Identification:
 def _made(
     path: Path, figures: Any, findings: Any, samples: int, time: Any, traces: Any, tied: Inseparable
 ) -> Identification:
-    return Identification(log=path.name, label="", columns={}, samples=samples, duration=nan, driven="none",
-                          figures=tuple(figures), inseparable=(tied,), findings=tuple(findings), condition=nan, time=time,
-                          traces=traces, remarks=())  # fmt: skip
+    return Identification(
+        log=path.name, label="", columns={}, samples=samples, duration=nan, driven="none", figures=tuple(figures),
+        inseparable=(tied,), findings=tuple(findings), condition=nan, time=time, traces=traces, remarks=(),
+    )  # fmt: skip

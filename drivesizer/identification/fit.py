@@ -280,8 +280,9 @@ def spreads(J: Array, r: Array) -> Array:
 
     formal = np.sqrt(np.abs(np.diag(_covariance(J.reshape(-1, J.shape[2])))))
     random = np.random.default_rng(_SEED)
-    drawn = np.array([moved(np.bincount(random.integers(len(blocks), size=len(blocks)), minlength=len(blocks)))
-                      for _ in range(_DRAWN)])  # fmt: skip
+    many = len(blocks)
+    draws = (random.integers(many, size=many) for _ in range(_DRAWN))
+    drawn = np.array([moved(np.bincount(some, minlength=many).astype(float)) for some in draws])
     order = np.arange(len(blocks)) % _PARTS
     parts = np.array([moved((order == k).astype(float)) for k in range(_PARTS)])
     low, high = np.percentile(drawn, [2.5, 97.5], axis=0)

@@ -190,7 +190,9 @@ def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Recor
 
 def _fitted_figures(one: Record, known: dict[str, float]) -> tuple[tuple[str, ...], dict[str, float]]:
     """What is fitted of a record, and what is known instead: without data sheet a resistance or constant of 1."""
-    loads = ("k_t", "e", "e_back") if one.loaded else ()
+    # losses by direction scale as the torque constant does: behind gears that is the voltage per speed
+    direct = one.ratio == 1.0 or one.driven == "current" or "current" not in one.outputs
+    loads = (("k_t", "e") if direct else ("e", "e_back")) if one.loaded else ()
     if one.driven == "current":
         return ("J", "M_c", "b", *loads, "delay"), known if one.loaded else {"k_t": 1.0, "k_e": 1.0} | known
     if "current" not in one.outputs:
@@ -320,6 +322,9 @@ def _structural(one: Record, fit: Fit, known: Mapping[str, float]) -> Iterator[I
     if one.driven == "voltage" and "current" in one.outputs and not one.loaded:
         yield Inseparable("torque constant apart from back-EMF constant, gear loss", "no load at the output is known",
                           "a measured torque, or a known load lifted and lowered")  # fmt: skip
+    if "e_back" in fit.free:
+        yield Inseparable("torque constant apart from gear loss", "both scale the torque at the output",
+                          "a log of the motor alone")  # fmt: skip
 
 
 def _findings(log: Log, one: Record, fit: Fit, of: Reference) -> Iterator[LogFinding]:

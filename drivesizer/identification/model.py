@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isnan, nan
+from math import isnan, nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,9 +68,9 @@ class Record:
         return bool(np.any(self.load != 0.0))
 
     @property
-    def lead(self) -> Array:
+    def lead(self) -> NDArray[np.bool_]:
         """Whether a sample follows a start so closely that it says little."""
-        return ~np.isnan(self.start)
+        return np.asarray(~np.isnan(self.start), bool)
 
 
 def train_of(x: Figures, one: Record) -> TwoWayTrain:
@@ -112,12 +112,12 @@ def response(x: Figures, one: Record) -> dict[str, Array]:
 
 def noise_of(values: Array, h: float) -> float:
     """Standard deviation of what is no parabola over nine samples, with that of the steps that a column is read in."""
-    time = h * np.arange(len(values))
+    time = h * np.arange(len(values), dtype=float)
     rest = values - local_parabola(time, values, _SMOOTHED * h)[0]
     spread = 1.4826 * float(np.median(np.abs(rest - np.median(rest))))
     steps = np.diff(np.unique(values))
     step = float(np.min(steps)) if len(steps) else 0.0
-    return max(1.3 * spread, step / np.sqrt(12.0), 1e-4 * float(np.ptp(values)), 1e-12)
+    return max(1.3 * spread, step / sqrt(12.0), 1e-4 * float(np.ptp(values)), 1e-12)
 
 
 # -- A start by weighted regression, of signals smoothed alike.
@@ -130,7 +130,7 @@ def regression(one: Record, known: Figures) -> Figures:
     to inertia, friction, speed and, where one is known, load.
     """
     h, n = one.h, len(one.u)
-    time, window = h * np.arange(n), _SMOOTHED * h
+    time, window = h * np.arange(n, dtype=float), _SMOOTHED * h
     w, dw = local_parabola(time, one.outputs["speed"], window)
     u = local_parabola(time, np.append(one.u[0], (one.u[1:] + one.u[:-1]) / 2.0), window)[0]
     x = {"R": known.get("R", 1.0), "L": known.get("L", 0.0), "e": known.get("e", 1.0), "delay": 0.0,
