@@ -25,7 +25,7 @@ _SPANS = 300  # of constant mean square current
 _LEAST_RISE = 3.0  # K, below which temperatures say nothing
 _SIGMA = 0.3  # K, of a sensor
 _LONG = 2.0  # time constants of the housing
-_SURE = 0.5  # of a figure, standard deviation
+_CERTAIN = 0.5  # of a figure, standard deviation
 _FIGURES = (
     ("R_th1", "thermal resistance winding to housing", "thermal_resistance", "K/W"),
     ("tau_w", "time constant of the winding", "time", "s"),
@@ -103,18 +103,18 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
     size = max(float(np.sqrt((r**2).mean())), 1.0)
     three = spreads(best.jac.reshape(len(rises), r.shape[1], 4) / size, r / size)
     values, sigma = np.exp(best.x), three.max(axis=0)
-    figures, unsure = [], []
+    figures, open_ones = [], []
     for k, (name, title, kind, unit) in enumerate(_FIGURES):
-        bound = k >= 2 and (total < _LONG * values[3] or sigma[k] > _SURE)
-        if k < 2 and sigma[k] > _SURE:
-            unsure.append(title)
+        bound = k >= 2 and (total < _LONG * values[3] or sigma[k] > _CERTAIN)
+        if k < 2 and sigma[k] > _CERTAIN:
+            open_ones.append(title)
             continue
         grows = float(np.exp(BAND * min(sigma[k], 5.0)))
-        unsure += [title] if bound else []
+        open_ones += [title] if bound else []
         basis = "lower bound" if bound else ("formal", "bootstrap", "subsets")[int(three[:, k].argmax())]
         figures.append(IdentifiedFigure(name, title, kind, unit, float(values[k]), float(values[k]) / grows,
                                         np.inf if bound else float(values[k]) * grows, basis))  # fmt: skip
-    tied = (Inseparable(", ".join(unsure), f"the log lasts {total:.3g} s", _NEEDS),) if unsure else ()
+    tied = (Inseparable(", ".join(open_ones), f"the log lasts {total:.3g} s", _NEEDS),) if open_ones else ()
     made = course(best.x)
     traces = tuple(Trace(name, "temperature", "degC", measured[k], made[k]) for k, name in enumerate(rises))
     return Heat(tuple(figures), tied, time[edges], traces)

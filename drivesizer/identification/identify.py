@@ -309,7 +309,7 @@ def _inertias(fit: Fit, of: Reference, log: Log) -> Iterator[IdentifiedFigure]:
 
 
 def _structural(one: Record, fit: Fit, known: Mapping[str, float]) -> Iterator[Inseparable]:
-    """What the columns themselves do not allow to tell apart."""
+    """Figures that the columns themselves do not separate."""
     if one.driven == "voltage" and "current" not in one.outputs:
         yield Inseparable("resistance, torque constant, inertia and friction apart", "the current was not logged",
                           "voltage and current, one move of it under load at low speed")  # fmt: skip

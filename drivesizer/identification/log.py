@@ -48,7 +48,7 @@ class Log(NamedTuple):
         return "time" not in self.columns
 
 
-# quantity | kinds of its unit | heads, the surest first; of several columns that mean one the first is taken
+# quantity | kinds of its unit | heads, the most usual first; of several columns that mean one the first is taken
 _QUANTITIES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     name: (tuple(kinds.split()), tuple(word.strip() for word in words.split(";")))
     for name, kinds, words in (

@@ -31,9 +31,9 @@ FIGURES = ("R", "L", "k_e", "k_t", "J", "M_c", "b", "e", "e_back", "delay")
 _QUICK = 1e-3  # electrical time constant in samples, where there is none to speak of
 _LEAST = 1e-6  # of a sample, that a part of it is
 _SMOOTHED = 9.0  # samples around each of which a parabola is fitted
-_FEW = 10  # samples of a sure direction, with fewer than which all count
-_SURE = 4.0  # times the noise of the speed, above which its direction is sure
-_FASTEST = 5.0  # per cent of the top speed: below it friction has no sure direction
+_FEW = 10  # samples of a known direction, with fewer than which all count
+_CERTAIN = 4.0  # times the noise of the speed, above which its direction is known
+_FASTEST = 5.0  # per cent of the top speed: below it the direction of friction is unknown
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -136,7 +136,7 @@ def regression(one: Record, known: Figures) -> Figures:
     x = {"R": known.get("R", 1.0), "L": known.get("L", 0.0), "e": known.get("e", 1.0), "delay": 0.0,
          "k_e": known.get("k_e", 1.0), "k_t": known.get("k_t", 1.0)}  # fmt: skip
     x["e_back"] = x["e"]
-    fast = np.abs(w) > max(_SURE * noise_of(one.outputs["speed"], h) / 3.0, _FASTEST / 100.0 * np.abs(w).max())
+    fast = np.abs(w) > max(_CERTAIN * noise_of(one.outputs["speed"], h) / 3.0, _FASTEST / 100.0 * np.abs(w).max())
     fast &= ~one.lead
     if fast.sum() < _FEW:
         fast = ~one.lead

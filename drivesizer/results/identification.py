@@ -30,7 +30,7 @@ class IdentifiedFigure(NamedTuple):
 
 
 class Inseparable(NamedTuple):
-    """Figures that a log does not tell apart, and what would."""
+    """Figures that a log does not separate, and what would."""
 
     figures: str
     reason: str
