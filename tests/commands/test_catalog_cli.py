@@ -466,7 +466,7 @@ def test_a_wrong_table_is_one_line_and_writes_nothing(run, sheet, old, new, said
     [
         ("columns:", "colums:", "unknown key"),
         ("Weight: mass", "Weight: mas", "the nearest"),
-        ("confidence: secondary", "confidence: certain", "expected one of quoted"),
+        ("confidence: secondary", "confidence: certain", "expected one of measured"),
         ('document: "price list: 2024", ', "", "--document"),
         ("manufacturer: Other & Sons\n", "", "--manufacturer"),
         ('["-"]', "none", "expected a list"),
