@@ -13,11 +13,12 @@ import math
 import numpy as np
 import pytest
 
-from drivesizer.control.devices import devices
+from drivesizer.control.devices import devices, read_back
 from drivesizer.control.drive_train import drive_train
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.simulate import commissioned
+from drivesizer.simulate import commissioned, validate
 from drivesizer.sizing import size
+from drivesizer.spec.drive import Control
 from drivesizer.spec.robot import read_spec
 
 SPEC = """
@@ -149,17 +150,20 @@ LOOPS = {  # and the section ``control`` beside its structure
 }  # fmt: skip
 
 
+def read(more):
+    return read_spec(YamlSource(SPEC.format(more=more), "robot.yaml"))
+
+
 @pytest.fixture(scope="module")
 def drive():
-    return size(read_spec(YamlSource(SPEC.format(more="speed_from: counts"), "robot.yaml")), top=1).sets[0]
+    return size(read("speed_from: counts"), top=1).sets[0]
 
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_the_controller_s_own_loop_follows_what_is_simulated(name, drive):
     """Within 2 % of the top speed all along the motion, with what stands in the file after rounding."""
     loop, more = LOOPS[name]
-    spec = read_spec(YamlSource(SPEC.format(more=more), "robot.yaml"))
-    made = commissioned(spec, drive, devices()[name])
+    made = commissioned(read(more), drive, devices()[name])
     found: dict[str, dict[str, float]] = {}
     for row in made.rows:
         group, _, last = row.parameter.name.rpartition(".")
@@ -181,3 +185,40 @@ def test_the_controller_s_own_loop_follows_what_is_simulated(name, drive):
     top = np.abs(reference).max()
     assert np.abs(np.array(seen) - ours).max() < 0.02 * top
     assert np.sqrt(np.mean((np.array(seen) - ours) ** 2)) < 0.01 * top
+
+
+def test_a_position_loop_alone_lags_by_the_speed_over_its_gain(drive):
+    """Without the planned speed it demands all of it: w = K e once it has settled, here six time constants."""
+    spec = read("speed_from: exact, position: {kp: 60, planned_speed: false}, rate: 5 kHz")
+    proof = validate(spec, drive)
+    cruise = int(np.searchsorted(proof.series["time"], proof.series["time"][0] + 0.179))
+    speed, behind = proof.series["speed_reference"][cruise], proof.series["position_error"][cruise]
+    assert behind == pytest.approx(speed / 60.0, rel=0.01)
+    linear = {one.linear.name: one for one in proof.linear.figures}["tracking_error_peak"]
+    assert linear.engine.value == pytest.approx(linear.linear.value, rel=0.02)
+
+
+def test_a_loop_on_the_voltage_feeds_forward_what_the_motion_needs(drive):
+    """By the linear model and the engine alike; the error is a fraction of what it is without."""
+    spec = read("speed_from: exact").model_copy(
+        update={"control": Control().model_copy(update={"speed_from": "exact"})}
+    )
+    ahead = commissioned(spec, drive, devices()["phoenix-6"]).rounded
+    linear = {one.linear.name: one for one in ahead.linear.figures}
+    assert linear["peak_voltage"].engine.value == pytest.approx(linear["peak_voltage"].linear.value, rel=0.02)
+    alone = validate(spec.model_copy(update={"control": spec.control.model_copy(update={"rate": 1000.0})}), drive)
+    error = {one.name: one.value for one in alone.figures}["tracking_error_peak"]
+    assert {one.name: one.value for one in ahead.figures}["tracking_error_peak"] < 0.4 * error
+
+
+def test_the_loops_are_designed_around_what_a_controller_can(drive):
+    """A moteus has its current loop at a thirtieth of its rate at most; an ODrive's estimator lags by half a ms."""
+    made = commissioned(read("position: {}"), drive, devices()["moteus"])
+    assert read_back(made.rows)["K_i"] <= 2.0 * math.pi * 1000.0 * drive.motor.inductance / 2.0
+    made = commissioned(read("position: {}"), drive, devices()["odrive-0.5"])
+    assert made.exact.gains.counted_over * made.exact.gains.velocity_period >= 1e-3
+    assert made.exact.gains.feedforward_friction == 0.0 < made.exact.gains.feedforward_acceleration
+    made = commissioned(read("rate: 2 kHz, speed_from: exact"), drive, devices()["simplefoc"])
+    assert made.rounded.gains.velocity_period == pytest.approx(5e-4)
+    limit = next(row for row in made.rows if row.parameter.name == "MLC")
+    assert made.rounded.drive_set.controller.peak_current == pytest.approx(limit.value * math.sqrt(3.0) / 2.0)

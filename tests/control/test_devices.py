@@ -209,7 +209,36 @@ def test_a_drive_is_commissioned(tmp_path, monkeypatch):
     text = Path("drive.dcf").read_text(encoding="utf-8")
     assert "[30A0sub1]\nParameterName=current controller P gain\nParameterValue=" in text
     assert "with these figures: pass" in found.output and "0.00° lost by rounding" in found.output
-    refused = CliRunner().invoke(app, ["commission", str(spec), "--device", "moteus"])
-    assert "drives brushless motors; RE 25 118752 is brushed" in str(refused.exception)
-    wrong = CliRunner().invoke(app, ["commission", str(spec), "-o", "drive.json"])
-    assert "expected a file that ends in .dcf" in str(wrong.exception)
+    # validate --device simulates what is written
+    proof = CliRunner().invoke(app, ["validate", str(spec), *slower, "--device", "epos4", "--checks", "--json"])
+    (axis,) = json.loads(proof.stdout)["axes"]
+    gains = {row["place"]: row["value"] for row in axis["validations"][0]["controller_gains"]}
+    assert f"[30A2sub1]\nParameterName=velocity controller P gain\nParameterValue={gains['0x30A2:01']}\n" in text
+
+
+REFUSED = {  # options, and what is said of them
+    ("--device", "moteus"): "drives brushless motors; RE 25 118752 is brushed",
+    ("--device", "klipper"): "drives steppers; RE 25 118752 runs in a closed loop",
+    ("--device", "el72xx"): "all that is known of Beckhoff EL72xx is from memory alone; expected --unconfirmed",
+    ("--device", "epos4", "-o", "drive.json"): "expected a file that ends in .dcf",
+    ("--device", "epos4", "--setting", "R_s=0.1"): '"R_s=0.1" is no setting of maxon EPOS4; expected NAME=VALUE',
+    ("--device", "ax5000", "--set", "control.structure=cascade", "--set", "control.bandwidth=", "--set",
+     "control.position={}"): "control.position: Beckhoff AX5000 cannot express it: it has no position loop here",
+    ("--device", "epos4", "--set", "control.structure=cascade", "--set", "control.bandwidth=", "--set",
+     "control.velocity={kd: 0.01}"): "control.velocity.kd: maxon EPOS4 cannot express it: it has no place for it",
+    ("--device", "epos4", "--set", "control.kp=0.1", "--set", "control.bandwidth="):
+        "control.kp: maxon EPOS4 cannot express it: it has current and velocity loops; expected structure: cascade",
+    ("--device", "roboteq-1.8", "--set", "control.bandwidth=", "--set", "control.kp=5", "--unconfirmed"): "cannot express KP",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("options", REFUSED, ids=" ".join)
+def test_what_a_controller_cannot_express_is_one_line_and_nothing_is_written(options, tmp_path, monkeypatch):
+    spec = Path(__file__).resolve().parents[2] / "examples" / "sps_robot.yaml"
+    monkeypatch.chdir(tmp_path)
+    found = CliRunner().invoke(app, ["commission", str(spec), "--set", "118752/406764", "-o", "drive.dcf", *options])
+    if "-o" not in options:
+        found = CliRunner().invoke(app, ["commission", str(spec), "--set", "118752/406764", *options])
+    said = str(found.exception)
+    assert isinstance(found.exception, InputError) and REFUSED[options] in said and "\n" not in said
+    assert not list(tmp_path.iterdir())
