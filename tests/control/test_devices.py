@@ -228,7 +228,8 @@ REFUSED = {  # options, and what is said of them
      "control.velocity={kd: 0.01}"): "control.velocity.kd: maxon EPOS4 cannot express it: it has no place for it",
     ("--device", "epos4", "--set", "control.kp=0.1", "--set", "control.bandwidth="):
         "control.kp: maxon EPOS4 cannot express it: it has current and velocity loops; expected structure: cascade",
-    ("--device", "roboteq-1.8", "--set", "control.bandwidth=", "--set", "control.kp=5", "--unconfirmed"): "cannot express KP",
+    ("--device", "roboteq-1.8", "--set", "control.bandwidth=", "--set", "control.kp=5",
+     "--unconfirmed"): "cannot express KP",
 }  # fmt: skip
 
 
