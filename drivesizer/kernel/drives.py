@@ -30,6 +30,7 @@ def drives_of(
     limit: Any = np.nan,
     error: float = _ERROR,
     band: tuple[float, float] = COMMUTATION_BAND,
+    cold: bool = False,
 ) -> Drive:
     """Drives as columns; a winding whose course cannot be computed has to be held at a rise.
 
@@ -56,6 +57,8 @@ def drives_of(
         several samples is cut by the time constant of each, another by the shortest.
     band
         Of what commutation takes of the voltage, least and most of ``drive_train.commutation`` [1].
+    cold
+        Whether the cycle is run once, from the temperature around the motors; else it repeats.
 
     Returns
     -------
@@ -103,6 +106,8 @@ def drives_of(
         commutation=band[1] * X,
         least_commutation=band[0] * X,
     )
+    if cold:
+        drive = drive._replace(winding_start=0.0, housing_start=0.0)
     current = sum(drive[:6])
     known = bodies.known & ~np.isnan(current + heating.friction + heating.iron + ambient)
     shape = np.broadcast_shapes(np.shape(current), several)

@@ -30,9 +30,9 @@ from drivesizer.physics.load_cycle import middle, places, rms
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.physics.winding import Heat, heat
+from drivesizer.physics.winding import Heat
 from drivesizer.results.drive_set import DriveParts, MotorPiece
-from drivesizer.spec.mounting import loss_at_flange
+from drivesizer.spec.mounting import heat_of
 from drivesizer.spec.robot import RobotSpec
 
 Array = NDArray[np.float64]
@@ -88,9 +88,9 @@ def driven(
     motor, gearhead = one_row(drive_set.motor), one_row(drive_set.gearhead)
     cycle, demand = turned(spec, drive_set, base)
     ambient, feed = spec.environment.ambient, spec.feed_of(drive_set.controller, drive_set.brake)
-    heating = heat(ambient, cycle, demand, motor, from_gearhead=loss_at_flange(spec, cycle, gearhead))
+    heating = heat_of(spec, cycle, demand, motor, gearhead)
     rise = np.where(np.isfinite(heating.winding), heating.winding, nan) - ambient
-    drive = drives_of(ambient, cycle, demand, heating, motor, feed)._replace(held=rise, held_mean=rise)
+    drive = drives_of(ambient, cycle, demand, heating, motor, feed, cold=spec.once)._replace(held=rise, held_mean=rise)
     return drive, cycle, demand, heating
 
 

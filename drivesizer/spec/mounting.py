@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from drivesizer.files import fields
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import Figures
-from drivesizer.physics.motor_demand import flange_loss
+from drivesizer.physics.motor_demand import Demands, flange_loss
+from drivesizer.physics.winding import Heat, heat
 from drivesizer.spec.sections import Environment
 
 # -- Thin air: margins by which thermal ratings must exceed the demand above 1000 m.
@@ -158,6 +160,18 @@ def loss_at_flange(spec: Any, cycle: AtGearhead, gearhead: Figures) -> Any:
     """Loss of gearheads that heats the housings of their motors, per speed of their output."""
     share = spec.mounting.gear_loss_share if spec.mounting else 0.0
     return share * flange_loss(cycle, gearhead) if share else 0.0
+
+
+def heat_of(
+    spec: Any, cycle: AtGearhead, demand: Demands, motor: Figures, gearhead: Figures, losses: Any = None
+) -> Heat:
+    """Losses at the housings of motors, and the least that their windings come to: in the long run, or as they start.
+
+    Run once from cold a motion is over before the long run begins.
+    """
+    ambient = spec.environment.ambient
+    found = heat(ambient, cycle, demand, motor, losses, loss_at_flange(spec, cycle, gearhead))
+    return found._replace(winding=np.where(np.isnan(found.winding), np.nan, ambient)) if spec.once else found
 
 
 def mounting_words(spec: Any) -> tuple[str, ...]:

@@ -73,6 +73,9 @@ class RobotSpec(fields.Section, OfFile):
     )
     load: Load
     motion: Motion | None = fields.optional("one cycle, repeated; a recorded load brings its own")
+    once: bool = fields.default(
+        False, "the motion is run once, from cold, such as a climb or a match: its heat and short limits count"
+    )
     transmission: Annotated[list[drive.Stage], Field(min_length=1, max_length=5)] = fields.default(
         [{"kind": "gearhead"}], "from the motor to the load"
     )
@@ -474,6 +477,8 @@ def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
         if section in case:
             another = "kind" in case[section] or "profile" in case[section]  # another load or motion altogether
             data[section] = {**({} if another else data.get(section) or {}), **case[section]}
+    if case.get("once") is not None:
+        data["once"] = case["once"]
     return _validated(source, data, ("cases", number))
 
 

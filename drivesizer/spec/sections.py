@@ -274,6 +274,8 @@ class Case(fields.Section):
     def _shared(self) -> Self:
         if self.lasting is not None and self.share is None:
             raise ValueError("lasting: it is of a case with a share of the time; expected share, e.g. 10 %")
+        if self.share is not None and self.once:
+            raise ValueError("once: a case that alternates with others repeats; expected once without share")
         if self.share is not None and (self.supply or self.environment):
             raise ValueError("share: a case that alternates with others keeps supply and environment; leave it out")
         return self
@@ -282,6 +284,9 @@ class Case(fields.Section):
     share: Annotated[float, fields.Quantity("dimensionless", above=0.0, most=0.99)] | None = fields.optional(
         "of the time: cycles of the case alternate with those as specified, for heat, energy and battery "
         "too; without it the machine is sized as if the case were continuous"
+    )
+    once: bool | None = fields.optional(
+        "the motion is run once, from cold, and the machine then rests until it is cold; as the spec where not given"
     )
     lasting: fields.Duration | None = fields.optional(
         "of a case with a share, uninterrupted; one cycle where not given", example="30 min"

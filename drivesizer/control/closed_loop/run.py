@@ -197,7 +197,8 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
         raise InputError(f"profile {profile.name}: {out.problems[0]}; {cure}")
     (free,) = without_limits([(drive, task)], [out], loops)
     cycle = replace(task, cycles=1)
-    periodic, start, last = _periodic(drive, cycle, out if task.cycles == 1 else None)
+    rounds = 0 if spec.once else _ROUNDS  # from cold it is run once
+    periodic, start, last = _periodic(drive, cycle, out if task.cycles == 1 else None, rounds)
     steady: tuple[Simulation, ...] = ()
     if last is not None and last is not out and not last.problems[0]:  # else it is the first one
         steady = last, *without_limits([(start, cycle)], [last], loops)
@@ -262,7 +263,9 @@ def as_warm(drive: Drive, start: Sequence[float] | NDArray[np.float64]) -> Drive
     return replace(drive, heat=replace(drive.heat, winding=float(start[0]), housing=float(start[1])))
 
 
-def _periodic(drive: Drive, task: Task, out: Simulation | None) -> tuple[dict[str, float], Drive, Simulation | None]:
+def _periodic(
+    drive: Drive, task: Task, out: Simulation | None, rounds: int
+) -> tuple[dict[str, float], Drive, Simulation | None]:
     """Highest temperatures in the periodic steady state [K], the drive at the start of its cycle, its simulation.
 
     The two temperatures at the end of a cycle are nearly affine in those at its start: the fixed point is found by
@@ -278,7 +281,7 @@ def _periodic(drive: Drive, task: Task, out: Simulation | None) -> tuple[dict[st
 
     start = np.array([drive.heat.ambient, drive.heat.ambient])
     last, end = after(start) if out is None else (out, np.array([out.figures[n][0] for n in ("winding", "housing")]))
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         slopes = last.slopes[0]
         if slopes is None or last.figures["time_at_voltage_limit"][0]:
             slopes = np.column_stack([(after(start + _NUDGE * unit)[1] - end) / _NUDGE for unit in np.eye(2)])

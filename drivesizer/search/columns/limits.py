@@ -9,6 +9,7 @@ those of the catalogues; no factor of the paper enters, the spec's ``margins`` d
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,8 +68,21 @@ def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) 
 
 def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = None) -> list[CheckColumn]:
     """Limits of the load and of the belt, the same for all candidates."""
-    found = [check for own in cycle.load_cycle.own if (check := own_limit(spec, own)) is not None]
+    own = [check for own in cycle.load_cycle.own if (check := own_limit(spec, own)) is not None]
+    found = that_apply(spec, own)
     return found + _belt_limits(spec, spec.belt, cycle, drive) if spec.belt else found
+
+
+# of what lasts: a motion that is run once from cold is held against the limits for a short time, and by its heat
+_LASTING = frozenset({
+    "gearhead_continuous_torque", "gearhead_continuous_speed", "gearhead_continuous_power", "gearhead_life",
+    "gearhead_bearing_life", "screw_life",
+})  # fmt: skip
+
+
+def that_apply(spec: RobotSpec, checks: list[CheckColumn]) -> list[CheckColumn]:
+    """The checks of a load case: without those of what lasts, where it is run once."""
+    return [check for check in checks if check.name not in _LASTING] if spec.once else checks
 
 
 def own_limit(spec: RobotSpec, own: OwnLimit) -> CheckColumn | None:
@@ -175,19 +189,32 @@ def moving_limits(
     motor, ambient = parts.motor, spec.environment.ambient
     torque, speed = motor_needed(spec), spec.margins.speed
     mean = cycle.moment(DIRECTION, SPEED) * demand.total_ratio
-    found = [
-        at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
+    rated = [
         nominal_current_limit(demand.rms_current, motor, ambient, torque),
         *nominal_torque_limit(demand.rms_torque, mean, motor, ambient, torque),
+    ]
+    if spec.once:
+        rated = [_of_one_run(check, heating, motor) for check in rated]
+    found = [
+        at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
+        *rated,
         winding_limit(spec, heating.winding, motor),
-    ]  # fmt: skip
-    if not cycle.acts[SPEED]:  # the hottest phase of a motor that never turns, were none of its heat led to the others
+    ]
+    if not cycle.acts[SPEED] and not spec.once:  # the hottest phase, were none of its heat led to the others
         R_th1, R_th2 = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
         hottest = steady_winding_temperature(ambient, resistance_25(motor), _UNEVEN * R_th1, R_th2, demand.rms_current)
         limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
         found.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
                              advice=True, note=_UNEVEN_NOTE))  # fmt: skip
     return found + inertia_limits(spec, cycle, demand, parts)
+
+
+def _of_one_run(check: CheckColumn, heating: Heat, motor: Figures) -> CheckColumn:
+    """A continuous rating where a motion is run once from cold: no limit where its heat is known, else none to fail."""
+    figures = ("max_winding_temperature", "winding_time_constant", "motor_time_constant")
+    known = ~np.isnan(heating.winding + sum(motor[name] for name in figures))
+    limit = np.where(known, np.inf, check.limit)
+    return replace(check, limit=limit, passed=check.passed | known, failed=np.zeros_like(check.failed))
 
 
 def winding_limit(spec: RobotSpec, winding: Array | Range, motor: Figures, time: Range | None = None) -> CheckColumn:

@@ -272,7 +272,7 @@ def exact(
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
     drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
-        limit=controller_current(parts.controller, ambient), error=error, band=band,
+        limit=controller_current(parts.controller, ambient), error=error, band=band, cold=spec.once,
     )  # fmt: skip
     every, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
     if not len(rows):

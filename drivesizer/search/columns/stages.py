@@ -20,7 +20,7 @@ from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import on
 from drivesizer.physics.motor_demand import demands
-from drivesizer.physics.winding import Parts, belts_of, heat
+from drivesizer.physics.winding import Parts, belts_of
 from drivesizer.results.check_columns import CheckColumn, fits, over_ends, together
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import LoadCase, Problem
@@ -30,7 +30,7 @@ from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.limits_over_time import Waveform
 from drivesizer.search.columns.powered import Moving, powered
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
-from drivesizer.spec.mounting import loss_at_flange
+from drivesizer.spec.mounting import heat_of
 
 Array = NDArray[np.float64]
 _ENOUGH = 100  # rejected candidates, to find the closest among
@@ -295,7 +295,7 @@ def _of_gearheads(problem: Problem, cycles: Sequence[AtGearhead], gearhead: Rows
         on_shaft = _behind_each(
             problem, cycles[k], lambda at, drive, rows: loads_on_gearheads(spec, at, drive, gearhead.on(rows)), count
         )
-        return limits.gearhead_limits(spec, cycles[k], gearhead) + on_shaft
+        return limits.that_apply(spec, limits.gearhead_limits(spec, cycles[k], gearhead) + on_shaft)
 
     return limits.worst_of_all(problem, found)
 
@@ -427,8 +427,7 @@ def in_motion(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
     """Demands of candidates in a load case, and their heat."""
     braking = brakes.brake_inertia(parts, cycle.belt)
     demand = demands(cycle, parts.motor, parts.gearhead, parts.encoder, braking)
-    at_flange = loss_at_flange(case.spec, cycle, parts.gearhead)
-    return Moving(demand, heat(case.spec.environment.ambient, cycle, demand, parts.motor, from_gearhead=at_flange))
+    return Moving(demand, heat_of(case.spec, cycle, demand, parts.motor, parts.gearhead))
 
 
 def _computed_together(problem: Problem, cycle: AtGearhead, count: int, steps: bool) -> list[slice]:

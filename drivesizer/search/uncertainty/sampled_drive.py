@@ -32,7 +32,7 @@ from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stepper import amplitude, copper_loss, idle_loss
-from drivesizer.physics.winding import Heat, Parts, Stress, heat, housing_loss, stress
+from drivesizer.physics.winding import Heat, Parts, Stress, housing_loss, stress
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
@@ -46,7 +46,7 @@ from drivesizer.search.columns.steppers import Frictionless, PullOut
 from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths, enters_checks, holding
-from drivesizer.spec.mounting import controller_needed, loss_at_flange
+from drivesizer.spec.mounting import controller_needed, heat_of
 from drivesizer.spec.robot import RobotSpec
 
 Array = NDArray[np.float64]
@@ -455,7 +455,8 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     draws = []
 
     def geared(spec: Any, at: AtSamples, drive: BeltDrive | None) -> list[CheckColumn]:
-        return limits.gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
+        found = limits.gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
+        return limits.that_apply(spec, found)
 
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
         at, drive = ats[one.belt], block.belts[one.belt]
@@ -509,7 +510,7 @@ def _loaded(spec: Any, at: AtSamples, drive: _Drive, *, energies: bool) -> _Load
         motor = _sampled(drive.printed.table, int(drive.printed.rows[0]), 1, with_dry_share(drive.printed, shared))
     rubbing, iron = housing_loss(motor, required.total_ratio)
     losses = rubbing * factor, iron * factor
-    warmth = heat(ambient, at, required, parts.motor, losses, loss_at_flange(spec, at, parts.gearhead))
+    warmth = heat_of(spec, at, required, parts.motor, parts.gearhead, losses)
     leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
     peaks = stress(ambient, at, required, parts.motor, leads)
     figures = exact(spec, at, required, warmth, peaks, parts, "all" if energies else "limits", _ERROR, (1.0, 1.0))
