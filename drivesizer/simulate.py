@@ -32,7 +32,6 @@ from drivesizer.load_cases.profile import profile as named
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
 from drivesizer.loads.motions import SPEED
-from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.results.check import GRAVEST, Check, verdict, worst
@@ -120,8 +119,8 @@ def validate(
     shared, spec, name = driven in _shift_cases(spec), cases[driven], driven if len(cases) > 1 else ""
     if profile is None or profile == "spec":
         motion, farther = motion_of(spec), starts_farther_on(name, spec)  # the spec's own motion repeats
-    elif isinstance(spec.load, Recorded):
-        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else "a recorded load"
+    elif spec.load.of_shaft:
+        what = "a platform on a trajectory" if isinstance(spec.load, WheelLoad) else f"a {spec.load.kind} load"
         raise InputError(f"--profile: {what} brings its own motion, on which its torque depends; leave the option out")
     else:
         motion, farther = named(spec, profile) if isinstance(profile, str) else profile, ()
@@ -407,7 +406,7 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
         warnings.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
     if "tracking_error" in failed:
         error, top = case.figure("load_speed_error") * case.train.radius, case.profile.top_speed
-        kind, unit = SPEED[case.spec.load.axis]
+        kind, unit = SPEED[case.spec.load.shaft_axis]
         share = f", {error / top:.0%} of its top speed" if top else ""
         limits = {"time_at_voltage_limit": "voltage", "time_at_current_limit": "current"}
         why = next((f": {what} limit reached" for name, what in limits.items() if case.figure(name)), "")

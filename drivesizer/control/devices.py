@@ -367,7 +367,7 @@ def figures(proof: Validation, device: Device, settings: Mapping[str, float]) ->
         amperes = one.motor.nominal_current / math.sqrt(2.0)
         idle = proof.spec.control.idle_current
         return found | {
-            "turn": 2.0 * math.pi / turns, "mm": 1e3 if proof.spec.load.axis == "linear" else 180.0 / math.pi,
+            "turn": 2.0 * math.pi / turns, "mm": 1e3 if proof.spec.load.shaft_axis == "linear" else 180.0 / math.pi,
             "full": 4.0 * one.motor.pole_pairs, "microsteps": gains.microsteps, "I_rms": amperes,
             "I_hold": amperes * (1.0 if idle is None else idle), "rate": gains.pulse_rate,
         }  # fmt: skip

@@ -427,8 +427,8 @@ def at_shaft(spec: RobotSpec) -> AtShaft:
 
 
 def motion_of(spec: RobotSpec) -> Profile:
-    """The motion profile of a spec; that of the shaft where the load is a recording."""
-    if not isinstance(spec.load, Recorded):
+    """The motion profile of a spec; that of the shaft where the load is of no fixed radius, or a recording."""
+    if not spec.load.of_shaft:
         return profile_of(spec)
     cycle = load_cycle(spec)
     time = np.append(cycle.time[:, 0], cycle.total)
@@ -438,7 +438,7 @@ def motion_of(spec: RobotSpec) -> Profile:
 
 def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
     """Torque of a motion beyond inertia and the constants of its direction: rows of rising time and torque."""
-    cycle = load_cycle(spec, None if isinstance(spec.load, Recorded) else profile)
+    cycle = load_cycle(spec, None if spec.load.of_shaft else profile)
     direction = cycle.direction
     known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)
     known = np.where(direction == 0.0, shaft.rest_torque, known) + shaft.inertia * cycle.acceleration

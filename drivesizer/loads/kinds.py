@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 _FILES = (
     "wheeled_vehicle", "conveyor", "hoist", "screw", "rack_pinion", "belt_axis", "rotary_table", "arm", "fan",
-    "recorded",
+    "winder", "recorded",
 )  # fmt: skip
 _SEVERAL = {"screw": ("lead_screw", "ball_screw"), "fan": ("fan", "flywheel")}  # kinds of a file; of others its name
 

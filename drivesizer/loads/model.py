@@ -19,7 +19,13 @@ class LoadModel(Section):
     axis: ClassVar[Axis]  # of its motion: along a line or about an axis
     takes_payload: ClassVar[bool] = False  # whether a motion may add one to its mass
     is_wheel: ClassVar[bool] = False  # whether it is of driven wheels of a platform, their cycle computed
+    of_shaft: ClassVar[bool] = False  # whether its law or file gives the shaft's speed: at no fixed radius
     has_end: ClassVar[bool] = False  # whether its travel is limited, so that a cycle has to end where it starts
+
+    @property
+    def shaft_axis(self) -> Axis:
+        """Along a line or about an axis, as a loop of its drive has the motion."""
+        return "rotary" if self.of_shaft else self.axis
 
     @property
     def lever(self) -> Lever | None:

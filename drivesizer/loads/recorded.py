@@ -55,6 +55,7 @@ class Recorded(SharedLoad):
     """A recording of speed or position and of torque at the driven shaft."""
 
     axis: ClassVar[Axis] = "rotary"
+    of_shaft: ClassVar[bool] = True
     kind: Literal["recorded"]
     file: str = Field(min_length=1, description="CSV: columns time, speed or position, torque; then a row of units")
     smoothing: Pause = default("0 s", "width of the window in which position or speed is smoothed")

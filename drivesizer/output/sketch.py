@@ -310,6 +310,23 @@ def _rotary_table(p: Pen) -> None:
     p.label(314, 172, "φ_0", "start_angle")
 
 
+def _winder(p: Pen) -> None:
+    p.motor(60, 110)
+    p.line((110, 110), (200, 110), wide=2.5)
+    p.circle(200, 110, 60, fill="#e8eaed")
+    p.circle(200, 110, 20, fill="#ffffff")
+    p.line((200, 50), (400, 50), wide=2)
+    p.moves((330, 66), (290, 66))
+    p.force((404, 50), (440, 50), "F", "tension", off=(-6.0, -8.0))
+    p.turning(200, 110, 72, start=4.4, end=3.4)
+    p.size((180, 176), (220, 176), "d_c", "core_diameter", off=(0.0, 14.0))
+    p.size((140, 188), (260, 188), "d_0", "start_diameter", off=(80.0, 4.0))
+    p.label(340, 44, "h, b, ρ", "thickness", "width", "density")
+    p.label(204, 114, "J", "inertia", at="middle")
+    p.label(290, 120, "T_f", "friction_torque", ink=_FORCE)
+    p.label(340, 96, "t", "taper")
+
+
 def _recorded(p: Pen) -> None:
     p.motor(30, 96)
     p.line((80, 96), (132, 96), wide=2.5)
@@ -347,7 +364,7 @@ def _wheeled_vehicle(p: Pen) -> None:
 SKETCHES: dict[str, Callable[[Pen], None]] = {
     "arm": _arm, "ball_screw": _screw, "lead_screw": _screw, "belt_axis": _belt_axis, "conveyor": _conveyor,
     "fan": _fan, "flywheel": _flywheel, "hoist": _hoist, "rack_pinion": _rack_pinion, "recorded": _recorded,
-    "rotary_table": _rotary_table, "wheeled_vehicle": _wheeled_vehicle,
+    "rotary_table": _rotary_table, "wheeled_vehicle": _wheeled_vehicle, "winder": _winder,
 }  # fmt: skip
 """How each kind of load is drawn."""
 

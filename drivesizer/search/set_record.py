@@ -328,7 +328,7 @@ def _of_brake(problem: Problem, parts: DriveParts) -> tuple[dict[str, float], bo
     for case in problem.cases:
         _, found = stops(case.spec, case.at_belt.behind(parts.belt_ratio), gearhead, brake, own)
         if not found.energy <= worst.energy:  # NaN too
-            worst, radius, axis = found, case.cycle.radius, case.spec.load.axis
+            worst, radius, axis = found, case.cycle.radius, case.spec.load.shaft_axis
     travel = worst.angle / (1.0 if brake.shaft == "load" else parts.total_ratio) * radius
     figures = parts.released_power, worst.energy, worst.time, travel
     values = dict(zip(("brake_power", "stop_energy", "stop_time", "stop_travel"), map(float, figures), strict=True))

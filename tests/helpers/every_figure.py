@@ -152,6 +152,11 @@ needs: {{life: {{screw: 20000 h}}, axial_load: 10 N}}
 {_TURN}
 {_SUPPLY}
 """,
+    "winder": f"""load: {{kind: winder, tension: 90 N, thickness: 0.5 mm, width: 300 mm, density: 900 kg/m^3,
+  core_diameter: 80 mm, start_diameter: 100 mm, taper: 0.2, friction_torque: 0.3 N*m, inertia: 9 kg*cm^2}}
+motion: {{speed: 1 m/s, acceleration_time: 1 s, cruise_time: 20 s}}
+{_SUPPLY}
+""",
     "lead_screw": f"""load: {{kind: lead_screw, mass: 9 kg, lead: 4 mm, thread_friction: 0.15, incline: 80 deg,
   diameter: 20 mm,
   root_diameter: 15.5 mm, pitch_diameter: 18 mm, length: 500 mm, permissible_thrust: 2 kN}}

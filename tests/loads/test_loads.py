@@ -223,6 +223,9 @@ class Machine:
     torque: object  # of position, speed, acceleration, direction
     radius: float = 1.0
 
+    def radius_at(self, s):
+        return math.sqrt(0.06**2 + 0.002 * s / math.pi) if "winder" in self.load else self.radius
+
 
 def through(force, v, e, back):
     return force if v == 0 else force / e if force * v > 0 else force * back
@@ -267,6 +270,13 @@ def table_by_hand(s, v, a, sign):
 
 def arm_by_hand(s, v, a, sign):
     return (1.1 * a + 6 * G * 0.4 * math.cos(0.2) * math.cos(-1.2 + s) + 0.5 * sign) / 2
+
+
+def winder_by_hand(s, v, a, sign):
+    r = math.sqrt(0.06**2 + 0.002 * s / math.pi)
+    inertia = 9e-4 + math.pi / 2 * 900 * 0.2 * (r**4 - 0.04**4)
+    turning = a / r - v * 0.002 * v / (2 * math.pi * r) / r**2  # the slope of v / r
+    return 30 * (1 - 0.3 * (1 - 0.04 / r)) * r + inertia * turning + 0.2 * sign
 
 
 def fan_by_hand(s, v, a, sign):
@@ -319,6 +329,11 @@ MACHINES = {
         "friction_torque: 0.5 N*m, motors: 2",
         arm_by_hand,
     ),
+    "winder": Machine(
+        "kind: winder, tension: 30 N, taper: 0.3, thickness: 2 mm, width: 200 mm, density: 900 kg/m^3, "
+        "core_diameter: 80 mm, start_diameter: 120 mm, friction_torque: 0.2 N*m, inertia: 9 kg*cm^2",
+        winder_by_hand,
+    ),
     "fan": Machine(
         "kind: fan, inertia: 0.02 kg*m^2, rated_torque: 0.8 N*m, rated_speed: 1.7 rad/s, exponent: 2.5, "
         "friction_torque: 50 mN*m",
@@ -342,7 +357,7 @@ def walked(machine, points):
             v = v0 + a * t
             torque = machine.torque(position + v0 * t + a * t * t / 2, v, a, (v > 0) - (v < 0))
             square += torque * torque * dt
-            done += torque * v / machine.radius * dt
+            done += torque * v / machine.radius_at(position + v0 * t + a * t * t / 2) * dt
             largest = max(largest, abs(torque))
         position += (t1 - t0) * (v0 + v1) / 2
     return square / (points[-1][0] - points[0][0]), done, largest
@@ -473,6 +488,8 @@ MASSIVE = {  # what weighs, rubs or resists, k times
     "eccentricity: 0.3 m, tilt: 40 deg, start_angle: 200 deg",
     "arm": "mass: {0} kg, length: 0.4 m, friction_torque: {1} N*m, start_angle: -1 rad, tilt: 10 deg",
     "fan": "inertia: {2} kg*m^2, rated_torque: {1} N*m, rated_speed: 2 rad/s, friction_torque: {2} N*m, exponent: 2",
+    "winder": "tension: {0} N, friction_torque: {1} N*m, inertia: {2} kg*m^2, thickness: 1e-6 mm, width: 1 mm, "
+    "density: 1 kg/m^3, core_diameter: 90 mm",
     "flywheel": "inertia: {0} kg*m^2, rated_torque: {1} N*m, rated_speed: 2 rad/s, friction_torque: {2} N*m, "
     "exponent: 3",
 }
@@ -614,3 +631,28 @@ def test_a_running_gear_loses_either_way(acceleration):
     assert c.torque[0] == pytest.approx([force * 0.1 / 2 * (1.25 if force > 0 else 0.8)] * 2)
     (own,) = c.own
     assert own.demand == pytest.approx(abs(force) / 2)  # the floor's
+
+
+PAPER = "kind: winder, tension: 0 N, thickness: 1 mm, width: 1 m, density: 800 kg/m^3, core_diameter: 140 mm"
+
+
+def test_paper_onto_a_core():
+    """Industrial Monitor Direct, motor RPM calculation for paper winding: 227 rpm, after a turn (142 mm) 224 rpm."""
+    turn = (0.071**2 - 0.07**2) * math.pi / 0.001  # m, of paper
+    v = 100 / 60
+    c = cycle_of(PAPER, (0, v), (turn / v, v))
+    assert c.speed[[0, -1], [0, 1]] * 30 / math.pi == pytest.approx([227, 224], abs=0.5)
+
+
+def test_a_roll_keeps_its_energy_and_its_web():
+    """Up and then off again the drive gives back what tension took; the momentum of the web comes and goes with it."""
+    load = PAPER.replace("tension: 0 N", "tension: 50 N")
+    up = cycle_of(load, (0, 0), (2, 3), (10, 3), (12, 0))
+    full = 2 * math.sqrt(0.07**2 + 0.001 * 30 / math.pi)
+    assert up.inertia == pytest.approx(math.pi / 2 * 800 * ((full / 2) ** 4 - 0.07**4))
+    off = cycle_of(f"{load}, direction: off, start_diameter: {full!r} m", (0, 0), (2, 3), (10, 3), (12, 0))
+    # the tension's work, and the kinetic energy that the web takes along onto the roll at speed, half of m v²
+    assert work(up) + work(off) == pytest.approx(0.0, abs=0.01 * 50 * 30)
+    assert work(up) == pytest.approx(50 * 30, rel=0.08)
+    with pytest.raises(InputError, match="the web ends before the motion does; expected no more than its 30 m"):
+        cycle_of(f"{load}, direction: off, start_diameter: {full!r} m", (0, 0), (2, 3), (11, 3), (13, 0))

@@ -19,7 +19,6 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import floor_friction
 from drivesizer.loads.course import Profile, course
 from drivesizer.loads.motions import SPEED, TRAVEL
-from drivesizer.loads.recorded import Recorded
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics import thermal
 from drivesizer.physics.battery import current_of_power
@@ -61,7 +60,7 @@ def figures(case: ClosedLoop) -> tuple[Figure, ...]:
     Of two masses also the errors of the motor, as at the load: through the total ratio as if the shaft were stiff.
     """
     seen, time, loops, motors = case.figure, case.figure("time"), case.loops, case.spec.load.motors
-    speed, travel, top = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis], case.profile.top_speed
+    speed, travel, top = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis], case.profile.top_speed
     radius, per_speed, two = case.train.radius, case.train.motor_per_speed, case.train.flexible
     distance, encoder, counted = case.profile.distance * case.task.cycles, case.drive_set.encoder, case.controller
     peak, when = seen("load_speed_error") * radius, seen("load_speed_error_time")
@@ -120,7 +119,7 @@ def columns(case: ClosedLoop) -> dict[str, tuple[NDArray[np.float64], tuple[str,
     """Recorded rows of the first cycle, seen from the load and from the supply of all drives; kind and unit of each."""
     rows: Any = case.out.series
     train, feed = case.train, case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
-    speed, travel = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis]
+    speed, travel = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis]
     reference, moved = rows["reference"] / train.motor_per_speed, rows["load_speed"] * train.radius
     at_stage = rows["voltage"] * rows["current"] + feed.lost(rows["current"]) + feed.stage.standby
     found = {
@@ -219,7 +218,7 @@ def _loop(case: ClosedLoop) -> Iterator[Check]:
             at_most("tracking_error", case.figure("load_speed_error") * case.train.radius, FOLLOWS * top),
             case.figure("load_speed_error_time"),
             f"to follow is to stay within {FOLLOWS:.0%} of the top speed, a convention of this program",
-            rotary=case.spec.load.axis == "rotary",
+            rotary=case.spec.load.shaft_axis == "rotary",
         )
     if case.spec.needs.bandwidth is not None:
         yield _check(at_least("bandwidth", case.spec.needs.bandwidth, case.loops.velocity.bandwidth))
@@ -326,7 +325,7 @@ def _gearhead(case: ClosedLoop) -> Iterator[Check]:
     if case.profile.top_speed:
         torque, note = case.figure("rms_gear_torque_running") if speed else 0.0, "while running"
     else:
-        cycle = load_cycle(case.spec, None if isinstance(case.spec.load, Recorded) else case.profile)
+        cycle = load_cycle(case.spec, None if case.spec.load.of_shaft else case.profile)
         torque, note = float(rms(cycle.duration, cycle.torque)) / case.drive_set.belt_ratio, "of the load at rest"
     lasting = at_most("gearhead_continuous_torque", torque, gearhead.continuous_torque)
     yield _check(unless_printed(lasting, "nominal_torque", case.drive_set), note=note)

@@ -216,7 +216,7 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
 
 
 def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearFigure, ...]:
-    units = {"current": ("current", "A"), "error": SPEED[case.spec.load.axis], "voltage": ("voltage", "V")}
+    units = {"current": ("current", "A"), "error": SPEED[case.spec.load.shaft_axis], "voltage": ("voltage", "V")}
     found = []
     for name, (title, column, figure) in _PEAKS.items():
         value, at, (kind, unit) = math.nan, None, units[column]

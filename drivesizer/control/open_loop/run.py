@@ -276,7 +276,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     """The simulation of a stepper as a record."""
     found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper, seen, rows = case.stepper, case.out.figures, case.out.series
-    speed, travel = SPEED[case.spec.load.axis], TRAVEL[case.spec.load.axis]
+    speed, travel = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis]
     per = 1.0 / stepper.motor_per_speed  # m/rad, or 1: travel of the load per angle of the motor
     belt = drive_set.belt_ratio * drive_set.belt_efficiency
     count, torque = ("dimensionless", "1"), ("torque", "mN*m")

@@ -387,7 +387,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
         rotor_loss=(coulomb if isfinite(coulomb) else 0.0, viscous if isfinite(viscous) else 0.0),
         ambient=ambient,
         elastic=spec.plant.model != "rigid",
-        turns=spec.load.axis == "rotary",
+        turns=spec.load.shaft_axis == "rotary",
         lever=lever,
         gravity=spec.environment.gravity,
         cycle=Cycle(
