@@ -48,7 +48,7 @@ class Winder(SharedLoad):
     density: fields.Density = fields.required("of the wound web", example="900 kg/m^3")
     core_diameter: fields.Length = fields.required(example="76 mm")
     start_diameter: fields.Length | None = fields.optional("of the roll; core_diameter where not given")
-    taper: fields.Part = fields.default(0, "t, share of the tension that it loses as the roll grows without end")
+    taper: fields.Part = fields.default(0, "t, share of the tension that a very large roll would have lost")
     friction_torque: fields.Torque = fields.default("0 N*m", "of the roll's bearings, against the motion")
     inertia: fields.Inertia = fields.default("0 kg*m^2", "of the core and its shaft")
 
