@@ -21,6 +21,7 @@ __all__ = [
     "CatalogError",
     "DrivesizerError",
     "InputError",
+    "LoadCycle",
     "MachineSizing",
     "Prediction",
     "RobotSpec",
@@ -46,11 +47,12 @@ if TYPE_CHECKING:
 
     from drivesizer import catalog, equations, units
     from drivesizer.catalog import load as load_catalog
+    from drivesizer.codesign.answer import design
     from drivesizer.control.validation import Validation
-    from drivesizer.design.answer import design
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
     from drivesizer.multi_axis.sizing import size_machine
     from drivesizer.output.document.tables import tables
+    from drivesizer.physics.load_cycle import LoadCycle
     from drivesizer.prediction.bench import predict_set as predict
     from drivesizer.results.machine import MachineSizing
     from drivesizer.results.prediction import Prediction
@@ -64,12 +66,13 @@ _HOME = {  # module, and the name in it where that is another; modules themselve
     "CatalogError": "errors",
     "DrivesizerError": "errors",
     "InputError": "errors",
+    "LoadCycle": "physics.load_cycle",
     "MachineSizing": "results.machine",
     "Prediction": "results.prediction",
     "RobotSpec": "spec.robot",
     "SizingResult": "results.sizing",
     "Validation": "control.validation",
-    "design": "design.answer",
+    "design": "codesign.answer",
     "explain": "sizing",
     "load_catalog": "catalog:load",
     "load_machine": "spec.machine",

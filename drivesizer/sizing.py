@@ -9,7 +9,9 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.prices import uncompared
 from drivesizer.load_cases.requirements import requirements, screw_requirements
+from drivesizer.loads.recorded import computed_load
 from drivesizer.machine.budgets import check_battery, machine_requirements
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Reliability, verdict
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.results.problem import Problem
@@ -44,6 +46,7 @@ def size(
     sampling: Sampling | None = None,
     brief: bool = False,
     choices: int = 0,
+    load: LoadCycle | None = None,
 ) -> SizingResult:
     """Size a drive.
 
@@ -67,6 +70,9 @@ def size(
         The drives alone: no alternatives, no checks by the other method, no changes that would let one pass.
     choices
         How many drives that pass to give as well, about, to choose from by weights of several objectives.
+    load
+        Load cycle of the driven shaft of one drive in place of the spec's load and motion, such as
+        ``LoadCycle.from_arrays(time, speed, torque)``.
 
     Returns
     -------
@@ -79,6 +85,7 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
+    spec = spec if load is None else spec.alone(load=computed_load(load, spec.load.motors), motion=None)
     catalog = load_parts(spec, catalog)
     spec = spec.with_select(spec.select.ranked_by(objective))
     picked = shortlist(

@@ -33,7 +33,7 @@ ORDER = (
     ("sizing", "prediction", "identification"),
     ("multi_axis", "output"),
     ("study",),
-    ("design",),
+    ("codesign",),
     ("commands",),
     ("live",),
     ("cli",),

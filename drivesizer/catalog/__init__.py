@@ -23,6 +23,7 @@ from dataclasses import replace
 from functools import partial
 from importlib import resources
 from pathlib import Path
+from typing import Any, TypeVar, cast
 
 from drivesizer.catalog.parts import (
     DIRECT,
@@ -56,7 +57,7 @@ from drivesizer.version import __version__
 __all__ = [
     "DIRECT", "EDGES", "PARTS", "RELATIONS", "Actuator", "Battery", "Belt", "Brake", "BrakeResistor", "CacheWarning",
     "Catalog", "Controller", "Encoder", "Gearhead", "Motor", "Note", "Pairs", "PowerSupply", "Pulley", "Source",
-    "Stepper", "Table", "catalog_of_text", "columns_of", "lines", "load", "path_of", "shipped", "singular",
+    "Stepper", "Table", "catalog_of_text", "columns_of", "lines", "load", "of", "path_of", "shipped", "singular",
 ]  # fmt: skip
 
 
@@ -170,6 +171,71 @@ def catalog_of_text(path: Path, raw: bytes) -> Catalog:
     return _remembered(f"{path.stem} {_key(raw)}", lambda: _parsed(path, raw))
 
 
+def of(
+    given: Mapping[str, Any] | Any, section: str = "motors", *, name: str = "own", manufacturer: str = "own",
+    pairs: Mapping[str, Any] | None = None,
+) -> Catalog:  # fmt: skip
+    """A catalogue out of a dict with the fields of a catalogue's file, or out of a table.
+
+    Parameters
+    ----------
+    given
+        The fields; or a data frame, or a dict of columns, whose heads are those of a catalogue's table:
+        ``part``, ``family``, ``mass (g)``.
+    section
+        Of a table: what its rows are.
+    name
+        In messages, and where catalogues are added to one another.
+    manufacturer
+        Of the parts of a table.
+    pairs
+        Of a table: ``compatibility`` as in a file, of motors with gearheads that go with them;
+        else motors drive their loads directly.
+
+    Returns
+    -------
+    Catalog
+        Added to others by ``+``.
+
+    Raises
+    ------
+    CatalogError
+        When it does not follow the schema.
+
+    Examples
+    --------
+    >>> table = {"part": ["A1"], "nominal_voltage (V)": [24], "resistance (ohm)": [0.5], "mass (g)": [300]}
+    >>> of(table).motors.record(0).mass
+    0.3
+    """
+    from drivesizer.files.yaml_source import written
+
+    if not (isinstance(given, Mapping) and "sources" in given):
+        columns = {str(head): [_plain(cell) for cell in given[head]] for head in given}
+        family = columns.pop("family", None) or [section] * len(next(iter(columns.values()), ()))
+        rows = list(zip(*columns.values(), strict=True))
+        tables = [
+            {
+                "family": one, "source": "table", "columns": list(columns),
+                "rows": [list(row) for row, of_row in zip(rows, family, strict=True) if of_row == one],
+            }
+            for one in dict.fromkeys(family)
+        ]  # fmt: skip
+        direct = {"motor_gearhead": [{"source": "table", "motors": list(dict.fromkeys(family)), "gearheads": [DIRECT]}]}
+        given = {
+            "catalog": 1, "manufacturer": manufacturer,
+            "sources": {"table": {"document": "a table of a program", "confidence": "secondary"}},
+            section: tables, "compatibility": pairs or (direct if section == "motors" else {}),
+        }  # fmt: skip
+    return catalog_of_text(Path(f"{name}.yaml"), written(given, name).text.encode())
+
+
+def _plain(cell: Any) -> Any:
+    """A cell of a table as a file has it: a number, text, or nothing."""
+    cell = cell.item() if hasattr(cell, "item") else cell
+    return None if cell is None or cell != cell else cell  # NaN of a data frame
+
+
 def _parsed(path: Path, raw: bytes, *lists: Path) -> Catalog:
     from drivesizer.catalog.catalog_file import parse
     from drivesizer.files.yaml_source import YamlSource
@@ -183,21 +249,27 @@ def _parsed(path: Path, raw: bytes, *lists: Path) -> Catalog:
 
 
 _REMEMBERED = 8
-_memory: dict[str, Catalog] = {}  # catalogues that the disk is not to keep, the newest last
+_memory: dict[str, Catalog] = {}  # of late, the newest last; of some of them the disk is not to keep anything
+_Found = TypeVar("_Found", Catalog, Catalog | None)
 
 
-def _remembered(key: str, make: Callable[[], Catalog]) -> Catalog:
-    found = _memory.pop(key, None) or make()
+def _remembered(key: str, make: Callable[[], _Found]) -> _Found:
+    found = cast("_Found", _memory.pop(key, None) or make())
     while len(_memory) >= _REMEMBERED:
         del _memory[next(iter(_memory))]
-    _memory[key] = found
+    if found is not None:
+        _memory[key] = found
     return found
 
 
 def _compiled(name: str, key: str, make: Callable[[], Catalog]) -> Catalog:
     """The compiled catalogue of a name and key; made and stored where there is none."""
     place = folder() / f"{name}-{key}.catalog"
-    found = recall(place)
+    try:
+        seen = place.stat()
+        found = _remembered(f"{place} {seen.st_mtime_ns} {seen.st_size}", lambda: recall(place))
+    except OSError:
+        found = None
     if found is None:
         found = make()
         store(place, found)

@@ -306,6 +306,10 @@ class Catalog:
             self._kept[key] = make(), of
         return self._kept[key][0]
 
+    def __add__(self, other: Catalog) -> Catalog:
+        """The parts of both; where both have one of a number, the other's must mean to replace it."""
+        return joined([self, other])
+
     def with_tables(self, tables: Mapping[str, Any], pairs: Mapping[str, Any]) -> Catalog:
         """The catalogue with other tables and pairs, by their names."""
         return replace(self, **tables, **pairs)

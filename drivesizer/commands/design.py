@@ -40,9 +40,9 @@ def design(
     from drivesizer.study.workers import one_thread_each
 
     with one_thread_each():  # before NumPy is loaded
-        from drivesizer.design.answer import answer
-        from drivesizer.design.result import text_of
-        from drivesizer.design.task import read_task
+        from drivesizer.codesign.answer import answer
+        from drivesizer.codesign.result import text_of
+        from drivesizer.codesign.task import read_task
         from drivesizer.files.writing import write_files
         from drivesizer.files.yaml_source import read
 

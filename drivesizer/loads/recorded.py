@@ -159,3 +159,10 @@ class ComputedLoad(Recorded):
     def shaft_inertia(self) -> float:
         """Of all that one drive moves, at its shaft [kg*m^2]."""
         return float(self.cycle.inertia)
+
+
+def computed_load(cycle: LoadCycle, motors: int = 1) -> ComputedLoad:
+    """The load that a load cycle of one drive's shaft is of, one of several drives alike."""
+    return ComputedLoad.model_construct(
+        kind="recorded", file=cycle.name, smoothing=0.0, inertia=0.0, cycle=cycle, motors=motors
+    )

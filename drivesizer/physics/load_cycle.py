@@ -62,6 +62,49 @@ class LoadCycle:
         if not all(_within(c) for c in (self.duration, *columns)):
             raise InputError(f"load cycle {self.name}: a figure leaves the range of numbers that can be computed with")
 
+    @classmethod
+    def from_arrays(
+        cls, time: Any, speed: Any, torque: Any, *, inertia: float = nan, name: str = "arrays"
+    ) -> LoadCycle:
+        """A load cycle of samples, with straight lines between them.
+
+        Parameters
+        ----------
+        time
+            Of the samples, rising [s].
+        speed
+            Of the driven shaft [rad/s].
+        torque
+            That the load takes at it, its own inertia included [N*m].
+        inertia
+            Of all that moves with the shaft, as far as it is known [kg*m^2].
+        name
+            In messages.
+
+        Returns
+        -------
+        LoadCycle
+            A segment between each two samples, cut where speed or torque changes its sign.
+
+        Raises
+        ------
+        InputError
+            When the arrays do not go together, or a time does not rise.
+
+        Examples
+        --------
+        >>> LoadCycle.from_arrays([0, 1, 3], [0, 10, 10], [2, 2, 1]).total
+        3.0
+        """
+        columns = [np.asarray(column, float) for column in (time, speed, torque)]
+        if any(column.ndim != 1 or column.shape != columns[0].shape or len(column) < 2 for column in columns):
+            raise InputError(f"load cycle {name}: expected time, speed and torque of as many samples each, two or more")
+        duration = np.diff(columns[0])
+        speeds, torques = (np.stack([column[:-1], column[1:]], axis=1) for column in columns[1:])
+        with np.errstate(all="ignore"):  # a time that does not rise is refused
+            slope = np.repeat(np.diff(speeds, axis=1) / duration[:, None], 2, axis=1)
+        return cls(name, duration, speeds, slope, torques, inertia).split()
+
     @property
     def total(self) -> Alike:
         """Length of the cycle [s]."""

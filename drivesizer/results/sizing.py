@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.util import find_spec
 from math import isnan, nan
 from typing import Any, NamedTuple
 
@@ -11,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
+from drivesizer.errors import InputError
 from drivesizer.results.check import Figure, Uncertainty, worst
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation, Requirement, html_table, share
 from drivesizer.results.problem import Problem
@@ -154,6 +157,29 @@ class SizingResult:
     tried: tuple[str, ...] = ()  # figures of the spec that were moved for relaxations, by name
     choices: Choices | None = None  # drives that pass, to choose from by weights, where any were requested
 
+    def __str__(self) -> str:
+        """The drives, a line each."""
+        rows = [_row(one) for one in self.sets or self.misses]
+        widths = [max(map(len, column), default=0) for column in zip(*rows, strict=True)]
+        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+        return "\n".join([f"{self.spec.name}: {len(self.sets)} drives, by {self.objective}", *lines])
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Every drive that is in it, with figures and the margin of each check in SI; best first, then the rejected."""
+        found = []
+        for one in (*self.sets, *self.unsure, *self.misses):
+            row: dict[str, Any] = {
+                "rank": one.rank, "status": one.status, "motor": one.motor.part, "gearhead": one.gearhead.part,
+                "belt_ratio": one.belt_ratio, "total_ratio": one.total_ratio, "mass": one.mass, "price": one.price,
+            }  # fmt: skip
+            row |= {figure.name: figure.value for figure in one.figures}
+            found.append(row | {f"margin {check.name}": check.margin for check in one.own_checks})
+        return found
+
+    def to_frame(self) -> Any:
+        """The same as a data frame of pandas."""
+        return frame_of(self.rows())
+
     def _repr_html_(self) -> str:
         """The drives as a table of a notebook, best first."""
         heads = ("", "motor", "gearhead", "mass", "price", "smallest margin", "")
@@ -173,6 +199,13 @@ class SizingResult:
     def shown(self) -> DriveSet | None:
         """The drive that is reported in full: the best, else the most probable, else the closest rejected; or None."""
         return next(iter((*self.sets, *self.unsure, *self.misses)), None)
+
+
+def frame_of(rows: list[dict[str, Any]]) -> Any:
+    """Rows as a data frame of pandas, where that is installed."""
+    if find_spec("pandas") is None:
+        raise InputError("to_frame() needs pandas; rows() gives the same as a list of dicts")
+    return import_module("pandas").DataFrame(rows)
 
 
 def _row(one: DriveSet) -> tuple[str, ...]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from math import isinf, isnan
 from typing import Any
 
-from drivesizer.design.machines import Choice, Machine
-from drivesizer.design.search import Pair
-from drivesizer.design.task import Free, Task
+from drivesizer.codesign.machines import Choice, Machine
+from drivesizer.codesign.search import Pair
+from drivesizer.codesign.task import Free, Task
 from drivesizer.files.arithmetic import Expression
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.words import number_of

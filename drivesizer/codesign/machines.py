@@ -11,7 +11,7 @@ from math import inf, isnan
 from pathlib import Path
 from typing import Any
 
-from drivesizer.design.task import Task
+from drivesizer.codesign.task import Task
 from drivesizer.results.sizing import used_share
 from drivesizer.study import store as folders
 from drivesizer.study.figures import NAMED, row_figures

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
-from drivesizer.design.machines import Choice, Machine, Machines, Values
+from drivesizer.codesign.machines import Choice, Machine, Machines, Values
 from drivesizer.physics.extremes import undominated
 from drivesizer.study.figures import NAMED
 

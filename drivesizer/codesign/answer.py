@@ -9,10 +9,10 @@ from math import floor, isinf, log10
 from pathlib import Path
 from typing import Any
 
-from drivesizer.design.machines import Machine, Machines, Values, machines
-from drivesizer.design.result import Answer, Flat
-from drivesizer.design.search import Progress, best_of, every_machine, evolved, front_of, nearest_of
-from drivesizer.design.task import Free, Task, read_task
+from drivesizer.codesign.machines import Machine, Machines, Values, machines
+from drivesizer.codesign.result import Answer, Flat
+from drivesizer.codesign.search import Progress, best_of, every_machine, evolved, front_of, nearest_of
+from drivesizer.codesign.task import Free, Task, read_task
 from drivesizer.files.yaml_source import read, written
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
