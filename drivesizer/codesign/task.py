@@ -205,7 +205,7 @@ def _spaces(source: YamlSource, free: Mapping[str, Any]) -> tuple[dict[Path_, An
                              f"{nearest(unknown[0], (FREE, 'step'))}")  # fmt: skip
         spaces[path] = given
     for name, given in free.items():
-        spaces[figures.place(name, given=False)[0]] = given if isinstance(given, dict) else {FREE: given}
+        spaces[figures.path(name)] = given if isinstance(given, dict) else {FREE: given}
     for path, given in spaces.items():
         data = changed(data, path, _first(given[FREE]))
     return spaces, texts, data

@@ -58,15 +58,20 @@ class SpecFigures:
     def _known(self) -> dict[str, tuple[Path_, str]]:
         return {}
 
+    def path(self, name: str) -> Path_:
+        """Path of a field by its name; an InputError where no spec has one."""
+        path = path_of(name, self._axes)
+        if path is None or len(path) < 2:
+            hint = nearest(name, NAMED) or f"; expected one of {', '.join(NAMED)}, or of the spec, e.g. load.mass"
+            raise InputError(f"{quoted(name)} is no figure{hint}")
+        if wrong := unknown_field(self.source, path):
+            raise InputError(f"{quoted(name)}: {wrong}")
+        return path
+
     def place(self, name: str, *, given: bool = True) -> tuple[Path_, str]:
         """Path and kind of quantity of a figure; an InputError where there is none of that name, or it is not given."""
         if name not in self._known:
-            path = path_of(name, self._axes)
-            if path is None or len(path) < 2:
-                hint = nearest(name, NAMED) or f"; expected one of {', '.join(NAMED)}, or of the spec, e.g. load.mass"
-                raise InputError(f"{quoted(name)} is no figure{hint}")
-            if wrong := unknown_field(self.source, path):
-                raise InputError(f"{quoted(name)}: {wrong}")
+            path = self.path(name)
             found = at(self.source.data, path)
             follows = isinstance(found, dict) and "expression" in found
             if (isinstance(found, list | dict) and not follows) or (found is None and given):
