@@ -226,6 +226,16 @@ def _meanings(section: str) -> dict[str, list[str]]:
     return found
 
 
+def meant_by(section: str, key: str) -> str:
+    """The column that a key means, itself or by what shops call it; the key where that is none, or several.
+
+    >>> meant_by("motors", "free_speed"), meant_by("motors", "mass"), meant_by("motors", "colour")
+    ('no_load_speed', 'mass', 'colour')
+    """
+    meant = [] if key in columns_of(section) else _meanings(section).get(plain_head(key.replace("_", " ")), [])
+    return meant[0] if len(meant) == 1 and " " not in meant[0] else key
+
+
 def _spoken(theirs: str) -> list[str]:
     """A head's words, whole and without the symbol behind them."""
     words = plain_head(theirs if theirs in _COLUMNS else split_head(theirs)[0])

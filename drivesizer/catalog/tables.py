@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import io
 import json
 import warnings
@@ -190,6 +191,23 @@ class Table(Generic[Part]):
             return rows
         orders = {order for row in rows if (order := str(self["order_number"][row]))}
         return sorted({*rows, *(row for order in orders for row in self.spellings[spelling(order)])})
+
+    def matching(self, column: str, name: str) -> list[str]:
+        """Makers, families or part numbers that a name means: * stands for any text."""
+        if column == "part" and (rows := self.called(name)):
+            found: list[str] = self["part"][rows].tolist()
+            return found
+        known = set(self[column].tolist())
+        if column == "manufacturer":
+            return sorted(one for one in known if fnmatch.fnmatchcase(one.casefold(), name.casefold()))
+        return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
+
+    def named(self, wanted: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:
+        """Rows that are not excluded and have in each column one of the names wanted there."""
+        keep = ~self.excluded
+        for column, names in wanted.items():
+            keep &= np.isin(self[column], [known for name in names for known in self.matching(column, name)])
+        return keep
 
     def at_voltage(self, volts: float) -> NDArray[np.bool_]:
         """Rows that count at a supply voltage: of parts with figures at several that with the nearest one."""

@@ -250,10 +250,9 @@ class AxisSizings:
 
     def _parts(self, spec: RobotSpec) -> Catalog:
         """The catalogues of an axis, those of the same choice once."""
-        key = tuple(spec.select.catalogs), spec.select.motor.kind, spec.select.estimates
-        if key not in self.catalogs:
-            self.catalogs[key] = self.how.parts(spec)
-        return self.catalogs[key]
+        if spec.parts_key not in self.catalogs:
+            self.catalogs[spec.parts_key] = self.how.parts(spec)
+        return self.catalogs[spec.parts_key]
 
     def laden(self, axis: str, masses: Masses) -> RobotSpec:
         """The spec of an axis in the machine's cycle, with carried drives of these masses [kg]."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, load, singular
 from drivesizer.catalog.prices import priced
+from drivesizer.catalog.typed import with_typed
 from drivesizer.catalog.view.mounted import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -25,7 +26,7 @@ from drivesizer.results.problem import (
     wants_screw,
 )
 from drivesizer.results.sizing import Choices
-from drivesizer.search.columns.controllers import matching, offered_buses, offers
+from drivesizer.search.columns.controllers import offered_buses, offers
 from drivesizer.search.machine_filter import Weigh, best_in_machine, divided, machine_filter, weighing
 from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import COUNTED
@@ -49,6 +50,7 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
             catalog = load(spec.select.catalogs, beside=Path(spec.file).parent if spec.file else None)
         except UnknownCatalogError as error:
             raise InputError(f"{spec.where(('select', 'catalogs'))}: {error}") from None
+        catalog = with_typed(catalog, spec.typed, spec.select.named) if spec.typed else catalog
     _offers_motors(spec, catalog)
     limit = next((one.currency for one in spec.price_limits), "")
     catalog = priced(catalog, limit, spec.select.rates, spec.load.motors)
@@ -255,7 +257,7 @@ def _refuse_unknown_choices(spec: RobotSpec, catalog: Catalog) -> None:
         for key, wanted in choice.named.items():
             known = set(table[key].tolist()) - ({DIRECT} if unlisted else set())
             for name in wanted:
-                if not known.intersection(matching(name, table, key)):
+                if not known.intersection(table.matching(key, name)):
                     where = spec.where(("select", section, "maker" if key == "manufacturer" else key))
                     hint = "; expected transmission: [{kind: direct}]" if name == DIRECT else nearest(name, known)
                     raise InputError(f"{where}: {quoted(name)} is in no catalogue that the spec names{hint}")

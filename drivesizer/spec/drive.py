@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from drivesizer.catalog.parts import columns_of
 from drivesizer.catalog.prices import factors
+from drivesizer.catalog.typed import NAME, Typed, typed_part
+from drivesizer.errors import InputError
 from drivesizer.files import fields
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.loads.stage_losses import FixedGear
 
 # -- The stages between motor and load that a spec may name.
@@ -245,12 +249,32 @@ class Weighted(fields.Section):
 Ranking = str | list[Weighted]  # one objective, or several with weights
 
 
+_TYPED = {"motor": "motors", "gearhead": "gearheads", "actuator": "actuators"}
+
+
+def or_typed(section: str) -> Callable[[dict[str, Any]], None]:
+    """Let the schema of a choice take a part with figures of its own."""
+
+    def also(schema: dict[str, Any]) -> None:
+        from drivesizer.catalog.schema import table
+
+        figures: dict[str, Any] = table(section)["properties"]["common"]["properties"]
+        typed = {"type": "object", "required": [NAME], "properties": {NAME: {"type": ["string", "integer"]}} | figures}
+        kind = {"$ref": schema.pop("$ref")} if "$ref" in schema else {"type": schema.pop("type")}
+        schema["anyOf"] = [kind, typed]
+
+    return also
+
+
 class Select(fields.Section):
     """Permitted parts, and the objective of the ranking."""
 
     catalogs: fields.Names = fields.default(["maxon"])
-    motor: MotorChoice = fields.all_defaults()
-    gearhead: Choice = fields.all_defaults()
+    motor: MotorChoice = fields.all_defaults(
+        "or one with figures of its own, typed: name, voltage, no_load_speed ...", json_schema_extra=or_typed("motors")
+    )
+    gearhead: Choice = fields.all_defaults("or a typed one", json_schema_extra=or_typed("gearheads"))
+    actuator: None = fields.optional("a typed one: name and figures", json_schema_extra=or_typed("actuators"))
     encoder: EncoderChoice = fields.all_defaults()
     controller: ControllerChoice = fields.all_defaults()
     brake: Choice = fields.all_defaults()
@@ -294,7 +318,51 @@ class Select(fields.Section):
     @property
     def is_restricted(self) -> bool:
         """Whether makers, families or parts are named."""
-        return any(c.named for c in (self.motor, self.gearhead, self.encoder, self.controller, self.brake))
+        return any(self.named.values())
+
+    @property
+    def named(self) -> dict[str, dict[str, list[str]]]:
+        """Makers, families and parts that are named, by section of the catalogue."""
+        return {
+            f"{role}s": getattr(self, role).named for role in ("motor", "gearhead", "encoder", "controller", "brake")
+        }
+
+
+def split_typed(source: YamlSource, data: Any) -> tuple[Any, tuple[Typed, ...]]:
+    """Parts with figures of their own in the section ``select``, and the data with these parts chosen by number.
+
+    Parameters
+    ----------
+    source
+        The file.
+    data
+        Of the spec.
+
+    Returns
+    -------
+    tuple
+        Data, and typed parts.
+    """
+    given, found = data.get("select"), list[Typed]()
+    select = dict(given) if isinstance(given, dict) else {}
+    for role, section in _TYPED.items():
+        fields_, place = select.get(role), ("select", role)
+        if not isinstance(fields_, dict) or NAME not in fields_:
+            figures = set(fields_ or ()) & (columns_of(section).keys() - {"part", "family", "kind"})
+            if figures and isinstance(fields_, dict):
+                where = source.where((*place, min(figures)))
+                raise InputError(f'{where}: a part with figures of its own needs its name, e.g. name: "775"')
+            continue
+        stepper = role == "motor" and fields_.get("kind") == "stepper"
+        if role == "actuator" and "motor" in select:
+            raise InputError(f"{source.where(place)}: give select.motor or select.actuator, not both")
+        section = "steppers" if stepper else section
+        text = typed_part(source, place, section)
+        found.append(Typed(section, str(fields_[NAME]), text, ".".join(place)))
+        select.pop(role)
+        chosen = {"part": [str(fields_[NAME])]} | ({"kind": "stepper"} if stepper else {})
+        select["gearhead" if role == "gearhead" else "motor"] = chosen
+    return (data | {"select": select} if found else data), tuple(found)
 
 
 def weights_of(objective: Ranking) -> dict[str, float]:

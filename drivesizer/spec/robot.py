@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from copy import deepcopy
 from functools import lru_cache
 from math import nan
@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
 
 from drivesizer.catalog import Brake, Controller
+from drivesizer.catalog.typed import Typed
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, read, written
@@ -109,6 +110,7 @@ class RobotSpec(fields.Section, OfFile):
 
     _source: YamlSource = PrivateAttr(default_factory=lambda: YamlSource("{}", ""))
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
+    _typed: tuple[Typed, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())
     _on_common_bus: bool = PrivateAttr(default=False)
     _waits_until: float | None = PrivateAttr(default=None)
@@ -131,6 +133,20 @@ class RobotSpec(fields.Section, OfFile):
         if len(set(names)) != len(names):
             raise ValueError("expected cases with names of their own")
         return cases
+
+    @property
+    def typed(self) -> tuple[Typed, ...]:
+        """Parts with figures of their own, which no catalogue has."""
+        return self._typed
+
+    @property
+    def parts_key(self) -> tuple[Hashable, ...]:
+        """All of the spec that the parts to search hang on."""
+        select = self.select
+        beside = repr(select.named) if self._typed else ""
+        prices = tuple(select.rates.items()), tuple(one.currency for one in self.price_limits), self.load.motors
+        return (*select.catalogs, Path(self.file).parent, select.motor.kind, select.estimates,
+                self.control.phase_current, self._typed, beside, prices)  # fmt: skip
 
     @property
     def wants_brake(self) -> bool:
@@ -403,7 +419,10 @@ def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
     data, toleranced = split_tolerances(source, None if before is None or before._toleranced else before._source)
+    data, typed = drive.split_typed(source, data)
     spec = _read(source, data, before)
+    for case in (spec, *(case for _, case in spec._cases)):
+        case._typed = typed
     spec._toleranced = toleranced
     shaping = next((one for one in toleranced if spec.shift and one.path[0] in _SHAPING), None)
     if shaping is not None:

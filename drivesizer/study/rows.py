@@ -13,11 +13,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import chain, groupby, islice
 from math import fsum, isnan, nan
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.view.mounted import STEPPER, view_for
+from drivesizer.catalog import Catalog
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.budgets import machine_budget
@@ -27,7 +25,7 @@ from drivesizer.results.drive_set import DriveSet, EnergyBudget
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts, objective_figure, unknown_parts
 from drivesizer.search.ranking import objective_of, title_of
-from drivesizer.search.shortlist import shortlist
+from drivesizer.search.shortlist import load_parts, shortlist
 from drivesizer.spec.any_spec import is_machine, read_any
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -360,11 +358,17 @@ def _as_written(name: str, text: str) -> RobotSpec | None:
         return None
 
 
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """A spec, known by what its parts hang on."""
+
+    key: tuple[Hashable, ...]
+    spec: RobotSpec = field(compare=False, repr=False)
+
+
 @lru_cache(maxsize=8)
-def _catalog(
-    names: tuple[str, ...], beside: str, kind: str | None, estimates: bool, phase_current: float | None
-) -> Catalog:
-    return view_for(load(names, beside=Path(beside)), kind, estimates, phase_current)
+def _catalog(parts: _Parts) -> Catalog:
+    return load_parts(parts.spec)
 
 
 @dataclass(frozen=True, slots=True)
@@ -409,9 +413,7 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
 
 def parts_for(spec: RobotSpec) -> Catalog:
     """The catalogues that a spec names, loaded once in a process."""
-    names, beside = tuple(spec.select.catalogs), str(Path(spec.file).parent)
-    kind = STEPPER if spec.steps else None
-    return _catalog(names, beside, kind, spec.select.estimates == "on", spec.control.phase_current)
+    return _catalog(_Parts(spec.parts_key, spec))
 
 
 def rows_of(job: Job, variants: Sequence[Variant]) -> Part:

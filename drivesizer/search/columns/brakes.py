@@ -20,7 +20,7 @@ from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import LAST, figure_order, selected, summed_share
+from drivesizer.search.columns.controllers import LAST, figure_order, summed_share
 from drivesizer.spec.robot import RobotSpec
 
 # -- An encoder for every candidate at once: of those that meet the requirements one whose own limits are known to hold.
@@ -59,7 +59,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
         table, counted = catalog.encoders, lines(catalog.encoders)
         listed = np.zeros((len(catalog.motors), len(table)), bool)
         listed[catalog.motor_encoder.left, catalog.motor_encoder.right] = True
-        row = _first_of_each(listed & selected(table, choice), figure_order(table, counted))
+        row = _first_of_each(listed & table.named(choice.named), figure_order(table, counted))
         number = (row >= 0).sum(axis=1)
         last = np.where(number > 0, row[np.arange(len(row)), np.maximum(number - 1, 0)], -1)
         by_frequency = table["max_frequency"] * 2 * np.pi / counted
@@ -195,7 +195,7 @@ def offered_brakes(spec: RobotSpec, catalog: Catalog) -> OfferedBrakes | None:
     listed = np.zeros((len(catalog.motors), len(table)), bool)
     listed[catalog.motor_brake.left, catalog.motor_brake.right] = True
     listed |= own
-    allowed = own if spec.brake else selected(table, spec.select.brake) & ~own
+    allowed = own if spec.brake else table.named(spec.select.brake.named) & ~own
     apart = allowed & strong & (catalog.motors["inside"] == "")[:, None]
     if not spec.select.brake.named:
         apart &= table["mounting"] == FLANGE

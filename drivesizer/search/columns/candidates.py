@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.results.problem import Problem
-from drivesizer.search.columns.controllers import selected
 
 FREE = -2  # in place of a controller's row: one is chosen
 
@@ -103,11 +102,11 @@ def pairs(problem: Problem, also: tuple[int, int] | None = None) -> Candidates:
 def _pairs(problem: Problem, also: tuple[int, int] | None) -> Candidates:
     spec, catalog = problem.spec, problem.catalog
     left, right = _alone(catalog) if spec.is_direct else catalog.motor_gearhead[:2]
-    keep = selected(catalog.motors, spec.select.motor)[left]
+    keep = catalog.motors.named(spec.select.motor.named)[left]
     if spec.select.motor.kind:
         keep &= (catalog.motors["kind"] == spec.select.motor.kind)[left]
     keep &= catalog.motors.at_voltage(spec.supply.nominal)[left]
-    keep &= selected(catalog.gearheads, spec.select.gearhead)[right]
+    keep &= catalog.gearheads.named(spec.select.gearhead.named)[right]
     motor, gearhead = left[keep].astype(np.int64), right[keep].astype(np.int64)
     listed = np.ones(len(motor), bool)
     if also is not None and not np.any((motor == also[0]) & (gearhead == also[1])):

@@ -9,7 +9,6 @@ the motor takes more voltage than the supply has, which fails with any.
 
 from __future__ import annotations
 
-import fnmatch
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.ratings import controller_current
-from drivesizer.spec.drive import ASSUMABLE, Choice, ControllerChoice
+from drivesizer.spec.drive import ASSUMABLE, ControllerChoice
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -88,25 +87,6 @@ class Required(NamedTuple):
     lasting: float = 0.0  # margins that the spec requires: of the RMS current,
     torque: float = 0.0  # of the peak,
     speed: float = 0.0  # of the others
-
-
-def selected(table: Table[Any], choice: Choice) -> NDArray[np.bool_]:
-    """Rows that a choice of families and part numbers leaves."""
-    keep = ~table.excluded
-    for key, names in choice.named.items():
-        keep &= np.isin(table[key], [known for name in names for known in matching(name, table, key)])
-    return keep
-
-
-def matching(name: str, table: Table[Any], key: str) -> list[str]:
-    """Families or part numbers of a catalogue that a name in the spec means."""
-    if key == "part" and (rows := table.called(name)):
-        found: list[str] = table["part"][rows].tolist()
-        return found
-    known = set(table[key].tolist())
-    if key == "manufacturer":
-        return sorted(one for one in known if fnmatch.fnmatchcase(one.casefold(), name.casefold()))
-    return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
 
 
 def figure_order(table: Table[Any], figure: NDArray[np.float64]) -> NDArray[np.int64]:
@@ -281,7 +261,7 @@ def _usable(choice: ControllerChoice, table: Table[Any], lowest: float, highest:
 
     As far as these are printed: of one that is sold apart at least the highest.
     """
-    keep = selected(table, choice)
+    keep = table.named(choice.named)
     keep &= ~(table["supply_min"] > lowest) & ~(table["supply_max"] < highest)
     keep &= (table["inside"] != "") | ~np.isnan(table["supply_max"])
     bus = choice.bus
@@ -298,7 +278,7 @@ def none_suits(
     kind, own = (str(catalog.motors[name][motor]) for name in ("kind", "controller"))
     box = str(_box(catalog.motors)[motor])
     inside = box != "" and bool((table["inside"] == box).any())
-    rows = (table["inside"] == (box if inside else "")) & selected(table, spec.select.controller)
+    rows = (table["inside"] == (box if inside else "")) & table.named(spec.select.controller.named)
     if not rows.any():
         return f"{own} is inside the motor; no figures of it are listed" if own else "the catalogues list no controller"
     bus = spec.select.controller.bus or ""

@@ -1,0 +1,163 @@
+"""Parts typed where they are used, a shop's five figures by name: read as rows of a catalogue file, joined to others.
+
+>>> fields = {"name": "775", "voltage": "12 V", "stall_current": "70 A"}
+>>> text = typed_part(written({"motor": fields}), ("motor",), "motors")
+>>> catalog_of_text(Path("typed.yaml"), text.encode()).motors.record(0).resistance  # follows from the two
+0.1714285714285714
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from drivesizer.catalog import catalog_of_text
+from drivesizer.catalog.parts import DIRECT, RELATIONS, singular
+from drivesizer.catalog.schema import SCHEMA, SOURCE
+from drivesizer.catalog.tables import Catalog, joined, with_pairs
+from drivesizer.errors import CatalogError, quoted
+from drivesizer.files.yaml_source import Path_, YamlSource, written
+
+Named = Mapping[str, Mapping[str, Sequence[str]]]  # by section: names or patterns by column
+
+NAME = "name"  # the key by which a part is typed, and not chosen
+_SHARED = ("confidence", "date", "document", "url")  # of its source
+_UNTRIED = "secondary"  # confidence of figures that nobody says more of
+
+
+class Typed(NamedTuple):
+    """Parts that a spec types: catalogue file of each, and where it stands."""
+
+    section: str
+    part: str
+    text: str
+    place: str  # such as select.motor
+
+
+def typed_part(source: YamlSource, at: Path_, section: str) -> str:
+    """A part of some fields of a file, as the text of a catalogue file.
+
+    Parameters
+    ----------
+    source
+        The file.
+    at
+        Path of the fields: ``name``, figures by the columns of the catalogue or what shops call them, and what is known
+        of their source.
+    section
+        Kind of part, such as ``motors``.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    CatalogError
+        One line with file, line, field, what was found and what is expected.
+    """
+    from drivesizer.catalog.catalog_file import parse
+    from drivesizer.catalog.importing import meant_by
+
+    given: Any = source.data
+    for step in at:
+        given = given[step]
+    name = given[NAME]
+    if isinstance(name, bool) or not isinstance(name, str | int) or not str(name).strip():
+        raise CatalogError(f'{source.where((*at, NAME))}: {quoted(name)} is no name of a part; expected e.g. "775"')
+    figures, keys = dict[str, Any](), dict[str, str]()
+    for key, value in given.items():
+        column = meant_by(section, key)
+        if key in (NAME, "maker", "family", *_SHARED):
+            continue
+        if column in figures:
+            raise CatalogError(f"{source.where((*at, key))}: {column} is given twice, as {keys[column]} too")
+        figures[column], keys[column] = value, key
+    origin = {key: given[key] for key in _SHARED if key in given}
+    data: dict[str, Any] = {
+        "catalog": SCHEMA,
+        "manufacturer": given.get("maker", "typed"),
+        "overrides": True,
+        "sources": {"typed": {"document": f"{source.name}, {'.'.join(map(str, at))}", "confidence": _UNTRIED} | origin},
+        section: [{"family": given.get("family", str(name)), "source": "typed", "common": figures,
+                   "columns": ["part"], "rows": [[str(name)]]}],
+    }  # fmt: skip
+    if section == "motors":
+        alone = {"source": "typed", "motors": [str(name)], "gearheads": [DIRECT]}
+        data["compatibility"] = {"motor_gearhead": [alone]}
+    parse(_Fields(source, at, data, keys), "typed", "")
+    return written(data).text
+
+
+class _Fields(YamlSource):
+    """A catalogue file that was made of some fields: its messages have their lines and names."""
+
+    def __init__(self, whole: YamlSource, at: Path_, data: dict[str, Any], keys: Mapping[str, str]) -> None:
+        self.whole, self.at, self.keys = whole, at, keys
+        self.text, self.name, self.numbered, self.data = whole.text, whole.name, whole.numbered, data
+
+    def where(self, path: Path_) -> str:
+        """Place of the field that a figure, or the source, was made of."""
+        key = path[3] if path[2:3] == ("common",) and len(path) > 3 else path[-1]
+        own = {"family": "family", "manufacturer": "maker", **dict.fromkeys(SOURCE["properties"], key)}
+        field = self.keys.get(str(key)) or own.get(str(key))
+        return self.whole.where((*self.at, field) if field else self.at)
+
+
+def with_typed(catalog: Catalog, typed: Sequence[Typed], named: Named) -> Catalog:
+    """A catalogue with typed parts, which count before others of the same number, and what is assumed of them.
+
+    Parameters
+    ----------
+    catalog
+        All others.
+    typed
+        The parts.
+    named
+        What the spec names beside them: it goes with a typed motor, and a typed gearhead with it, or with all motors
+        where none is named.
+
+    Returns
+    -------
+    Catalog
+    """
+    own, said = dict[str, list[str]](), list[str]()
+    for one in typed:
+        part = catalog_of_text(Path(f"{one.place}.yaml"), one.text.encode())
+        catalog = joined([catalog, part])
+        own.setdefault(one.section, []).append(one.part)
+        said += _words(part, one)
+    for relation, right in RELATIONS.items():
+        others = {"part": own[right]} if right in own else named.get(right, {})
+        if not others or not ({"motors", right} & own.keys()):
+            continue
+        motors = {"part": own["motors"]} if "motors" in own else named.get("motors", {})
+        left = np.flatnonzero(catalog.motors.named(motors))
+        fitting = np.flatnonzero(catalog.table(right).named(others))
+        known, source = getattr(catalog, relation), np.full(len(left) * len(fitting), len(catalog.sources) - 1)
+        pairs = with_pairs(known, np.repeat(left, len(fitting)), np.tile(fitting, len(left)), source)
+        if len(pairs.left) > len(known.left):
+            catalog = catalog.with_tables({}, {relation: pairs})
+            which = [_few(some) or "any" for some in (others, motors)]
+            said.append(f"{singular(right)} {which[0]} on motor {which[1]}: assumed to fit")
+    return replace(catalog, replaced=(*catalog.replaced, *said))
+
+
+def _few(named: Mapping[str, Sequence[str]]) -> str:
+    return ", ".join(name for names in named.values() for name in names)
+
+
+def _words(catalog: Catalog, one: Typed) -> Iterator[str]:
+    """Confidence of a typed part's figures, what follows from them, and what in them is not consistent."""
+    from drivesizer.catalog.law_check import check
+
+    table, row = catalog.table(one.section), catalog.table(one.section).rows[one.part]
+    follows = [name.replace("_", " ") for note in catalog.notes for name in note.fields if note.derived]
+    base = catalog.sources[table.source[row]].confidence
+    derived = f"; {', '.join(follows)} {'follow' if len(follows) > 1 else 'follows'} from them" if follows else ""
+    yield f"{singular(one.section)} {one.part} is typed in {one.place}: its figures are {base}{derived}"
+    yield from (found.text().partition(": ")[2] for found in check(catalog) if found.unexplained)
