@@ -23,7 +23,7 @@ WINCH: dict[str, Any] = {
     "supply": {"nominal": "12 V", "current": "30 A", "kind": "battery"},
 }
 MOTOR = {"name": "775", "kind": "brushed", "voltage": "12 V", "no_load_speed": "15000 rpm", "no_load_current": "1.2 A",
-         "stall_torque": "0.8 N m", "stall_current": "70 A"}  # fmt: skip
+         "stall_torque": "0.5 N m", "stall_current": "70 A"}  # fmt: skip
 GEARHEAD = {"name": "P60 64:1", "ratio": 64, "efficiency": "75 %", "rated_torque": "6 N m", "max_torque": "9 N m",
             "inertia": "20 g*cm^2"}  # fmt: skip
 ACTUATOR = {"name": "worm 12 V", "maker": "Shop", "kind": "brushed", "voltage": "12 V", "no_load_speed": "60 rpm",
@@ -39,7 +39,7 @@ def test_motor_and_gearhead_of_five_figures_are_a_drive():
     one = found.shown
     assert (one.motor.part, one.gearhead.part, one.motor.resistance) == ("775", "P60 64:1", pytest.approx(12 / 70))
     # by hand: m g d/2 on the drum, over ratio, efficiency and torque per ampere
-    lifting = 6 * 9.80665 * 0.02 / (64 * 0.75) / (0.8 / 70)
+    lifting = 6 * 9.80665 * 0.02 / (64 * 0.75) / (0.5 / 70)
     checks = {check.name: check for check in one.checks}
     # and its friction, 0.65 to 1 of the no-load current, and inertia
     assert lifting + 0.65 * 1.2 < checks["controller_peak_current"].demand < lifting + 1.2 + 0.5
@@ -54,7 +54,7 @@ def test_a_typed_row_is_the_row_of_a_file(tmp_path: Path):
     (tmp_path / "own.yaml").write_text(
         "catalog: 1\nmanufacturer: typed\nsources: {s: {document: d, confidence: secondary}}\nmotors:\n"
         f'- {{family: "775", source: s, common: {{kind: brushed}}, columns: [part, {columns}],\n'
-        '   rows: [["775", 12, 15000, 1.2, 0.8, 70]]}\n'
+        '   rows: [["775", 12, 15000, 1.2, 0.5, 70]]}\n'
     )
     catalogs = ["basicmicro", str(tmp_path / "own.yaml")]
     direct = {"transmission": [{"kind": "direct"}, {"kind": "gear", "ratio": 60, "efficiency": "80 %"}]}

@@ -119,7 +119,7 @@ def alternatives(content: Content) -> Iterator[doc.Block]:
         drives = (*result.sets[:1], *result.alternatives)
         yield from short_table("Beside other motor families", drives, result.objective, "alternatives")
     other = result.unrestricted
-    if other:
+    if other and other.label != next((one.label for one in result.sets), ""):
         more = [f"{role} {part.part}" for role, part in (("brake", other.brake), ("encoder", other.encoder)) if part]
         more += [f"controller {other.controller.family}"] if other.controller else []
         price = f"{other.price:.2f} {other.currency}, sum of {' + '.join(other.price_of)}"
