@@ -76,7 +76,7 @@ def part(catalogue: str, name: str) -> Hit:
 def predicted(motor: Hit, figure: str, conditions: Iterable[dict[str, float]], drive: Hit | None = None) -> list[Band]:
     """A figure of ``predict`` under one set of conditions after the other."""
     at = (completed(_BENCH._replace(**given), motor, None) for given in conditions)
-    return [predict(motor, None, drive, one).figure(figure).band for one in at]
+    return [predict(motor, None, drive, one, warming=False).figure(figure).band for one in at]
 
 
 def sampled(motor: Hit, voltage: float, drive: Hit | None = None) -> tuple[SetAtVoltage, SampledParts]:

@@ -110,8 +110,10 @@ def completed(given: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions
     return given._replace(voltage=voltage, load=load, hold=load if isnan(given.hold) else given.hold)
 
 
-def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions) -> Prediction:
-    """Predict what is measured of a set at the bench."""
+def predict(
+    motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, *, warming: bool = True
+) -> Prediction:
+    """Predict what is measured of a set at the bench, temperatures and times to the limit where these are wanted."""
     parts = sampled_parts(motor, gearhead, controller, _POWER)
     with np.errstate(all="ignore"):
         one = set_at_voltage(parts, given)
@@ -119,7 +121,7 @@ def predict(motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Con
         columns, courses = _mechanical(one, given), list[WarmingCourse]()
         held = hold_current(one, parts, given.hold)
         columns |= {"hold_current": held, "hold_heat": resistance_at(one.bodies.R_25, given.ambient) * held**2}
-        heated = _heated(one, parts, given, held)
+        heated = _heated(one, parts, given, held) if warming else {}
         for name, heating in heated.items():
             more, ways = _thermal(name, heating, one, given)
             columns, courses = columns | more, [*courses, *ways]

@@ -39,7 +39,7 @@ def hit(catalogue, section, part):
 
 def test_what_follows_from_stall_has_classes_of_its_own():
     found = classes_of("robotis", "MX-64 12 V")
-    assert found["motor.resistance"] == "0.72..1.25 times"
+    assert found["motor.resistance"] == "0.72..0.9..1.22 times"
     assert found["gearhead.peak_torque"] == "0.5..1.1 times"
     # 200:1 is four stages: 0.87^4 = 57 %, against what the sheet has without the friction
     view = search_view(load(["robotis"])).actuators
@@ -57,19 +57,22 @@ def test_printed_figures_keep_the_class_of_printed_figures(catalogue, part):
 
 def test_a_motor_of_a_printed_no_load_current_keeps_the_class_of_its_constant():
     found = classes_of("rev", "NEO V1.1")
-    assert (found["motor.resistance"], found["motor.torque_constant"]) == ("0.72..1.25 times", "+- 10 %")
+    assert (found["motor.resistance"], found["motor.torque_constant"]) == ("0.72..0.9..1.22 times", "+- 10 %")
     assert found["motor.dry_friction"] == "-75 %..65 %"
 
 
-def test_measured_servos_are_within_the_bands(monkeypatch):
-    monkeypatch.setattr("drivesizer.prediction.predict._thermal", lambda *_: ({}, []))  # nobody reads how they warm up
+def test_measured_servos_are_within_the_bands():
+    def band_at(hit, volts, figure):
+        at = completed(GIVEN._replace(voltage=volts), hit, None)
+        return predict(hit, None, None, at, warming=False).figure(figure).band
+
     mx = hit("robotis", "actuators", "MX-64 12 V")
     for volts, speed in FREE:
-        band = predict(mx, None, None, completed(GIVEN._replace(voltage=volts), mx, None)).figure("free_speed").band
+        band = band_at(mx, volts, "free_speed")
         assert band.p5 < speed < band.p95
     xl = hit("robotis", "actuators", "XL330-M288-T 6 V")
-    bands = [predict(xl, None, None, completed(GIVEN._replace(voltage=v), xl, None)).figure("stall_torque").band
-             for v, _ in LIFTED]  # fmt: skip
-    assert sum(b.p5 < torque < b.p95 for b, (_, torque) in zip(bands, LIFTED, strict=True)) >= 2  # see the page on them
+    for volts, torque in LIFTED:
+        band = band_at(xl, volts, "stall_torque")
+        assert band.p5 < torque < band.p95
     R = sampled_parts(hit("robotis", "actuators", "MX-106 12 V"), None, None, 9).motor["resistance"][1:]
     assert np.quantile(R, 0.05) < 2.09 < 2.32 < np.quantile(R, 0.95) * 1.01  # ohm, locked and lifting

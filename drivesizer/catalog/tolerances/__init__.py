@@ -99,12 +99,14 @@ class Distribution(NamedTuple):
 def share(text: str) -> Distribution | None:
     """A tolerance of a catalogue figure, as a factor: ``+- 7 %``, ``-10 %..30 %``, ``normal(5 %)``; None for ``none``.
 
-    ``0.5..1.1 times`` are the 5th and 95th percentile of a log-normal factor whose median is 1.
+    ``0.5..1.1 times`` are the 5th and 95th percentile of a log-normal factor whose median is 1, or stands between them.
 
     Examples
     --------
     >>> share("+- 7 %").high
     1.07
+    >>> share("0.7..0.9..1.1 times").peak
+    0.9
     """
     bare = text.strip()
     if bare == "none":
@@ -120,10 +122,11 @@ def share(text: str) -> Distribution | None:
                 else Distribution("uniform", 1.0 - half, 1.0 + half, 1.0)
             )  # fmt: skip
         elif ends and ends[3]:
-            (low, unit), (high, other) = number(ends[1]), number(ends[2])
-            if unit or other or not low < 1.0 < high:
-                raise InputError(f"{quoted(text)}: the median, 1, must be between two plain numbers")
-            found = Distribution("lognormal", low, high, 1.0)
+            middle, _, last = ends[2].rpartition("..")
+            (low, *units), (peak, unit), (high, other) = number(ends[1]), number(middle or "1"), number(last)
+            if any((*units, unit, other)) or not low < peak < high:
+                raise InputError(f"{quoted(text)}: the median, {peak:g}, must be between two plain numbers")
+            found = Distribution("lognormal", low, high, peak)
         elif ends:
             low, high = 1.0 + _per_cent(ends[1]), 1.0 + _per_cent(ends[2])
             found = Distribution("uniform", low, high, (low + high) / 2.0)
@@ -221,6 +224,12 @@ def resistance_from_stall() -> Class:
     """The class of a resistance that is nominal voltage over stall current."""
     one = _default()["from_stall"]["resistance"]
     return class_of("motor", "resistance", one["tolerance"], one["why"], "from no load and stall")
+
+
+def losses_identified() -> Class:
+    """The class of a gear's losses where its efficiency is that of an identified friction."""
+    one = _default()["identified"]["efficiency"]
+    return class_of("gearhead", "efficiency", one["tolerance"], one["why"], "identified in motion")
 
 
 def pairs_of(ratio: Any, stages: Any) -> Array:

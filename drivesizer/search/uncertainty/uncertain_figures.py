@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from drivesizer.catalog.tolerances import (
     class_of,
     classes,
     losses_from_stall,
+    losses_identified,
     maker_tolerances_of,
     owner_of,
     resistance_from_stall,
@@ -131,6 +133,8 @@ def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | Non
     if "stall_current" not in sold.table.columns:
         return None
     one = {name: values[sold.row] for name, values in sold.table.columns.items()}
+    if figure == "efficiency" and isnan(one.get("efficiency", 1.0)) and not isnan(one.get("load_friction", nan)):
+        return losses_identified()
     if not abs(one["resistance"] * one["stall_current"] / one["nominal_voltage"] - 1.0) < _ROUNDED:
         return None
     confidence = catalog.confidence(sold.section, sold.row)
