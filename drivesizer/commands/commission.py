@@ -26,6 +26,7 @@ Settings = Annotated[
     list[str] | None,
     typer.Option("--setting", metavar="NAME=VALUE", help="A figure of your board in SI, e.g. R_s=0.11; repeatable."),
 ]
+_LONG = 20  # characters of a beginning that all parameters share, from which on it stands once
 Unconfirmed = Annotated[bool, typer.Option("--unconfirmed", help="Also write what is known from memory alone.")]
 
 
@@ -48,13 +49,14 @@ def commission(
 
     fields, drives = common.fields_and_drives(chosen)
     robot = common.load(spec, catalogs, axis, fields)
-    axes = common.with_drives(robot, drives)[0]
-    if len(axes) > 1:
-        raise InputError(
-            f"--axis: expected one of {', '.join(name for name, _, _ in axes)}; a file is that of one drive"
-        )
-    _, own, found = axes[0]
+    if robot.is_several:
+        names = ", ".join(one.name for one in robot.axes)
+        raise InputError(f"--axis: expected one of {names}; a file is that of one drive")
+    _, own, found = common.with_drives(robot, drives)[0][0]
     one, board = device_for(found, device, firmware), settings_of(found, device, firmware, settings)
+    if axis:  # where the controller's form has the name of a joint
+        named = (row._replace(name=row.name.replace("JOINT", axis)) for row in one.parameters)
+        one = one._replace(parameters=tuple(named))
     if output:
         device_file.accept(one, output)
     with common.simulating("simulating the loop"):
@@ -65,14 +67,22 @@ def commission(
         for path in write_files(device_file.files(one, rows, _remarks(one, made, board), output)):
             typer.echo(f"{path} written", err=True)
     out = console()
-    room = out.width - max(len(row.parameter.name) for row in rows)  # for what they stand for, and what they mean
+    names = [row.parameter.name for row in rows]
+    shared = names[0].rpartition(".")[0] + "."
+    if len(shared) < _LONG or not all(name.startswith(shared) for name in names):
+        shared = ""
+    room = out.width - max(
+        len(row.parameter.name) - len(shared) for row in rows
+    )  # for what they stand for, and what they mean
     heads = (("in SI", "left"),) * (room > 60) + (("", "left"),) * (room > 100)
     table = bare(("parameter", "left"), ("value", "right"), ("unit", "left"), *heads)
     table.columns[0].no_wrap = True
     for row in rows:
         more = (row.in_si, row.parameter.meaning)[: len(heads)]
-        table.add_row(row.parameter.name, row.text, row.unit, *more)
+        table.add_row(row.parameter.name.removeprefix(shared), row.text, row.unit, *more)
     out.print(f"{one.title}: {found.label}", markup=False)
+    if shared:
+        out.print(f"below {shared.removesuffix('.')}:", markup=False)
     out.print(table)
     said = [*loops(made), *_warned(one, made, board), *(f"{word}: {one.words[word]}" for word in ("first", "load"))]
     for line in said:

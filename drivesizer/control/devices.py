@@ -26,7 +26,7 @@ from drivesizer.spec.robot import RobotSpec
 _PHASE = math.sqrt(3.0) / 2.0  # torque constant per amplitude of a phase's current, over that of block commutation
 _WORDS = (  # empty where not given
     "form", "suffix", "line", "after", "remarks", "load", "first", "source", "note", "root", "match", "family",
-    "firmware", "own_rate", "planned_speed", "count_time", "pulses",
+    "firmware", "own_rate", "planned_speed", "position", "count_time", "pulses",
 )  # fmt: skip
 _OF_POSITION = frozenset({"K_pos", "kp", "ki", "kd"})
 _OF_LOOPS = {
@@ -311,7 +311,9 @@ def _refuse_foreign(device: Device, spec: RobotSpec, *, on_voltage: bool) -> Non
         ("kp", own.kp is not None and not on_voltage,
          "it has current and velocity loops; expected structure: cascade"),
         ("structure", on_voltage and of_cascade, "its loop acts on the voltage; expected voltage_pid"),
-        ("position", own.position and device.structure in {"speed", "voltage"}, "it has no position loop here"),
+        ("position", own.position and (device.structure == "speed" or (device.structure == "voltage"
+         and not device.words["position"])), "it has no position loop here"),
+        ("position.kp", own.position and own.position.kp and on_voltage, "its gain follows from the loop's bandwidth"),
         ("kp", device.structure == "servo" and own.kp, "its position loop has P alone; expected kp: 0 and ki, the gain "
          "of the position"),
         ("kd", on_voltage and own.kd, "it has no place for it"),
@@ -428,7 +430,7 @@ def _written(parameter: Parameter, values: dict[str, float]) -> Written | str:
         return f"unknown {', '.join(unknown)}"
     exact = parameter.at(values)
     if not math.isfinite(exact):
-        return "the loop has no such part"
+        return "the loop has no need of it"
     value = float(np.float32(exact)) if parameter.rounding == "float" else round(exact, parameter.decimals)
     said = f"= {exact:.4g} {parameter.unit}".rstrip()
     if value == 0.0 and abs(exact) > 1e-30 and not parameter.expression.startswith("8 - log2"):
@@ -468,7 +470,8 @@ def controller_gains(
 
 
 def _names(expression: str) -> set[str]:
-    return set(re.findall(r"(?<![\w.])[A-Za-z_]\w*", expression))
+    """Figures and functions of an expression."""
+    return set(re.findall(r"(?<![\w.])[A-Za-z_]\w*", expression)) - {"if", "else", "or"}
 
 
 def within_limits(device: Device, proof: Validation, values: Mapping[str, float]) -> Control | None:

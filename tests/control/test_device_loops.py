@@ -124,6 +124,25 @@ def vesc(p, motor):
         volts = p["foc_current_kp"] * off + volt_sum
 
 
+def vesc_position(p, motor):
+    """A PID on the angle in degrees at 1 kHz straight to a share of the current limit; its I has what P leaves."""
+    p, dt = p[""], 1.0 / 12500.0
+    demand = summed = before = volt_sum = volts = 0.0
+    k = 0
+    while True:
+        _, _, angle = yield dt
+        motor.run(volts, dt)
+        if k % 12 == 0:
+            error = math.degrees(angle - motor.x) / p["p_pid_ang_div"]
+            first, last = error * p["p_pid_kp"], (error - before) * p["p_pid_kd"] / (12 * dt)
+            summed = clamped(summed + error * p["p_pid_ki"] * 12 * dt, 1.0 - abs(clamped(first, 1.0)))
+            demand, before = clamped(first + summed + last, 1.0) * p["l_current_max"], error
+        k += 1
+        off = demand - motor.i
+        volt_sum += p["foc_current_ki"] * off * dt
+        volts = p["foc_current_kp"] * off + volt_sum
+
+
 def simplefoc(p, motor):
     """Angle P alone demands the speed; velocity PI on a filtered speed at 1 kHz, current PI at 10 kHz; radians."""
     p, dt, every = p[""], 1e-4, 10
@@ -144,10 +163,11 @@ def simplefoc(p, motor):
         volts = clamped(p["MQP"] * off + volt_sum, p["MLU"])
 
 
-LOOPS = {  # and the section ``control`` beside its structure
-    "odrive-0.5": (odrive, "position: {}"), "moteus": (moteus, "position: {}, speed_from: exact"),
-    "vesc": (vesc, "speed_from: exact"), "simplefoc": (simplefoc, "position: {}"),
-}  # fmt: skip
+LOOPS = [  # with the section ``control`` beside its structure
+    ("odrive-0.5", odrive, "position: {}"), ("moteus", moteus, "position: {}, speed_from: exact"),
+    ("vesc", vesc, "speed_from: exact"), ("vesc", vesc_position, "position: {}, speed_from: exact"),
+    ("simplefoc", simplefoc, "position: {}"),
+]  # fmt: skip
 
 
 def read(more):
@@ -159,10 +179,9 @@ def drive():
     return size(read("speed_from: counts"), top=1).sets[0]
 
 
-@pytest.mark.parametrize("name", LOOPS)
-def test_the_controller_s_own_loop_follows_what_is_simulated(name, drive):
+@pytest.mark.parametrize(("name", "loop", "more"), LOOPS)
+def test_the_controller_s_own_loop_follows_what_is_simulated(name, loop, more, drive):
     """Within 2 % of the top speed all along the motion, with what stands in the file after rounding."""
-    loop, more = LOOPS[name]
     made = commissioned(read(more), drive, devices()[name])
     found: dict[str, dict[str, float]] = {}
     for row in made.rows:

@@ -78,7 +78,8 @@ BY_HAND = {  # from the sources that devices.yaml names
     "simplefoc": {"MAP": 15.0, "MVP": 0.5 * K_T / K_PH, "MVI": 10.0 * K_T / K_PH, "MQP": 0.2},
     "phoenix-6": {"Slot0.kP": 2 * math.pi * 9 * 0.1, "Slot0.kI": 2 * math.pi * 9 * 2.0,
                   "Slot0.kS": 2e-3 * 0.2 / K_T},
-    "spark": {"closedLoop.p": 0.1 * (2 * math.pi / 60) / 12, "closedLoop.i": 2.0 * (2 * math.pi / 60) / 12 * 1e-3,
+    "spark": {"closedLoop.slot1.p": 2.0 * 2 * math.pi / 12, "closedLoop.slot1.d": 0.1 * 2 * math.pi / 12 / 1e-3,
+              "closedLoop.p": 0.1 * (2 * math.pi / 60) / 12, "closedLoop.i": 2.0 * (2 * math.pi / 60) / 12 * 1e-3,
               "feedForward.kV": 2 * math.pi / 60 * (K_T + 1e-5 * 0.2 / K_T)},
     "epos4": {"0x30A0:01": 400_000.0, "0x30A0:02": 800_000.0, "0x30A2:01": 500_000.0, "0x30A2:02": 10_000_000.0,
               "0x30A1:01": 17_500_000.0, "0x30A1:02": 150_000_000.0, "0x3001:05": 70_000.0},
@@ -122,6 +123,14 @@ def test_the_printed_example_of_a_vesc():
     figures = gain_figures(CASCADE, TRAIN, phase=True) | OTHERS | {"A_p": 0.1, "I_max": 60.0}
     row = next(row for row in written(devices()["vesc"], figures).rows if row.parameter.name == "s_pid_kp")
     assert (row.exact, row.text) == (pytest.approx(4.99e-4, rel=1e-3), "0.00050")
+
+
+def test_an_integral_too_large_for_microamperes_is_given_in_milliamperes():
+    """0x30A1:02 has 32 bits, 4295 A/(rad·s); from firmware 0x0170 on 0x30A1:09 chooses the unit, and goes first."""
+    figures = figures_of(devices()["epos4"]) | {"ki": 5000.0 * K_T}
+    values = {row.parameter.name: row.value for row in written(devices()["epos4"], figures).rows}
+    assert values["0x30A1:02"] == 5_000_000 and values["0x30A1:09"] == 0xFD040300
+    assert [*values].index("0x30A1:09") < [*values].index("0x30A1:02") and "0x30A1:09" not in values_of("epos4")[0]
 
 
 @pytest.mark.parametrize("name", devices())
