@@ -152,18 +152,22 @@ def _of_all_axes(sizing: MachineSizing) -> Piece:
     """Mass and price of all drives, as far as they are known, and the smallest margin with its axis."""
     bought = [(axis.drives, axis.best) for axis in sizing.axes if axis.best]
     mass = fsum(count * one.mass for count, one in bought)
-    price = fsum(count * one.price for count, one in bought if one.price_of)
+    prices = dict[str, float]()  # by currency
+    for count, one in bought:
+        prices |= {one.currency: prices.get(one.currency, 0.0) + count * one.price} if one.price_of else {}
     least = len(bought) < len(sizing.axes)
     lacks_mass = least or any(mass_text(one).startswith("≥") for _, one in bought)
     lacks_price = least or not all(one.price_complete for _, one in bought)
     checks = [(check, axis.name) for axis in sizing.axes if axis.best and (check := worst(axis.best.deciding))]
     checks += [(check, "") for check in [worst(tuple(c for c in sizing.checks if not c.advice))] if check]
+    said = " + ".join(f"{value:.2f} {code}" for code, value in prices.items())
     check, axis = min(checks, key=lambda one: one[0].margin, default=(None, ""))
     tight = _tight(check)
+    price = plain(*prices.values()) if len(prices) == 1 else None
     return {
-        "mass": plain(mass), "price": plain(price), "tight": tight and tight | {"axis": axis},
+        "mass": plain(mass), "price": price, "tight": tight and tight | {"axis": axis},
         "figures": {"mass": ("≥ " if lacks_mass else "") + show(mass, "g", "mass"),
-                    "price": ("≥ " if lacks_price else "") + f"{price:.2f} EUR" if price else "unknown"},
+                    "price": ("≥ " if lacks_price else "") + said if said else "unknown"},
     }  # fmt: skip
 
 

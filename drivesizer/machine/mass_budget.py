@@ -69,7 +69,13 @@ def price_check(items: Sequence[Item], limit: float, catalog: Catalog) -> Check:
     for _, part, number in items:
         prices.append(nan if part is None else number * _price(catalog, part, pieces[part.part]))
     lacking = dict.fromkeys(role for (role, *_), price in zip(items, prices, strict=True) if isnan(price))
-    limit = limit * catalog.rates.get(getattr(limit, "currency", catalog.currency), nan)
+    code = getattr(limit, "currency", catalog.currency)
+    if code not in catalog.rates:
+        note = (
+            f"unknown: prices are in {catalog.currency}; expected select.rates, e.g. {{{code}: ... {catalog.currency}}}"
+        )
+        return replace(at_most("price", nan, limit).at((), "budget"), unit=code, note=note)
+    limit = limit * catalog.rates[code]
     column = at_most("price", sum(price for price in prices if not isnan(price)), limit)
     if not lacking:
         return replace(column.at((), "budget"), unit=catalog.currency)

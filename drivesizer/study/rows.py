@@ -78,6 +78,11 @@ def _number(head: str, unit: str, of: Callable[[Any], Any]) -> tuple[Column, Cal
     return Column(head, "number", unit), of
 
 
+def _euros(one: DriveSet) -> float:
+    """The price of a drive; unknown where prices are compared in another currency."""
+    return one.price if one.currency == "EUR" else nan
+
+
 def _mass_lacks(one: DriveSet) -> list[str]:
     return sorted(unknown_parts(one, "mass", one.mass_of))
 
@@ -109,7 +114,7 @@ _DRIVE = (
     _number("mass_kg", "kg", lambda one: one.mass),  # as the objective counts it
     _text("mass_lacks", lambda one: " + ".join(_mass_lacks(one))),
     _text("mass_estimated", lambda one: " + ".join(one.mass_estimated)),
-    _number("price_EUR", "EUR", lambda one: one.price),  # of all parts whose price is known
+    _number("price_EUR", "EUR", _euros),  # of all parts whose price is known
     _text("price_lacks", lambda one: " + ".join(_price_lacks(one))),
     _number("objective_si", "", lambda one: one.objective),
     _number("energy_J", "J", lambda one: next((x.value for x in one.figures if x.name == "energy"), nan)),
@@ -127,7 +132,7 @@ def _sum(sizing: MachineSizing, of: Callable[[DriveSet], float]) -> float:
 
 def _known_price(sizing: MachineSizing) -> float:
     """Sum of the known prices of all parts [EUR]; NaN where none is known or an axis has no drive."""
-    known = [one.drives * one.best.price for one in sizing.axes if one.best and not isnan(one.best.price)]
+    known = [one.drives * _euros(one.best) for one in sizing.axes if one.best and not isnan(_euros(one.best))]
     return fsum(known) if known and sizing.complete else nan
 
 

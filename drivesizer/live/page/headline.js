@@ -61,7 +61,7 @@ function facts(pairs) {
 const grams = (value) => (Math.abs(value) < 1 ? `${Number((value * 1e3).toPrecision(3))} g` : `${Number(value.toPrecision(3))} kg`);
 const TILES = [
   ["mass", (of) => `mass of ${of}`, grams],
-  ["price", (of) => `price of ${of}`, (value) => `${value.toFixed(2)} EUR`],
+  ["price", (of) => `price of ${of}`, (value) => value.toFixed(2)],
   ["margin", () => "", (value) => `${Number((100 * value).toPrecision(2))} %`],
 ];
 
@@ -81,7 +81,7 @@ function tile(title, said, ...more) {
 /** What a figure has changed by since the edit before. */
 function change(name, written) {
   const by = edit.now[name] - edit.before[name];
-  if (!Number.isFinite(by) || written(Math.abs(by)).startsWith("0 ") || written(Math.abs(by)).startsWith("0.00 ")) return "";
+  if (!Number.isFinite(by) || written(Math.abs(by)).startsWith("0 ") || written(Math.abs(by)) === "0.00") return "";
   const more = by > 0;
   return element("span", { className: "change", title: "since the last edit" }, `${more ? "+" : "−"}${written(Math.abs(by))} ${more ? "▲" : "▼"}`);
 }

@@ -539,7 +539,9 @@ def drives_in_rows(drives: Sequence[tuple[str, DriveSet]], objective: str) -> tu
     slug = "_".join(objective.replace("+", " ").replace(",", " ").split())
     nominal = [{"list": where} | dict(_nominal(one, slug)) for where, one in drives]
     sampled = [dict(_sampled(one.reliability)) if one.reliability else {} for _, one in drives]
-    heads = ["list", *(head for head, _ in _SET), f"objective_{slug}_si", "smallest_margin", "smallest_margin_check"]
+    currency = drives[0][1].currency if drives else "EUR"
+    heads = ["list", *(head.replace("EUR", currency) for head, _ in _SET), f"objective_{slug}_si"]
+    heads += ["smallest_margin", "smallest_margin_check"]
     for begin in ("margin_", "figure_"):
         heads += [head for cells in nominal for head in cells if head.startswith(begin)]
     for wanted in (_WHOLE, _LOOP):
@@ -550,7 +552,8 @@ def drives_in_rows(drives: Sequence[tuple[str, DriveSet]], objective: str) -> tu
 
 
 def _nominal(one: DriveSet, slug: str) -> Iterator[tuple[str, doc.Cell]]:
-    yield from _read(one, _SET)
+    for head, cell in _read(one, _SET):
+        yield head.replace("EUR", one.currency), cell
     yield f"objective_{slug}_si", _cell(one.objective)
     if tight := worst(one.deciding):
         yield from (("smallest_margin", _cell(tight.margin)), ("smallest_margin_check", tight.name))

@@ -47,8 +47,9 @@ def datasheet(section: str, part: Any, catalog: Catalog) -> dict[str, Any]:
         columns_of(section),
     )
     rows = []
+    compared = {"price"} if catalog.unpriced else set[str]()  # in another currency maybe: the parts list has its own
     for name in schema:
-        if name in confidence and name not in _NAMES:
+        if name in confidence and name not in _NAMES | compared:
             digits = 3 if confidence[name] == ESTIMATED else 6  # its band is wide
             mark = "" if confidence[name] == "quoted" else confidence[name]
             text = figure(getattr(part, name), schema[name], digits=digits)
@@ -118,6 +119,18 @@ def behaviour(hit: Hit) -> Iterator[doc.Block]:
     if hit.section == "steppers":
         yield from _pull_outs(hit)
     yield from _estimates(hit)
+    yield from _prices(hit)
+
+
+def _prices(hit: Hit) -> Iterator[doc.Block]:
+    """The prices that lists have of a part, the newest first."""
+    found = [one for one in hit.catalog.prices if (one.section, one.part) == (hit.section, hit.part)]
+    rows = [(f"{one.amount:.2f} {one.currency}", str(one.pieces), one.date, one.seller,
+             one.order_number, "; ".join(filter(None, (one.delivery, one.note))))
+            for one in sorted(found, key=lambda one: one.date, reverse=True)]  # fmt: skip
+    heads = ("price", "right"), ("from pieces", "right"), ("date", "left"), ("seller", "left"), ("order number", "left")
+    if rows:
+        yield listed((*heads, _LEFT), rows, "Prices of lists")
 
 
 CURVES = {  # names of a part's curves, of which some have several
