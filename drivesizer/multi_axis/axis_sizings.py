@@ -119,6 +119,7 @@ class AxisSizings:
     def __init__(self, machine: MachineSpec, how: Options) -> None:
         machine, self.torques = with_joints(machine, how.torques)
         self.how, self.ranking = how, how.objective
+        self.price = machine.budget.price if machine.budget else None
         self.made: dict[tuple[str, Masses], SizingResult] = {}
         self.own: dict[tuple[str, Masses], float] = {}  # kg, of its drive on the link that a joint moves
         self.uncertain = set[str]()  # axes of which drives lighter than their own load has may have been left out
@@ -250,6 +251,7 @@ class AxisSizings:
 
     def _parts(self, spec: RobotSpec) -> Catalog:
         """The catalogues of an axis, those of the same choice once."""
+        spec = spec.in_machine(self.price)
         if spec.parts_key not in self.catalogs:
             self.catalogs[spec.parts_key] = self.how.parts(spec)
         return self.catalogs[spec.parts_key]

@@ -135,6 +135,10 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
         yield from axis_sizings.joint_notes(
             sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()}
         )
+    currencies = {axis.name: axis.result.catalog.currency for axis in axes}
+    if len(set(currencies.values())) > 1 and any(axis.result.spec.counts_price for axis in axes):
+        said = ", ".join(f"{name} in {code}" for name, code in currencies.items())
+        yield f"prices are summed though {said}; expected select.rates, e.g. {{USD: ... EUR}}"
     until = {axis.name: axis.result.problem.machine.waits_until for axis in axes}
     waits = {name: end for name, end in until.items() if end is not None}
     if waits:

@@ -115,6 +115,7 @@ class RobotSpec(fields.Section, OfFile):
     _on_common_bus: bool = PrivateAttr(default=False)
     _waits_until: float | None = PrivateAttr(default=None)
     _brake_released: float = PrivateAttr(default=1.0)
+    _machine_price: fields.Money | None = PrivateAttr(default=None)
 
     @property
     def source(self) -> YamlSource:
@@ -324,8 +325,15 @@ class RobotSpec(fields.Section, OfFile):
     @property
     def price_limits(self) -> list[fields.Money]:
         """Prices that the spec gives, as far as they have a currency."""
-        given = (self.needs.price, self.budget and self.budget.price, self.brake and self.brake.price)
+        own = (self.needs.price, self.budget and self.budget.price, self.brake and self.brake.price)
+        given = (*own, self._machine_price)
         return [one for one in given if isinstance(one, fields.Money)]
+
+    def in_machine(self, price: float | None) -> RobotSpec:
+        """The spec of an axis of a machine whose price is limited."""
+        made = self.model_copy()
+        made._machine_price = price if isinstance(price, fields.Money) else None
+        return made
 
     @property
     def counts_price(self) -> bool:

@@ -1,6 +1,7 @@
 """`drivesizer quote`: what is ordered, at which price of whom, by axis and for the machine, and what is missing."""
 
 import csv
+import json
 from pathlib import Path
 
 import openpyxl
@@ -143,3 +144,15 @@ def test_drives_are_ranked_by_price_across_currencies(tmp_path):
         made = tmp_path / f"{best}.csv"
         CliRunner().invoke(app, ["quote", str(tmp_path / "spec.yaml"), "-o", str(made)], catch_exceptions=False)
         assert best in made.read_text().splitlines()[1], rate
+
+
+def test_a_machines_budget_is_in_its_own_currency(tmp_path):
+    """Five motors at 70 EUR and five controllers at 55.50 USD are 715 USD where a dollar is 0.8 EUR."""
+    for limit, status in (("700 USD", "fail"), ("730 USD", "pass"), ("730 CHF", "unknown")):
+        only = spec_of(tmp_path, rates={"USD": "0.8 EUR"}, motor={"part": "m00"})
+        spec = only | {"axes": {"x": axis("9 kg", 2), "y": axis("6 kg", 3)}}
+        (tmp_path / "spec.yaml").write_text(yaml.safe_dump(spec | {"budget": {"price": limit}}))
+        ran = CliRunner().invoke(app, ["size", str(tmp_path / "spec.yaml"), "--json"])
+        (check,) = [one for one in json.loads(ran.output)["checks"] if one["name"] == "price"]
+        assert (check["status"], check["unit"]) == (status, limit[-3:]), limit
+        assert "CHF" in limit or check["demand"] == pytest.approx(5 * 70 / 0.8 + 5 * 55.5)

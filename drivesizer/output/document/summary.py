@@ -90,7 +90,9 @@ def lacking_words(every: Sequence[Total]) -> Iterator[doc.Block]:
     for one in every:
         if one.estimated:
             said.append(f"{one.name} {show_band(one.low, one.high, 'g', 'mass')}, by estimates")
-        said += [f"no {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
+        alike = [other for other in every if other.name == one.name]  # prices in several currencies are one line
+        lacks = [role for role in one.lacks if all(role in other.lacks for other in alike)]
+        said += [f"no {one.name} of {', '.join(lacks)}"] if lacks and one is alike[0] else []
     if said:
         yield doc.Words(f"In all: {'; '.join(said)}.", "note")
 
