@@ -292,7 +292,7 @@ def _heavier(mine: DriveSet, other: DriveSet) -> str:
     """How much heavier another drive is for an axis that carries it, in words; its controller rides on none."""
 
     def of_turning(one: DriveSet) -> float:
-        return sum(part.mass for role, part in one.parts.items() if part is not None and role != "controller")
+        return math.fsum(part.mass for role, part in one.parts.items() if part is not None and role != "controller")
 
     more = of_turning(other) - of_turning(mine)
     return f", {show(more, 'g', 'mass', 3)} heavier" if more > 0.0 else ""

@@ -75,15 +75,22 @@ class MachinePower:
         return verdict(self.checks)
 
     def course(self, most: int = 1000) -> Course:
-        """Power over time in no more than so many pieces, neighbours taken together by their mean."""
+        """Power over time in no more than so many pieces, neighbours taken together by their mean.
+
+        Where a recording turns round, pieces may be shorter than the last digit of the time: they are none.
+        """
         size = -(-len(self.total) // most)
         first = np.arange(0, len(self.total), size)
         time = np.append(self.time[:-1][first], self.time[-1])
+        duration = np.diff(time)
+        lasts = duration > 0.0
 
         def mean(rows: Array) -> Array:
-            return np.asarray(np.add.reduceat(rows * np.diff(self.time), first, axis=-1) / np.diff(time))
+            energy = np.add.reduceat(rows * np.diff(self.time), first, axis=-1)
+            return np.asarray(energy[..., lasts] / duration[lasts])
 
-        return Course(time, *map(mean, (self.drawn, self.returned, self.total, self.left)))
+        ends = np.append(time[:-1][lasts], time[-1])
+        return Course(ends, *map(mean, (self.drawn, self.returned, self.total, self.left)))
 
 
 # objectives of which the sum over all drives is that of the machine

@@ -81,6 +81,31 @@ def test_its_document_obeys_the_schema_and_has_its_course(sizing):
     assert short.drawn @ np.diff(short.time) == pytest.approx(power.drawn @ np.diff(power.time))
 
 
+SWINGING = """<robot name="swing"><link name="base"/><link name="rod"><inertial><origin xyz="0.457414 0 0"/>
+<mass value="1.8"/><inertia ixx="0.043" iyy="0.043" izz="0.043"/></inertial></link><joint name="hinge" type="revolute">
+<parent link="base"/><child link="rod"/><axis xyz="0 -1 0"/>
+<limit lower="-3" upper="3" effort="99" velocity="50"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("period", "middle", "half"), [(0.9364064239, -0.1087718095, 0.4550220548), (1.0575864, -0.19791, 0.47315)]
+)
+def test_a_swing_that_turns_between_two_samples_has_a_course_without_gaps(period, middle, half, tmp_path):
+    """A speed of rounding alone at an end cuts a piece shorter than the last digit of its time; JSON ended on it."""
+    time = np.linspace(0.0, period, 801)
+    rows = zip(time, middle - half * np.cos(2.0 * np.pi * time / period), strict=True)
+    (tmp_path / "swing.csv").write_text("time,hinge\ns,rad\n" + "".join(f"{t:.9f},{q:.12f}\n" for t, q in rows))
+    (tmp_path / "swing.urdf").write_text(SWINGING)
+    robot = {"description": str(tmp_path / "swing.urdf"), "trajectory": str(tmp_path / "swing.csv")}
+    given = {"name": "swing", "robot": robot, "supply": {"nominal": "24 V", "accepts": "all"},
+             "select": {"catalogs": ["damiao"]}}  # fmt: skip
+    sizing = size_machine(load_machine(given), top=1)
+    power, course = sizing.power, json.loads(as_text(sizing))["power"]["course"]
+    assert len(power.total) > 801 and len(course["total"]) == len(course["time"]) - 1
+    assert None not in course["total"] and np.diff(course["time"]).min() > 0.0
+    assert course["total"] @ np.diff(course["time"]) == pytest.approx(power.total @ np.diff(power.time))
+
+
 def test_its_resistor_is_bought_once_and_printed(sizing, capsys):
     (line,) = [one for one in machine_parts_of_axes(sizing) if one.line.role == "brake resistor"]
     assert line.axes == ("x", "y") and line.line.quantity == 1 and "20" in line.line.said
