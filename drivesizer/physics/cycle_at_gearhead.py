@@ -43,10 +43,11 @@ class Scalars(NamedTuple):
     sustained_speed: Alike  # rad/s, what it exceeds for longer than shortly
     mean_power: Alike  # W, transmitted in either direction while running
     peak_power: Alike  # W
+    drawn_power: Alike  # W, largest that drives it while nothing behind slows down: no motor draws less of its supply
 
 
 # by which power of the belt's ratio each of them grows
-_BY_RATIO = dict(zip(Scalars._fields, (-1, -1, -1, 0, 1, 1, 0, 0), strict=True))
+_BY_RATIO = dict(zip(Scalars._fields, (-1, -1, -1, 0, 1, 1, 0, 0, 0), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +163,7 @@ class CycleAtBelt:
             **cycles.lasting_speeds(cycle.duration, speed),
             mean_power=(time * power).sum(axis=0) / np.where(total > 0.0, total, 1.0),
             peak_power=np.abs(torque * speed).max(axis=(0, 1)),
+            drawn_power=np.where(cycle.acceleration * speed >= 0.0, torque * speed, 0.0).max(axis=(0, 1)),
         )
         return Scalars(*map(float, found)) if alone else found
 

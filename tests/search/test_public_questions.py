@@ -101,6 +101,11 @@ motion: {speed: 1000 rpm, acceleration_time: 0.2 s, cruise_time: 2 s, rest_time:
 transmission: [{kind: direct}]
 supply: {nominal: 48 V, accepts: all}
 select: {catalogs: [fanuc, roboteq], objective: mass}"""
+FAN = """load: {kind: flywheel, inertia: 1 kg*cm^2, friction_torque: 0.25 N*m}
+motion: {speed: 5000 rpm, acceleration_time: 1 s, cruise_time: 10 s, rest_time: 1 s}
+transmission: [{kind: direct}]
+supply: {nominal: 48 V, current: 1 A, accepts: all}
+select: {catalogs: [tamagawa, maxon]}"""
 PRESS = """load: {kind: flywheel, inertia: 0.2 kg*m^2, friction_torque: 300 N*m}
 motion: {speed: 30 rpm, acceleration_time: 1 s, cruise_time: 100 s}
 transmission: [{kind: direct}]
@@ -207,6 +212,8 @@ QUESTIONS: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     # 20 kg*m^2 to 1000 rpm in 0.2 s: 10.5 kN*m of 0.48; 300 N*m of 33 in less than the ambient of the rating
     "a flywheel": (SPIN, "beta 0.2/5000is direct", "fail", {"motor_peak_torque": ("hopeless", 10472.0)}),
     "a press": (PRESS, "VPL-B1654B direct", "fail", {"motor_nominal_torque": "hopeless"}),
+    # (0.25 N*m + 1 kg*cm^2 523.6 rad/s / 1 s) 523.6 rad/s = 158 W, 3.3 A of 48 V whatever the winding, which is unknown
+    "a fan for a weak supply": (FAN, "TSM3104E040 direct", "fail", {"supply_current": ("fail", 3.298)}),
     # 3 lb 4 in: 1.36 N*m level; no peak below the 2.648 N*m at stall is printed
     "c16c: a lifter": (LIFTER, "", "open", {_LASTING: "open", _SHORT: "open"}),
     # 0.9 kg 9.81 0.27 m = 2.38 N*m level; one thing with figures at 12 and at 14.8 V

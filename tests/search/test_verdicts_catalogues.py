@@ -266,6 +266,16 @@ def worse_best(one, other, objective):
     return [(objective, before, after)] * bool((missing, after - 1e-9 * abs(after)) > (lacks, before))
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_supply_gives_no_less_than_the_load_takes(seed):
+    found = size(read(machine(np.random.default_rng(seed)) + "select: {catalogs: [maxon]}"), top=2, brief=True)
+    assert found.sets or found.misses
+    for one in (*found.sets, *found.misses):
+        taken = max(case.at_belt.behind(one.belt_ratio).drawn_power for case in found.problem.cases)
+        given = {figure.name: figure.value for figure in one.figures}["power"] / found.spec.load.motors
+        assert 0.0 < taken <= given * (1 + 1e-9) or np.isnan(given)
+
+
 def test_more_catalogues_lose_no_drive():
     found = [loses(seed) for seed in (11, 31, 33, 41, 63)]
     assert any(passing for passing, _ in found)

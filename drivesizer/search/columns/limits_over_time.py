@@ -85,13 +85,14 @@ def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> d
     return {"energy": energy, "returned": returned, "power": np.maximum.reduce(power), **others}
 
 
-def least(found: Pair, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
-    """The same; with incomplete demands only lower bounds are known."""
+def least(found: Pair, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
+    """The same; with incomplete demands only lower bounds are known: of the power what the load takes."""
     if demand.complete.all():
         return found
     low, high = (Moments(*(np.where(demand.complete, column, np.nan) for column in side)) for side in found)
     cold = stresses.cold_voltage
-    lowest_known = {"winding": heating.winding, "voltage": cold.value, "voltage_time": cold.time}
+    taken = np.maximum(cycle.drawn_power, 0.0)
+    lowest_known = {"winding": heating.winding, "voltage": cold.value, "voltage_time": cold.time, "power": taken}
     filled = {name: np.where(demand.complete, getattr(low, name), column) for name, column in lowest_known.items()}
     return low._replace(**filled), high
 
@@ -298,7 +299,7 @@ def over_waveform(
     """Peaks and heat over the waveform, of what is ``alive``: by bounds, and as far as that is wanted computed."""
     if what in ("limits", "all"):
         found = exact(spec, cycle, demand, heating, stresses, parts, what)
-        return least(found, demand, heating, stresses)
+        return least(found, cycle, demand, heating, stresses)
     found = bounds(spec, cycle, demand, heating, stresses, parts)
     if what == "open":
         left = left_open(spec, found, parts) & alive
@@ -309,7 +310,7 @@ def over_waveform(
         if len(rows):
             few = on((cycle, demand, heating, stresses, parts), rows)
             found = put(found, rows, exact(spec, *few, "limits"))
-    return least(found, demand, heating, stresses)
+    return least(found, cycle, demand, heating, stresses)
 
 
 def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:

@@ -514,7 +514,7 @@ def _loaded(spec: Any, at: AtSamples, drive: _Drive, *, energies: bool) -> _Load
     leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
     peaks = stress(ambient, at, required, parts.motor, leads)
     figures = exact(spec, at, required, warmth, peaks, parts, "all" if energies else "limits", _ERROR, (1.0, 1.0))
-    return _Loaded(required, warmth, peaks, least(figures, required, warmth, peaks))
+    return _Loaded(required, warmth, peaks, least(figures, at, required, warmth, peaks))
 
 
 def _servo_checks(spec: Any, at: AtSamples, drive: _Drive, energies: bool) -> tuple[list[CheckColumn], Draw]:
