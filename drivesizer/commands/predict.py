@@ -27,16 +27,19 @@ def predict(
     ] = None,
     catalogs: Names = None,
     voltage: Annotated[str | None, typer.Option(help="Of the supply; else the motor's nominal one.")] = None,
-    resistance: Annotated[str, typer.Option(help="Of supply and leads.")] = "0 ohm",
-    ambient: Annotated[str, typer.Option(help="Temperature around the motor.")] = "25 degC",
+    resistance: Annotated[str | None, typer.Option(help="Of supply and leads; else none.")] = None,
+    ambient: Annotated[str | None, typer.Option(help="Temperature around the motor; else 25 degC.")] = None,
     load: Annotated[str | None, typer.Option(help="Torque at the output; else the continuous torque.")] = None,
     hold: Annotated[str | None, typer.Option(help="Torque held at rest; else the load.")] = None,
-    inertia: Annotated[str, typer.Option(help="Of what is mounted at the output.")] = "0 kg*m^2",
+    inertia: Annotated[str | None, typer.Option(help="Of what is mounted at the output; else nothing.")] = None,
     minutes: Annotated[
         float, number_option("--minutes", 60.0, meaning="How long it runs at the load, and holds.")
     ] = 60.0,
     warm: Annotated[
         str | None, typer.Option(help="Temperature at a warm start; else the housing's after long nominal work.")
+    ] = None,
+    spec: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A robot.yaml: its machine gives what is not given here.")
     ] = None,
     json: Json = False,
     figure: Annotated[
@@ -58,6 +61,7 @@ def predict(
             found = predict_set(
                 motor, gearhead, controller, catalogs=catalogs or (), voltage=voltage, resistance=resistance,
                 ambient=ambient, load=load, hold=hold, inertia=inertia, minutes=minutes, warm=warm,
+                spec=spec,
             )  # fmt: skip
     except FieldError as error:
         raise InputError(f"--{error}") from None

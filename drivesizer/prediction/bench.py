@@ -6,15 +6,22 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from math import isnan, nan
+from pathlib import Path
+
+import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.query import Hit, find, open_catalogs
 from drivesizer.errors import FieldError, InputError, quoted
+from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions, Prediction
+from drivesizer.spec.robot import RobotSpec, load_spec
 from drivesizer.units import to_si
 
 _LONGEST = 10_080.0  # minutes: a week
+_ROOM = 298.15  # K
 _KINDS = {
     "voltage": "voltage", "resistance": "resistance", "ambient": "temperature", "load": "torque", "hold": "torque",
     "inertia": "inertia", "warm": "temperature",
@@ -28,13 +35,14 @@ def predict_set(
     *,
     catalogs: Iterable[str] = (),
     voltage: str | None = None,
-    resistance: str = "0 ohm",
-    ambient: str = "25 degC",
+    resistance: str | None = None,
+    ambient: str | None = None,
     load: str | None = None,
     hold: str | None = None,
-    inertia: str = "0 kg*m^2",
+    inertia: str | None = None,
     minutes: float = 60.0,
     warm: str | None = None,
+    spec: str | Path | None = None,
 ) -> Prediction:
     """Predict what is measured of a motor, or of an actuator, at the bench.
 
@@ -45,15 +53,19 @@ def predict_set(
     catalogs
         Names of catalogues or paths of files; all that ship where none is given.
     voltage, resistance
-        Of the supply, the first that of the motor where not given, the second with leads.
+        Of the supply, the first that of the motor where not given, the second with leads, none where not given.
     ambient, warm
-        Temperatures: around the motor, and at a warm start, where not given the housing's after long nominal work.
+        Temperatures: around the motor, 25 degC where not given, and at a warm start, where not given the housing's
+        after long nominal work.
     load, hold
         Torques at the output: against which it runs, by default the continuous one; and which it holds at rest.
     inertia
-        Of what is mounted at the output.
+        Of what is mounted at the output; nothing where not given.
     minutes
         How long it runs at the load, and holds [min].
+    spec
+        Path of a robot.yaml whose machine gives voltage, resistance, ambient, inertia and both torques where these are
+        not given: the largest at which its load moves steadily, and the largest that holds it.
 
     Returns
     -------
@@ -76,7 +88,10 @@ def predict_set(
         raise FieldError(("minutes",), f"minutes: {minutes:g} is out of range; {expected}")
     texts = {"voltage": voltage, "resistance": resistance, "ambient": ambient, "load": load, "hold": hold,
              "inertia": inertia, "warm": warm}  # fmt: skip
-    given = Conditions(**{name: _read(name, text) for name, text in texts.items()}, duration=60.0 * minutes)
+    read = {name: _read(name, text) for name, text in texts.items()}
+    usual = {"resistance": 0.0, "ambient": _ROOM, "inertia": 0.0} if spec is None else of_machine(load_spec(spec))
+    given = Conditions(**read, duration=60.0 * minutes)
+    given = given._replace(**{name: value for name, value in usual.items() if isnan(read[name])})
     shelf = open_catalogs(catalogs)
     sold = _part(shelf, motor, ("motors", "actuators"), "motor or actuator")
     if not isnan(given.voltage):  # else that of the row
@@ -90,6 +105,43 @@ def predict_set(
     gear = None if gearhead is None else _part(first, gearhead, ("gearheads",), "gearhead")
     drive = None if controller is None else _part(first, controller, ("controllers",), "controller")
     return predict(sold, gear, drive, completed(given, sold, gear))
+
+
+def of_machine(spec: RobotSpec) -> dict[str, float]:
+    """Conditions at the output of a machine's gearhead, by name.
+
+    Parameters
+    ----------
+    spec
+        The machine. A belt has one ratio.
+
+    Returns
+    -------
+    dict
+        Voltage, resistance and ambient of the spec; inertia, and of all load cases the largest torque without
+        acceleration while it moves, against the motor, and at rest [SI].
+
+    Raises
+    ------
+    InputError
+        Where the belt is to be found, or no motion is given.
+    """
+    if len(spec.belt_ratios) > 1:
+        raise FieldError(("spec",), f"spec: {spec.name} has a belt of several ratios; name one in transmission.ratios")
+    belt, e = spec.belt_ratios[0], spec.belt_efficiency
+    cycles = [load_cycle(case) for _, _, case in load_cases(spec)]
+    moving, resting, inertia = 0.0, 0.0, 0.0
+    for cycle in cycles:
+        J = float(np.nan_to_num(cycle.inertia))
+        steady, way = cycle.torque - J * cycle.acceleration, np.sign(cycle.speed)
+        moving, inertia = max(moving, float((steady * way).max())), max(inertia, J)
+        still = np.abs(steady[(cycle.speed == 0.0).all(axis=1)])
+        resting = max(resting, float(still.max(initial=0.0)), float(np.nan_to_num(cycle.held)))
+    return {
+        "voltage": spec.supply.nominal, "resistance": spec.supply.resistance or 0.0,
+        "ambient": spec.environment.ambient, "load": moving / (belt * e), "hold": resting / belt,
+        "inertia": inertia / (belt**2 * e),
+    }  # fmt: skip
 
 
 def _read(name: str, text: str | None) -> float:
