@@ -60,7 +60,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "cases": {"Case": ""},
     "design": {"Design": ""},
     "report": {"TitleBlock": ""},
-    "mission": {"Mission": ""},
+    "mission": {"Mission": "", "Leg": "Each of `legs`"},
     "control": {
         "Control": "", "CurrentLoop": "`current`", "VelocityLoop": "`velocity`", "PositionLoop": "`position`",
         "Feedforward": "`feedforward`",
@@ -73,6 +73,7 @@ _OF_MACHINES = {  # models of machine.yaml that no spec has, each with its headi
     "RobotJointWaypoint": "Each of `waypoints`", "RobotJointLimits": "Each of `limits`", "RobotHold": "Each of `holds`",
     "RobotPointMass": "`payload`", "RobotPayloadCase": "Each of `payloads`", "RobotDrivePlace": "Each of `drives`",
     "RobotMounting": "`mounting` of the robot's base", "RobotLinkForce": "Each of `forces`",
+    "RobotCoupling": "Each of `couplings`",
 }  # fmt: skip
 _BY_KIND = ("Fan", "Screw")  # models of several kinds: what the page says above their fields
 _REPEATED = ("rest_time", "there_and_back", "payload", "payload_back")  # fields of several motions

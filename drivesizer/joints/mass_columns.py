@@ -22,6 +22,7 @@ from drivesizer.joints.forces import (
 from drivesizer.joints.inverse_dynamics import Array, JointMotion, Torques, torques_of
 from drivesizer.joints.places import (
     carried_by,
+    check_couplings,
     coupling,
     drive_places,
     file_of,
@@ -190,6 +191,7 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     columns = (c[:, :, at] for c in (motion.position, motion.speed, motion.acceleration))
     motion = JointMotion(names, motion.duration, *columns)
     held = fixed_positions(section, robot, motion.joints)
+    check_couplings(section, robot, motion.joints)
     drives = drive_places(section, robot, motion.joints)
     payload = payload_place(section, robot, motion.joints)
     points = drives if payload is None else {**drives, _PAYLOAD: payload}

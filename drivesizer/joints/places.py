@@ -120,10 +120,14 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
                 f"{quoted(name)} is no joint that moves{nearest(name, joints)}; expected {', '.join(joints)[:200]}",
             )
     found: dict[str, Attached] = {}
+    pairs = {one.joints[1]: one.joints[0] for one in section.couplings}  # whose drives sit side by side
+    on_frame = {name for one in section.couplings if one.kind == "corexy" for name in one.joints}
     for name in joints if section.masses != "with_drives" else ():
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
-        if place.on == "base":
+        if place.on == "base" or name in on_frame:
             continue
+        if name in pairs and name not in section.drives:
+            joint = robot.joints[pairs[name]]
         if place.link is not None and place.link not in robot.links:
             wrong = f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
             raise FieldError(("robot", "drives", name, "link"), wrong)
@@ -184,11 +188,36 @@ def outermost_first(carried: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
 # d_k is column k of the inverse of C: the joints' motion when drive k turns alone. So a passed joint's own drive has
 # less to do than its joint: the belt carries part of its torque.
 #
+# Of a differential wrist (kind: differential) and of a CoreXY gantry both drives move both joints, q_1 when they turn
+# alike and q_2 against one another, by i:
+#
+# .. math:: \theta_1 = q_1 + i q_2, \quad \theta_2 = q_1 - i q_2, \quad T_{1,2} = (\tau_1 \pm \tau_2 / i) / 2
+#
 # Source: M. W. Spong, S. Hutchinson, M. Vidyasagar, Robot Modeling and Control, Wiley, 2006, section 7.4, planar
 # elbow manipulator with remotely driven link.
 
 
 _PARALLEL = 1e-6  # rad
+
+
+def check_couplings(section: RobotSection, robot: Robot, joints: Sequence[str]) -> None:
+    """Refuse couplings of joints that do not move, that are coupled already, or of the other kind."""
+    seen = set[str]()
+    for number, one in enumerate(section.couplings):
+        field: Field = ("robot", "couplings", number, "joints")
+        for name in one.joints:
+            joint = joint_of(robot, name, field)
+            if name not in joints or name in seen:
+                reason = "is coupled twice" if name in seen else "does not move"
+                raise FieldError(field, f"{quoted(name)} {reason}; expected two joints of the trajectory, each once")
+            if joint.turns != (one.kind == "differential"):
+                verb, kinds = ("turns", "slide") if joint.turns else ("slides", "turn")
+                raise FieldError(field, f"{quoted(name)} {verb}; the joints of kind: {one.kind} {kinds}")
+            if section.drives.get(name, DrivePlace()).belt_passes:
+                raise FieldError(
+                    field, f"the belt of {quoted(name)} passes other joints; expected that or the coupling"
+                )
+            seen.add(name)
 
 
 def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joints: Sequence[str]) -> Array:
@@ -220,4 +249,7 @@ def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joi
                 words = f"the belt of {quoted(name)} passes joint {quoted(other.name)}"
                 raise FieldError(field, f"{words}; expected one about a parallel axis")
             found[row, joints.index(other.name)] = 1.0 if along > 0.0 else -1.0
+    for one in section.couplings:
+        pair = [joints.index(name) for name in one.joints]
+        found[np.ix_(pair, pair)] = [[1.0, one.ratio], [1.0, -one.ratio]]
     return found

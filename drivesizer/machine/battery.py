@@ -24,6 +24,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.machine.supply_power import DrivePower
 from drivesizer.physics import battery as laws
+from drivesizer.physics.figures import Range
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget, loss_assumptions
@@ -32,6 +33,7 @@ from drivesizer.units import show
 
 if TYPE_CHECKING:
     from drivesizer.spec.battery import Battery, Consumer
+    from drivesizer.spec.sections import Leg
 
 Array = NDArray[np.float64]
 _ONE = (  # figures of one cell or block that spec and catalogue share
@@ -40,6 +42,10 @@ _ONE = (  # figures of one cell or block that spec and catalogue share
 )  # fmt: skip
 _OWN = {"capacity", "rated_time", "peukert_exponent", "discharge"}  # with one of them the catalogue's table is not used
 _LITHIUM = ("Li-ion", "LiFePO4")  # whose charge hardly depends on the current, as long as that is permitted
+# Peukert exponents of a lead-acid battery of which only volts and ampere-hours are known: AGM 1.05 to 1.15, gel 1.1 to
+# 1.25, flooded 1.14 to 1.28 (those of makers' 20 h ratings and reserve minutes: Xantrex, Link 2000, manual, page 27;
+# of AGM BD Batteries, Peukert's law), and the time in which their ampere-hours are rated.
+_OF_CLASS, _RATED_IN = (1.05, 1.3), 20 * 3600.0
 _NEARLY = 1e-9  # relative: the same end voltage
 _POINTS = 2000  # of the state of charge over a mission
 
@@ -110,9 +116,17 @@ class Pack:
         """Source of its run times, in words; empty where nothing says how they go with the load."""
         if self.table:
             return f"discharge table at constant {self.table.kind}"
+        if self.of_class:
+            least, most = _OF_CLASS
+            return f"Peukert's law, exponent {least:g} to {most:g} (assumed: AGM to flooded; give peukert_exponent)"
         if self.peukert:
             return f"Peukert's law, exponent {self.peukert_exponent:g}"
         return "rated charge at any current" if self.law else ""
+
+    @property
+    def of_class(self) -> bool:
+        """Whether its exponent is one of its class: of lead-acid of which only volts and ampere-hours are known."""
+        return self.chemistry == "lead-acid" and self.table is None and bool(np.isnan(self.peukert_exponent).all())
 
     @property
     def peukert(self) -> bool:
@@ -122,6 +136,8 @@ class Pack:
     @property
     def law(self) -> tuple[float, float] | None:
         """Rated time [s] and exponent of the run time by the rated charge; None where it does not follow from that."""
+        if self.of_class:
+            return np.where(np.isnan(self.rated_time), _RATED_IN, self.rated_time)[()], _OF_CLASS[1]
         if self.peukert:
             return self.rated_time, self.peukert_exponent
         return (3600.0, 1.0) if self.chemistry in _LITHIUM else None  # with an exponent of 1 no time matters
@@ -190,8 +206,16 @@ def lacking(pack: Pack) -> tuple[str, ...]:
     return (*run_times, *(name for name in names if np.isnan(getattr(pack, name)).all()))
 
 
+def longest_run_time(pack: Pack, power: Any) -> Any:
+    """Run time of a full battery at a constant power at most [s]: by the other end of the exponents of its class."""
+    if not pack.of_class:
+        return run_time(pack, power)
+    assert pack.law is not None
+    return run_time(replace(pack, peukert_exponent=_OF_CLASS[0], rated_time=pack.law[0]), power)
+
+
 def run_time(pack: Pack, power: Any) -> Any:
-    """Run time of a full battery at a constant power [s], all of its charge drawn.
+    """Run time of a full battery at a constant power [s], all of its charge drawn; the least by a class of exponents.
 
     By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
     battery without an exponent gives its rated charge. Unknown otherwise; infinite where nothing is drawn.
@@ -251,18 +275,20 @@ class Load(NamedTuple):
     rms: float  # W
     back: float  # W into the battery, at most
     speed: Any  # m/s, mean
-    full: Any = nan  # s, until all of its charge is drawn
+    full: Any = nan  # s, until all of its charge is drawn, at least
     required: float = nan  # s that it must last; also where nothing is required
     charge: Any = nan  # share left at the end
     lowest: Any = nan  # V at the terminals
     highest: Any = nan  # V there, at the largest return
+    longest: Any = nan  # s, until all of its charge is drawn, at most
+    others: float = 0.0  # W of the mean that is not the drives'
 
 
 def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
     """Time that a battery must last: the autonomy of its section, else the mission."""
     if section.autonomy is not None:
         return section.autonomy
-    return spec.mission.duration if spec.mission else nan
+    return nan if spec.mission is None or spec.mission.legs else spec.mission.duration
 
 
 def load_of(spec: Any, section: Battery, pack: Pack, mean: Any, peak: Any, speed: Any, strings: Any = 1.0) -> Load:
@@ -277,21 +303,42 @@ def load_of(spec: Any, section: Battery, pack: Pack, mean: Any, peak: Any, speed
     charge = pack.start - np.minimum(drawn, pack.available)
     emf = pack.emf(charge)
     lowest = laws.terminal_voltage(laws.current_of_power(peak, emf, pack.resistance), emf, pack.resistance)
-    return Load(mean, peak, nan, nan, speed, full, required, charge, lowest)
+    return Load(
+        mean, peak, nan, nan, speed, full, required, charge, lowest, longest=longest_run_time(pack, mean / strings)
+    )
 
 
 def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
     """Every limit of a battery, in the order in which people read them."""
     *drawn, continuous, peak = drawn_columns(spec, section, pack, load)
     *raised, current = charging(spec, pack, load)
-    room, charger = [], []
+    room, charger, legs = [], [], []
+    if spec.mission is not None and spec.mission.legs:
+        along = charge_along(spec.mission.legs, section, pack, load)
+        legs = [
+            at_least("battery_on_the_way", 1.0 - pack.usable, along.min(), needed=section.reserve),
+            at_least("battery_recharged", pack.start, along[-1], advice=True),
+        ]
     if load.mean < 0.0:  # whether regenerated power beyond what is drawn finds room
         more = -load.mean * (inf if isnan(load.required) else load.required) / pack.mean_voltage
         room = [at_most("battery_room", more, (1.0 - pack.start) * pack.health * pack.capacity)]
     if section.charger is not None:
         charger = [at_most("battery_charger_current", section.charger.current, pack.max_charge_current)]
-    columns = (*drawn, *raised, *room, continuous, peak, *charger, current)
+    columns = (*legs, *drawn, *raised, *room, continuous, peak, *charger, current)
     return tuple(column.at((), "budget") for column in columns)
+
+
+def charge_along(legs: Sequence[Leg], section: Battery, pack: Pack, load: Load) -> Array:
+    """Share of the charge that is left after each leg of a mission [1]; below 0 where it would be drawn out."""
+    found, charge = [], pack.start
+    for leg in legs:
+        out = 1.0 / float(run_time(pack, leg.share * (load.mean - load.others) + load.others))
+        into = 0.0
+        if leg.charges and section.charger is not None:
+            into = section.charger.current * section.charger.efficiency / (pack.health * pack.capacity)
+        charge = min(1.0, charge + (into - out) * leg.time)
+        found.append(charge)
+    return np.array(found)
 
 
 def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> list[CheckColumn]:
@@ -299,12 +346,15 @@ def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> list[Ch
 
     Single figures, or columns where the figures of spec and load are columns.
     """
-    lasts, emf, grip = load.full * pack.available, pack.emf(load.charge), spec.margins.torque
+    emf, grip = pack.emf(load.charge), spec.margins.torque
+    lasts = load.full * pack.available
+    reached = Range(lasts, load.longest * pack.available) if pack.of_class else lasts
     required, found = required_autonomy(spec, section), []
     if not np.isnan(required).all():
-        found.append(at_least("battery_autonomy", required, lasts, needed=section.reserve))
+        found.append(at_least("battery_autonomy", required, reached, needed=section.reserve))
     if section.range is not None:
-        found.append(at_least("battery_range", section.range, load.speed * lasts, needed=section.reserve))
+        far = Range(*(load.speed * time for time in reached)) if pack.of_class else load.speed * lasts
+        found.append(at_least("battery_range", section.range, far, needed=section.reserve))
     peak = laws.current_of_power(load.peak, emf, pack.resistance)
     return [
         *found,
@@ -397,7 +447,8 @@ def _battery_load(
     mean, peak = drive.mean(power), float(drive.peak.max()) + sum(c.peak for c in others)
     found = load_of(spec, battery, pack, mean, peak, drive.distance / drive.total)
     back, R = accepted(spec) * float(drive.returned_peak.max()), pack.resistance
-    load = Load(*map(float, found))._replace(rms=float(np.sqrt(drive.mean(power**2))), back=back)
+    load = Load(*map(float, found))._replace(rms=float(np.sqrt(drive.mean(power**2))), back=back,
+                                            others=sum(c.mean for c in others))  # fmt: skip
     raised = float(_resting_voltage(pack, mean))
     if pack.polarisation > 0.0:  # the cycle charges the pair, peak and return come on top
         pair, off = (pack.polarisation, pack.time_constant), np.asarray(drive.drawn - accepted(spec) * drive.returned)

@@ -18,12 +18,22 @@ Array = NDArray[np.float64]
 
 def read_description(path: Path) -> Robot:
     """Links and joints of a file, URDF or MJCF by its root element."""
-    root = read_tree(path)
+    root = plain_tree(path)
     if root.tag == "mujoco":
         return mjcf_of(root)
     if root.tag == "robot":
         return urdf_of(root)
     raise root.fault("is no robot; expected <robot> of URDF or <mujoco> of MJCF")
+
+
+def plain_tree(path: Path) -> Node:
+    """Root element of a file that is no xacro: macros are worked out before by its own program."""
+    root = read_tree(path)
+    if path.suffix == ".xacro" or any(node.tag.startswith("xacro:") for node in root.children):
+        urdf = path.name.removesuffix(".xacro").removesuffix(".urdf") + ".urdf"
+        text = f"is xacro, of which its program makes URDF; expected URDF: ros2 run xacro xacro {path.name} > {urdf}"
+        raise InputError(f"{path}: {text}")
+    return root
 
 
 def _above_zero(node: Node, what: str, value: float, of: str | None = None) -> float:
@@ -40,7 +50,7 @@ def _above_zero(node: Node, what: str, value: float, of: str | None = None) -> f
 
 def read_urdf(path: Path) -> Robot:
     """Links and joints of a file."""
-    root = read_tree(path)
+    root = plain_tree(path)
     if root.tag != "robot":
         raise root.fault("is no URDF; expected <robot>")
     return urdf_of(root)

@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.xml_tree import read_tree
-from drivesizer.spec.description import read_description, read_urdf, urdf_of
+from drivesizer.spec.description import plain_tree, read_description, read_urdf, urdf_of
 from drivesizer.spec.description_record import Joint, Robot
 
 Array = NDArray[np.float64]
@@ -54,7 +53,7 @@ def spec_of(path: Path, joint: str | None = None) -> str:
 
 def has_wheels(path: Path) -> bool:
     """Whether a file is a URDF with driven wheels."""
-    root = read_tree(path)
+    root = plain_tree(path)
     return root.tag == "robot" and bool(_wheels(urdf_of(root)))
 
 

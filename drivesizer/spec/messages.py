@@ -514,6 +514,9 @@ def _equipped(spec: Any) -> Iterator[str]:
             one.share(spec.mission.duration if spec.mission else None)
         except ValueError as error:
             yield f"equipment: {error}"
+    legs = spec.mission.legs if spec.mission else ()
+    if any(leg.charges for leg in legs) and (spec.battery is None or spec.battery.charger is None):
+        yield "mission.legs: one charges; expected battery: {charger: {current: 10 A}}"
     if spec.control.at_rest == "brake" and not spec.wants_brake:
         yield "control.at_rest: there is no brake; expected needs: {hold_unpowered: true}, or a brake"
     if spec.brake and spec.select.brake.named:

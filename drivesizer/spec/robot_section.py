@@ -152,6 +152,18 @@ class DrivePlace(fields.Section):
         return self
 
 
+class Coupling(fields.Section):
+    """Two drives that move two joints together: a differential wrist, or a CoreXY gantry."""
+
+    kind: Literal["differential", "corexy"]
+    joints: Annotated[list[Name], Field(min_length=2, max_length=2)] = fields.required(
+        "that which both drives move when they turn alike, and that which they move against one another"
+    )
+    ratio: fields.Ratio = fields.default(
+        1, "angle of either drive, or travel of its belt, per angle or travel of the second joint alone"
+    )
+
+
 class LinkForce(fields.Section):
     """A force that acts on a link, such as of the floor on a foot or of the work on a tool."""
 
@@ -198,6 +210,9 @@ class RobotSection(fields.Section):
     springs: dict[Name, Springs] = fields.all_defaults("beside the drives of joints, by joint; counted from the start")
     gravcomp: Literal["keep", "leave"] = fields.default(
         "keep", "of links in an MJCF file: weight taken off the drives as by counterweights, or left out"
+    )
+    couplings: Annotated[list[Coupling], Field(max_length=100)] = fields.no_entries(
+        "of two drives each, named as their joints: the first by the sum of both joints, the second by the difference"
     )
     forces: Annotated[list[LinkForce], Field(max_length=100)] = fields.no_entries("on links beside their weight")
     masses: Literal["without", "with_drives"] = fields.default(

@@ -6,7 +6,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from drivesizer.errors import InputError
 from drivesizer.files import fields
+from drivesizer.units import to_si
 
 # -- Required life: of all parts that have one, or of some of them by name.
 
@@ -209,12 +211,42 @@ class Margins(fields.Section):
     pull_out: fields.Factor = fields.default(2, "a stepper's pull-out torque over the load's, at each speed")
 
 
+class Leg(fields.Section):
+    """A part of a mission: driving, docking, standing, or at a charging station."""
+
+    time: fields.Duration = fields.required(example="40 min")
+    load: fields.Part | None = fields.optional(
+        "share of the mean power of the drives over their cycle: all of it where not given, none while it charges",
+        example="30 %",
+    )
+    charges: bool = fields.default(False, "by the charger of the battery; equipment goes on drawing")
+
+    @property
+    def share(self) -> Any:
+        """Share of the drives' mean power [1]."""
+        return (0.0 if self.charges else 1.0) if self.load is None else self.load
+
+
 class Mission(fields.Section):
-    """Use of the motion, for the closed loop."""
+    """Use of the motion, for the closed loop, and the legs of a day for the battery."""
 
     duration: fields.Duration = fields.required(
-        "for which the cycle is repeated, rounded up to whole cycles", example="2 h"
+        "for which the cycle is repeated, rounded up to whole cycles; with legs their sum where not given",
+        example="2 h",
     )
+    legs: Annotated[list[Leg], Field(max_length=1000)] = fields.no_entries(
+        "one after the other, for the charge of the battery on the way"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_long_as_its_legs(cls, given: Any) -> Any:
+        """A mission with legs and no duration lasts as long as they do; what cannot be read is refused leg by leg."""
+        legs = given.get("legs") if isinstance(given, dict) and "duration" not in given else None
+        try:
+            return {**given, "duration": f"{sum(to_si(leg['time'], 'time') for leg in legs)!r} s"} if legs else given
+        except (InputError, TypeError, KeyError):
+            return {**given, "duration": "1 s"}
 
 
 class Needs(fields.Section):

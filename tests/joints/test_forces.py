@@ -137,3 +137,52 @@ def test_two_motors_share_a_joint_and_a_spring_of_the_section_counts_from_the_st
 def test_what_does_not_fit_the_robot(fields: dict[str, Any], said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=said):
         leg(tmp_path, **fields)
+
+
+GANTRY = """<mujoco><compiler autolimits="true"/><worldbody>
+  <body name="bridge"><joint name="x" type="slide" axis="1 0 0" range="-1 1"/>
+    <inertial pos="0 0 0" mass="2" diaginertia="0.1 0.1 0.1"/>
+    <body name="head"><joint name="y" type="slide" axis="0 1 0" range="-1 1"/>
+      <inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></body></worldbody></mujoco>"""
+
+
+def test_a_corexy_gantry_by_hand(tmp_path: Path) -> None:
+    """(F_x ± F_y) / 2 at each belt: 3 kg along x on both motors; along a diagonal on one alone."""
+    (tmp_path / "leg.xml").write_text(GANTRY, encoding="utf-8")
+    drive = {"travel_per_turn": "40 mm"}
+    plain = {
+        "description": "leg.xml", "masses": "without", "drives": {"x": drive, "y": drive},
+        "limits": {"all": {"speed": "1 m/s", "acceleration": "3 m/s^2"}},
+        "waypoints": [{"positions": {"x": "0 m", "y": "0 m"}}, {"positions": {"x": "100 mm", "y": "300 mm"}}],
+    }  # fmt: skip
+    both = RobotSection.model_validate(plain | {"couplings": [{"kind": "corexy", "joints": ["x", "y"]}]})
+    found = joint_torques(both, str(tmp_path / "leg.yaml"))
+    r = 0.04 / (2 * np.pi)
+    first, second = found.load("x", {}).cycle, found.load("y", {}).cycle
+    a_y = 3.0  # m/s², and a third of it along x
+    assert first.torque[0, 0] == pytest.approx((3 * a_y / 3 + 1 * a_y) / 2 * r)
+    assert second.torque[0, 0] == pytest.approx(0.0, abs=1e-12)  # 3 kg · 1 m/s² is 1 kg · 3 m/s²
+    assert first.acceleration[0, 0] == pytest.approx((a_y / 3 + a_y) / r)
+    assert second.acceleration[0, 0] == pytest.approx((a_y / 3 - a_y) / r)
+    assert first.inertia == pytest.approx((3 + 1) / 4 * r**2)
+
+
+def test_a_differential_wrist_shares_both_joints(tmp_path: Path) -> None:
+    """T = (τ_1 ± τ_2 / i) / 2, and together the drives do the work of the joints; both sit before the first joint."""
+    pair = {"kind": "differential", "joints": ["knee", "ankle"], "ratio": 2}
+    alone, found = leg(tmp_path, masses="without"), leg(tmp_path, couplings=[pair], masses="without")
+    knee, ankle = demand(alone, "knee"), demand(alone, "ankle")
+    assert demand(found, "knee") == pytest.approx((knee + ankle / 2) / 2, abs=1e-9)
+    assert demand(found, "ankle") == pytest.approx((knee - ankle / 2) / 2, abs=1e-9)
+    speed = found.cases[0].motion.speed.reshape(-1, 3)
+    drives = speed @ found.coupling.T
+    done = sum(demand(found, joint) * drives[:, n] for n, joint in enumerate(found.joints))
+    assert done == pytest.approx(sum(demand(alone, one) * speed[:, n] for n, one in enumerate(alone.joints)), abs=1e-9)
+    assert found.carried["knee"] == () and alone.carried["knee"] == ("ankle",)
+    for wrong, said in (
+        ({"joints": ["knee", "toe"]}, '"toe" is no joint'),
+        ({"kind": "corexy"}, '"knee" turns; the joints of kind: corexy slide'),
+        ({"joints": ["knee", "knee"]}, '"knee" is coupled twice'),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=said):
+            leg(tmp_path, couplings=[pair | wrong])

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load
+from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery import Load, Pack, battery_checks, pack_of, raised_voltage
+from drivesizer.machine.battery import Load, Pack, battery_checks, charge_along, pack_of, raised_voltage
 from drivesizer.physics.battery import polarised_voltage
 from drivesizer.results.check import Check
 from drivesizer.sizing import size
@@ -162,3 +163,33 @@ def test_of_a_whole_search_none_stands_that_charges_a_battery_at_its_limit(maxon
     assert checks["battery_overcharge"].status == checks["battery_return_voltage"].status == "pass"
     assert checks["bus_voltage"].demand == 29.0 >= checks["battery_return_voltage"].demand
     assert "held to it" in checks["bus_voltage"].note
+
+
+def test_a_day_with_a_charging_station_by_hand(maxon: Catalog) -> None:
+    """10 A·h at 25.2 V gives 252 W·h: 60 W driven and 12 W besides; docking at 30 %; 8 A of which 95 % stay."""
+    legs = "legs: [{time: 2 h}, {time: 30 min, load: 30 %}, {time: 45 min, charges: true}, {time: 30 min, load: 0}]"
+    given = {"nominal_voltage": "25.2 V", "capacity": "10 A*h", "chemistry": "Li-ion", "series": 1, "autonomy": None,
+             "rated_time": None, "peukert_exponent": None, "cutoff_voltage": "20 V", "charge_voltage": "29 V",
+             "charger": {"current": "8 A", "efficiency": 0.95}}  # fmt: skip
+    spec = spec_of(supply=f"}}\nmission: {{{legs}", **given)
+    assert spec.battery is not None and spec.mission is not None
+    assert spec.mission.duration == pytest.approx(3.75 * 3600)
+    pack = pack_of(spec.battery, maxon)
+    whole = 72.0  # W
+    used = Load(
+        whole, 90.0, 80.0, 0.0, nan, full=252 / whole * 3600, charge=0.5, lowest=24.0, highest=26.0, others=12.0
+    )
+    after = [1 - 144 / 252]
+    after.append(after[-1] - (18 + 12) / 2 / 252)
+    after.append(after[-1] + (0.95 * 8 * 0.75 / 10) - 12 * 0.75 / 252)
+    after.append(after[-1] - 12 / 2 / 252)
+    assert charge_along(spec.mission.legs, spec.battery, pack, used) == pytest.approx(after)
+    checks = {one.name: one for one in battery_checks(spec, spec.battery, pack, used)}
+    assert "battery_autonomy" not in checks
+    assert (checks["battery_on_the_way"].status, checks["battery_on_the_way"].limit) == (
+        "pass",
+        pytest.approx(after[1]),
+    )
+    assert (checks["battery_recharged"].status, checks["battery_recharged"].advice) == ("fail", True)
+    with pytest.raises(InputError, match=r"mission\.legs: one charges; expected battery: \{charger"):
+        spec_of(supply=f"}}\nmission: {{{legs}", **given | {"charger": None})

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError
-from drivesizer.machine.battery import Pack, capacity_needed, pack_of, run_time, strings_needed
+from drivesizer.machine.battery import Pack, capacity_needed, longest_run_time, pack_of, run_time, strings_needed
 from drivesizer.spec.battery import Battery, Consumer
 
 HOUR = 3600.0
@@ -118,11 +118,7 @@ def test_the_listed_exponent_against_the_listed_currents(listed: Catalog, part: 
 
 
 def test_what_is_not_known_stays_unknown(listed: Catalog) -> None:
-    found = pack(listed, part="NP7-12", series=2, parallel=2)  # neither a table nor an exponent is listed
-    assert found.rule == ""
-    assert isnan(run_time(found, 60.0))
-    assert isnan(capacity_needed(found, 60.0, HOUR))
-    assert isnan(strings_needed(found, nan))
+    assert isnan(strings_needed(pack(listed, part="NP7-12", series=2, parallel=2), nan))
     own = pack(listed, nominal_voltage="12 V", capacity="7 A*h", peukert_exponent=1.2)  # over how many hours?
     assert own.rule == ""
     assert isnan(run_time(own, 60.0))
@@ -200,3 +196,17 @@ def test_the_mass_of_a_battery_is_that_of_all_its_cells(listed: Catalog) -> None
     own = Battery(part="NP7-12", series=2, parallel=3, mass="2.5 kg")
     assert pack_of(own, listed).mass == pytest.approx(15.0)
     assert pack_of(Battery(part="NP7-12", series=2, parallel=3), listed).mass == pytest.approx(15.9)
+
+
+def test_volts_and_ampere_hours_of_lead_acid_give_a_range_by_its_class(listed: Catalog) -> None:
+    """12 V and 7 A·h, 24 W: 2 A against 0.35 A rated in 20 h: 20 (0.35/2)^k h, k of an AGM and of a flooded one."""
+    own = pack(listed, part=None, chemistry="lead-acid", nominal_voltage="12 V", capacity="7 A*h")
+    times = run_time(own, 24.0) / 3600.0, longest_run_time(own, 24.0) / 3600.0
+    assert times == pytest.approx((20 * (0.35 / 2) ** 1.3, 20 * (0.35 / 2) ** 1.05))
+    assert "exponent 1.05 to 1.3 (assumed: AGM to flooded; give peukert_exponent)" in own.rule
+    gentle = run_time(own, 1.2) / 3600.0, longest_run_time(own, 1.2) / 3600.0  # 0.1 A: less than rated
+    assert gentle == pytest.approx((70.0, 70.0))  # and gives its rated charge
+    known = pack(listed, part=None, chemistry="lead-acid", nominal_voltage="12 V", capacity="7 A*h",
+                 peukert_exponent=1.2, rated_time="20 h")  # fmt: skip
+    assert longest_run_time(known, 24.0) == run_time(known, 24.0) == pytest.approx(3600 * 20 * (0.35 / 2) ** 1.2)
+    assert times[0] < run_time(known, 24.0) / 3600.0 < times[1]

@@ -288,3 +288,10 @@ def test_every_joint_of_a_description_is_an_axis(tmp_path):
     assert [axis.name for axis in found.axes] == ["waist", "shoulder", "elbow", "roll", "pitch", "turn"]
     positions = load_machine(tmp_path / "robot.yaml").robot.waypoints[0].positions
     assert positions["shoulder"].value == pytest.approx(-0.7 - 0.75, rel=1e-3)  # a quarter of 3 rad from the middle
+
+
+def test_xacro_is_refused_with_the_command_that_makes_urdf_of_it(tmp_path):
+    path = tmp_path / "arm.urdf.xacro"
+    path.write_text('<robot name="a" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:include filename="b"/></robot>')
+    with pytest.raises(InputError, match=r"is xacro.*expected URDF: ros2 run xacro xacro arm.urdf.xacro > arm.urdf$"):
+        spec_of(path)
