@@ -22,6 +22,7 @@ _SECTIONS: dict[str, dict[str, str]] = {  # section of a spec: its models, each 
     "platform": {
         "Platform": "", "WheelPlace": "Each of `wheels`", "Mecanum": "`layout` of `kind: mecanum`",
         "Differential": "`layout` of `kind: differential`", "Omni": "`layout` of `kind: omni`",
+        "Skid": "`layout` of `kind: skid`",
         "CasterPlace": "Each of `casters`", "CentreOfMass": "`centre_of_mass`", "PayloadSection": "Each of `payloads`",
         "SizeSection": "`size`", "PassageSection": "Each of `passages`", "Limits": "`limits`",
         "Unknown": "`misjudged`", "UnknownPayload": "`payload` of `misjudged`",

@@ -74,7 +74,7 @@ def floor_forces(d: Dynamics, m: Moving) -> Array:
         blocked = [i for i, w in enumerate(wheels) if w.drive == "blocked"]
         holding = map_columns(np.asarray(np.linalg.pinv(k.held.T)), rest)
         found[1, sideways] = holding[: len(sideways)]
-        found[0, blocked] = holding[len(sideways) :] / cos[blocked][across]
+        found[0, blocked] = holding[len(sideways) :][: len(blocked)] / cos[blocked][across]
     return found
 
 

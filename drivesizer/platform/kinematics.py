@@ -2,7 +2,8 @@ r"""Speeds of a platform's wheels from its motion, and its motion from theirs.
 
 Every wheel rolls along its roller's axis, (26): :math:`J_1 η + J_2 \dot ϕ = 0`, so :math:`\dot ϕ = E η`,
 :math:`E = -J_2^{-1} J_1` (32). A wheel without rollers does not move sideways and one that is blocked does not turn;
-those rows, A η = 0, leave the motions η = S ν that the set of wheels allows: three for an omnidirectional platform,
+of wheels that slide as the vehicle turns the point midway does not. Those rows, A η = 0, leave the motions η = S ν that
+the set of wheels allows: three for an omnidirectional platform,
 two for a differential drive, one for a car. The driven wheels must distinguish each of these motions, or the platform
 could move while they stand: such a set is refused. Back from the wheels, (54), by least squares over the
 allowed motions, :math:`η = S (E S)^+ \dot ϕ`.
@@ -41,7 +42,7 @@ class Kinematics:
     J2: Array  # (N, N), (29)
     E: Array  # (N, 3), (32): wheel speeds over velocity
     rollers: Array  # (N, 3): surface speed of the rollers over velocity, second row of (25)
-    held: Array  # (k, 3): what must be 0, sideways at wheels without rollers and rolling at blocked ones
+    held: Array  # (k, 3): what must be 0, sideways at wheels without rollers (or midway), rolling at blocked ones
     motions: Array  # (3, m): S; the velocities that the set allows are their sums
     K_plus: Array  # (3, n), (54): velocity over the speeds of the driven wheels
     reach: float  # m, distance of the farthest wheel, or the largest radius: what turning is compared with driving by
@@ -85,7 +86,9 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
     E = exact(eq.wheel_map(J1, J2))
     _, across = np.moveaxis(eq.roller_frame_rows(phi, delta, L), -1, 1)
     sideways, turning = _holders(wheels)
-    held = exact(np.concatenate([across[sideways], r[turning, None] * E[turning]]))
+    sliding = [i for i, w in enumerate(wheels) if w.slides]
+    middle = across[sliding].mean(axis=0, keepdims=True) if sliding else across[:0]
+    held = exact(np.concatenate([across[sideways], r[turning, None] * E[turning], middle]))
     scale = np.array([1.0, 1.0, 1.0 / reach])
     motions = scale[:, None] * _null_space(held * scale)
     motions /= motions[(motions != 0.0).argmax(axis=0), range(motions.shape[1])]  # the first entry of each is 1
@@ -296,7 +299,9 @@ def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> No
     if wrong.any():
         row, sample = (int(i) for i in np.unravel_index(wrong.argmax(), off.shape))
         sideways, turning = _holders(k.wheels)
-        does, wheel = "slides" if row < len(sideways) else "turns the blocked", [*sideways, *turning][row] + 1
+        places = [*sideways, *turning, *(i for i, w in enumerate(k.wheels) if w.slides)]
+        turns = len(sideways) <= row < len(sideways) + len(turning)
+        does, wheel = "turns the blocked" if turns else "slides", places[row] + 1
         raise InputError(f"{what}: it {does} wheel {wheel} by {off[row, sample]:.3g} {unit}, at sample {sample}")
 
 

@@ -17,6 +17,12 @@ from drivesizer.errors import InputError
 # - mecanum: rollers at an angle γ, usually 45°. It pulls along the roller's axis only.
 # - omni: rollers that let it slide sideways, γ = 0. It pulls along its heading only.
 # - fixed, or steered to a given angle: no rollers. It pulls along its heading and holds sideways (``held``).
+# - skid: a fixed wheel of a vehicle whose wheels slide sideways as it turns (``slides``): it resists that by sliding
+#   friction times its load, whatever the speed. Along its heading it rolls without slip, and the point midway between
+#   all of them does not move sideways. Where wheels grip less ahead while they slide, this is the most that turning
+#   takes; on the spot on a level floor it is :math:`M = \mu_s \sum N_i |x_i|`, of long tracks :math:`\mu_s W L / 4`
+#   (K. Kozłowski, D. Pazderski, Modeling and control of a 4-wheel skid-steering mobile robot, Int. J. Appl. Math.
+#   Comput. Sci. 14 (2004) 477; J. Y. Wong, Theory of Ground Vehicles, Wiley, skid-steering).
 #
 # Symbols of Table 1 of Appl. Sci. 2021, 11, 6631: L, α place the contact point, β turns the wheel against the line
 # to it (its heading is α + β − π/2), γ is the roller's angle.
@@ -35,11 +41,12 @@ class Wheel:
     heading: float = 0.0  # rad, where it rolls when it turns forwards
     roller_angle: float = 0.0  # rad, γ: from the heading to the axis of the roller on the floor
     held: bool = False  # no rollers: does not move sideways
+    slides: bool = False  # no rollers: slides sideways as the vehicle turns
     drive: Drive = "motor"
     inertia: float = 0.0  # kg*m^2 about the axle: wheel and shaft
     rotor_inertia: float = 0.0  # kg*m^2 at the wheel: K² (J_m + J_g) of its drive
     rolling_resistance: float = 0.0  # C_rr, of the wheel on its axle [1]
-    roller_resistance: float = 0.0  # the same of the roller on its pin [1]
+    roller_resistance: float = 0.0  # the same of the roller on its pin, or of sliding sideways [1]
     friction: float = 0.0  # N*m, against the wheel's turning whatever it carries
 
     @property

@@ -20,13 +20,15 @@ from drivesizer.platform.wheels import Platform as Record
 
 
 RollerAngle = Annotated[float, fields.Quantity("angle", least=-math.radians(85.0), most=math.radians(85.0))]
-Kind = Literal["mecanum", "omni", "fixed"]
+Kind = Literal["mecanum", "omni", "fixed", "skid"]
 
 
 class WheelPlace(fields.Section):
     """One wheel: its place, its direction of rolling, and whether it is driven."""
 
-    kind: Kind = fields.required("fixed: no rollers, held sideways; also one that is steered to an angle")
+    kind: Kind = fields.required(
+        "fixed: no rollers, held sideways; also one that is steered to an angle. skid: fixed, and slides in turning"
+    )
     x: fields.Place | None = fields.optional("of the contact point; or give distance and alpha", example="300 mm")
     y: fields.Place | None = fields.optional(example="-250 mm")
     heading: fields.Bearing | None = fields.optional("where it rolls; forward where not given", example="90 deg")
@@ -49,7 +51,11 @@ class WheelPlace(fields.Section):
     def record(self, radius: float, **more: float) -> Wheel:
         """The wheel of a radius [m], with further figures of all wheels."""
         gamma = self.roller_angle or 0.0
-        kind = {"held": self.kind == "fixed", "drive": "motor" if self.driven else "free"}
+        kind = {
+            "held": self.kind == "fixed",
+            "slides": self.kind == "skid",
+            "drive": "motor" if self.driven else "free",
+        }
         if self.distance is not None and self.alpha is not None:
             beta = math.pi / 2 - self.alpha if self.beta is None else self.beta
             return table_wheel(self.distance, self.alpha, beta, gamma, radius, **kind, **more)
@@ -93,6 +99,20 @@ class Differential(fields.Section):
         return [_place("fixed", self.x, y) for y in (-self.track / 2, self.track / 2)]
 
 
+class Skid(fields.Section):
+    """Four fixed wheels in a rectangle that slide sideways as the vehicle turns."""
+
+    kind: Literal["skid"]
+    wheelbase: fields.Length = fields.required("between the axles", example="400 mm")
+    track: fields.Length = fields.required("between the contact points of an axle", example="500 mm")
+
+    @property
+    def places(self) -> list[WheelPlace]:
+        """The wheels one by one."""
+        x, y = self.wheelbase / 2, self.track / 2
+        return [_place("skid", *corner) for corner in ((x, -y), (x, y), (-x, y), (-x, -y))]
+
+
 class Omni(fields.Section):
     """Omni wheels on a circle, each rolling along it; the first in front."""
 
@@ -116,7 +136,7 @@ def _place(kind: Kind, x: float, y: float, gamma: float | None = None, heading: 
     return WheelPlace.model_construct(kind=kind, x=x, y=y, roller_angle=gamma, heading=heading)
 
 
-Layout = Annotated[Mecanum | Differential | Omni, Field(discriminator="kind")]
+Layout = Annotated[Mecanum | Differential | Omni | Skid, Field(discriminator="kind")]
 
 
 class CasterPlace(fields.Section):
@@ -323,6 +343,9 @@ class Platform(fields.Section):
     layout: Layout | None = fields.optional("of the wheels, instead of one by one")
     casters: Annotated[list[CasterPlace], Field(max_length=100)] = fields.no_entries()
     roller_resistance: fields.Coefficient = fields.default(0, "C_rr of rollers on their pins")
+    sliding_friction: fields.Coefficient | None = fields.optional(
+        "of skid wheels that slide sideways, at most that of traction; 0.3 to 0.9 by floor and tyre"
+    )
     slip: Slip = fields.default(
         0, "share of the wheels' travel that is lost by slip on the floor: of the battery's energy"
     )
@@ -356,6 +379,12 @@ class Platform(fields.Section):
         wrong = [number for number in self.failed if number > len(self.places)]
         if wrong:
             raise ValueError(f"expected failed wheels of {len(self.places)}, there is no wheel {wrong[0]}")
+        skids = any(place.kind == "skid" for place in self.places)
+        if skids != (self.sliding_friction is not None):
+            needed = "give sliding_friction of the skid wheels, e.g. 0.6" if skids else (
+                "sliding_friction: it is of skid wheels; leave it out, or layout: {kind: skid}"
+            )  # fmt: skip
+            raise ValueError(needed)
         _distinct([passage.name for passage in self.passages], "passages")
         _distinct([payload.name for payload in self.payloads], "payloads")
         return self

@@ -165,6 +165,8 @@ def arrays(platform: Platform, misjudged: Misjudged, contact: Contact, ground: G
         inertia, along = w.inertia + w.rotor_inertia, w.heading + w.roller_angle
         if w.drive != "blocked" and not inertia > 0.0:
             raise InputError(f"following: wheel {i + 1} has no inertia; give inertia or rotor_inertia")
+        if w.slides:
+            raise InputError("following: paths of skid wheels are not followed; expected mecanum, omni or fixed wheels")
         if not w.held and not w.roller_resistance < contact.friction:
             raise InputError(
                 f"following: the rollers of wheel {i + 1} resist by {w.roller_resistance:g} of the load, "

@@ -106,6 +106,11 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
     section, load, belt = spec.platform, spec.load, spec.belt
     if section is None or not isinstance(load, WheeledVehicle):
         raise InputError(f"{spec.where(())}: no section platform; expected one, e.g. platform: {{layout: ...}}")
+    if any(place.kind == "skid" for place in section.places):
+        where = spec.where(("platform",))
+        raise InputError(
+            f"{where}: skid wheels are not exported; expected `drivesizer export --format json` of the drive"
+        )
     (_, case, wheel_spec), *_ = load_cases(spec)
     of = export_of(spec, found)
     unbroken = spec.alone(platform=section.model_copy(update={"failed": []}))
