@@ -53,7 +53,7 @@ def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 
     wheels = []
     for place in section.places:
         w = place.record(load.wheel_diameter / 2, **common)
-        roller = 0.0 if w.held else section.sliding_friction if w.slides else section.roller_resistance
+        roller = 0.0 if w.held else (section.sliding_friction or 0.0) if w.slides else section.roller_resistance
         rotor = rotor_inertia if w.drive == "motor" else 0.0
         wheels.append(replace(w, rotor_inertia=rotor, roller_resistance=roller))
     centre, own = section.centre_of_mass, _own_mass(section, load)

@@ -137,7 +137,7 @@ class Pack:
     def law(self) -> tuple[float, float] | None:
         """Rated time [s] and exponent of the run time by the rated charge; None where it does not follow from that."""
         if self.of_class:
-            return np.where(np.isnan(self.rated_time), _RATED_IN, self.rated_time)[()], _OF_CLASS[1]
+            return (_RATED_IN if np.isnan(self.rated_time).all() else self.rated_time), _OF_CLASS[1]
         if self.peukert:
             return self.rated_time, self.peukert_exponent
         return (3600.0, 1.0) if self.chemistry in _LITHIUM else None  # with an exponent of 1 no time matters
