@@ -87,6 +87,7 @@ def _warming(key: str, folder: Path, name: str, one: SetAtVoltage, bodies: objec
         winding, housing = over_time(heating, state, np.array([0.0, end - begun]))
         state, begun = State(winding[-1], housing[-1]), end
         rises.append(winding[-1] - start)
-    bands = [Band(x[0], *np.quantile(x[1:], (0.05, 0.5, 0.95), method="inverted_cdf")) for x in rises]
+    ends = (np.quantile(x[1:], (0.05, 0.5, 0.95), method="inverted_cdf") for x in rises)
+    bands = [Band(p50, p5, p50, p95) for p5, p50, p95 in ends]
     rise = Axis("rise of the winding", "K")
     return against(key, measured.t, Axis("time", "s"), measured.winding - start, rise, bands, np.nan, _WARM, _SENSOR)
