@@ -51,7 +51,7 @@ _COMMANDS = {
                "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     "serve": ("live.command", "A page in the browser where the drive follows the figures.", "serve robot.yaml"),
     "design": ("commands.design", "Find the best machine with its drive: free figures, limits, a front.",
-               "design robot.yaml -o best.yaml"),
+               "design examples/sps_robot.yaml --free 'motion.speed=[1.5 m/s, 1.6 m/s]'"),
     "study": ("commands.study", "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
     "equations": ("commands.setup", "The paper's equations, as printed and as computed.", "equations 10"),
     "schema": ("commands.setup", "JSON Schema of robot.yaml, a catalogue or the JSON report.",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from drivesizer.commands.common import DEFAULT, Fields, Spec, file_option, progress, whole_option, with_fields
 from drivesizer.commands.ends import STOPPED
+from drivesizer.errors import InputError, quoted
 
 
 def design(
@@ -17,6 +18,10 @@ def design(
         Path | None, file_option("--output", "-o", help="Write the spec with the best figures to this file.")
     ] = None,
     rounded: Annotated[bool, typer.Option("--rounded", help="Write the rounded figures instead.")] = False,
+    free: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FIELD=RANGE", help="A free figure: load.mass='9 kg .. 12 kg step 1 kg'; repeatable."),
+    ] = None,
     minimise: Annotated[
         str | None, typer.Option(metavar="EXPRESSION", help="In place of the spec's: mass, price.")
     ] = None,
@@ -48,7 +53,7 @@ def design(
 
         source = with_fields(read(spec), fields or [])
         fronts = [one.strip() for one in pareto.split(",")] if pareto else None
-        task = read_task(source, minimise=minimise, subject_to=subject_to, pareto=fronts)
+        task = read_task(source, free=_spaces(free or []), minimise=minimise, subject_to=subject_to, pareto=fronts)
         try:
             with progress("machines") as advance:
                 found = answer(
@@ -63,3 +68,19 @@ def design(
         write_files({output: found.filled(rounded=rounded).encode()})
         typer.echo(f"\n{output}")
     raise typer.Exit(0 if found.best else 1)
+
+
+def _spaces(words: list[str]) -> dict[str, Any]:
+    """Free figures of the command line: a range, with steps or without, or a list."""
+    from drivesizer.files.yaml_source import YamlSource
+
+    found: dict[str, Any] = {}
+    for word in words:
+        name, sign, value = word.partition("=")
+        if not sign or not value.strip():
+            expected = "expected e.g. load.wheel_diameter='120 mm .. 250 mm step 10 mm', or 'load.driven_wheels=[2, 4]'"
+            raise InputError(f"--free: {quoted(word)} is no field with its range; {expected}")
+        text, _, step = value.partition(" step ")
+        free = YamlSource(text.strip(), f"--free {name.strip()}").data
+        found[name.strip()] = {"free": free} | ({"step": step.strip()} if step else {})
+    return found
