@@ -37,6 +37,7 @@ __all__ = [
     "predict",
     "size",
     "size_machine",
+    "size_variants",
     "tables",
     "units",
     "validate",
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from drivesizer.sizing import explain, size
     from drivesizer.spec.machine import load_machine
     from drivesizer.spec.robot import RobotSpec, load_spec
+    from drivesizer.study.run import size_variants
 
 _HOME = {  # module, and the name in it where that is another; modules themselves have none
     "CatalogError": "errors",
@@ -80,6 +82,7 @@ _HOME = {  # module, and the name in it where that is another; modules themselve
     "predict": "prediction.bench:predict_set",
     "size": "sizing",
     "size_machine": "multi_axis.sizing",
+    "size_variants": "study.run",
     "tables": "output.document.tables",
     "validate": "simulate",
 }

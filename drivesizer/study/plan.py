@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
 
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.files.arithmetic import Expression, Limit, expression, limit
 from drivesizer.files.fields import Names, Section, exactly_one
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
@@ -25,7 +26,7 @@ from drivesizer.spec.machine import read_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.tolerances import has_tolerance, tolerance
 from drivesizer.study.fields import kind_of, path_of, unknown_field
-from drivesizer.study.figures import Derived
+from drivesizer.study.figures import Derived, SpecFigures, derived_fields, kind_of_figure
 from drivesizer.units import number, scale, to_si
 
 # -- The schema of study.yaml.
@@ -65,6 +66,16 @@ def _fields(value: object) -> object:
     return value
 
 
+class Best(Section):
+    """The best of the variants that differ in some fields alone."""
+
+    over: Annotated[list[str], _several("[load.wheel_diameter]")] = Field(description="fields that are chosen")
+    by: Annotated[str, Field(min_length=1)] = Field(description="what is made least: mass, price, or an expression")
+
+
+FurtherName = Literal["time", "autonomy", "range", "joule_heat", "peak_current", "moved_mass"]
+
+
 class StudyFile(Section):
     """A study.yaml: which variants of which spec are sized."""
 
@@ -89,6 +100,20 @@ class StudyFile(Section):
         default=None, description="each in place of the spec's, such as mass=2,price=1"
     )
     top: Annotated[int, Field(ge=1, le=100)] = Field(default=1, description="how many drives of each variant")
+    derive: dict[str, str] = Field(default_factory=dict, description="fields that follow from others, by expressions")
+    columns: Annotated[list[FurtherName], _several("[autonomy, range]")] | None = Field(
+        default=None, description="further figures of the machine"
+    )
+    require: Annotated[list[str], _several("[autonomy >= 3 h]")] | None = Field(
+        default=None, description="limits beside all checks: a drive beyond one fails"
+    )
+    best: Best | None = Field(default=None, description="the best variant over some fields, for each value of the rest")
+    front: Annotated[list[str], Field(min_length=2, max_length=4)] | None = Field(
+        default=None, description="figures of which no variant of the front is worse in all"
+    )
+    influence: Annotated[list[str], _several("[mass, price]")] | None = Field(
+        default=None, description="figures of which it is said what field decides them"
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -117,10 +142,11 @@ class Axis:
     """A field and its values: a list, or a range of which a Latin hypercube takes any."""
 
     name: str  # as in a message: load.mass, transmission[2].ratio
-    path: Path_
+    path: Path_  # of several fields that vary together that of the first
+    also: tuple[Path_, ...] = ()  # of the others
     kind: str = ""  # of its quantity; empty where it is none
     unit: str = ""  # of its figures in tables, as the study spells it
-    values: tuple[Any, ...] = ()  # as they go into the spec
+    values: tuple[Any, ...] = ()  # as they go into the spec; of several fields together a list of each
     span: tuple[float, float] | None = None  # of a range, in that unit
 
     @property
@@ -137,6 +163,10 @@ class Axis:
         if not self.kind:
             return value if isinstance(value, int) and not isinstance(value, bool) else _text(value)
         return _figure(value, self.kind, self.unit)
+
+    def changes(self, value: Any) -> Iterator[tuple[Path_, Any]]:
+        """Fields with their values in a variant."""
+        yield from zip((self.path, *self.also), value, strict=True) if self.also else [(self.path, value)]
 
     @property
     def stepped(self) -> bool:
@@ -167,6 +197,8 @@ def _between(low: float, high: float, place: int, places: int) -> float:
 
 
 def _text(value: Any) -> str:
+    if isinstance(value, tuple):  # of fields that vary together
+        return ", ".join(map(_text, value))
     if isinstance(value, list) and not any(isinstance(one, dict | list) for one in value):
         return " + ".join(map(str, value))
     if value is None or isinstance(value, str):
@@ -206,6 +238,8 @@ def once(place: Place, given: Sequence[Any]) -> None:
 
 def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -> Axis:
     """A field of a spec with its values: those of a list, or a range of which a grid takes steps."""
+    if "," in name:
+        return _together(place, spec, [one.strip() for one in name.split(",")], given)
     axes = spec.data.get("axes") or {} if is_machine(spec) else {}
     path = path_of(name, axes)
     if path is None:
@@ -227,6 +261,27 @@ def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -
     if not kind or any(has_tolerance(str(value)) for value in given):  # shown as written
         return Axis(name=name, path=path, values=tuple(given))
     return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
+
+
+def _apart(given: Sequence[Any]) -> list[Any]:
+    """The values of a list, each once."""
+    return list({repr(value): value for value in given}.values())
+
+
+def _together(place: Place, spec: YamlSource, names: Sequence[str], given: Any) -> Axis:
+    """Several fields that vary together: each value is a list with one for each of them."""
+    if not isinstance(given, list) or not all(isinstance(one, list) and len(one) == len(names) for one in given):
+        example = f"[{', '.join(f'value of {name}' for name in names)}]"
+        raise place.error(f"expected a list of lists, each {example}")
+    once(place, given)
+    columns = ([row[n] for row in given] for n in range(len(names)))
+    each = [axis_of(place, spec, name, _apart(column), True) for name, column in zip(names, columns, strict=True)]
+    return Axis(
+        name=", ".join(names),
+        path=each[0].path,
+        also=tuple(one.path for one in each[1:]),
+        values=tuple(map(tuple, given)),
+    )
 
 
 def _nominal(value: Any) -> Any:
@@ -358,6 +413,7 @@ class Job:
     members: tuple[str, ...] = ()  # axes of a machine that is tabled as a whole
     derived: tuple[Derived, ...] = ()  # fields that follow from others
     columns: tuple[str, ...] = ()  # further figures of the machine
+    require: tuple[Limit, ...] = ()  # beyond which a drive fails
     pareto: tuple[str, ...] = ()  # objectives of which each variant has the drives of the front too
     merit: Callable[[DriveSet], float] | None = None  # what a drive is judged by beside its figures, less is better
 
@@ -365,6 +421,24 @@ class Job:
     def sent(self) -> Job:
         """The job for other processes: a variant brings its values, so that no axis need bring all of its own."""
         return replace(self, axes=tuple(replace(axis, values=()) for axis in self.axes))
+
+
+class Answers(NamedTuple):
+    """Tables that a study makes of all its rows, each where it is wanted."""
+
+    over: tuple[str, ...] = ()  # fields over which the best is taken
+    by: Expression | None = None  # what it is the best by
+    front: tuple[Expression, ...] = ()
+    influence: tuple[Expression, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the figures in their expressions."""
+        some = (*((self.by,) if self.by else ()), *self.front, *self.influence)
+        return tuple(name for one in some for name in one.names)
+
+
+NO_ANSWERS = Answers()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -377,6 +451,7 @@ class Plan:
     catalogs: tuple[str, ...]  # as in tables; empty: the spec's own
     shares: NDArray[np.float64] | None  # (points, axes) of a Latin hypercube, 0 up to 1; None: a grid
     depth: int = 0  # how often steps are halved where the best drive changes
+    answers: Answers = NO_ANSWERS  # tables that are made of all rows
     rounds: tuple[int, ...] = ()  # number of points that each halving added
     added: tuple[Places, ...] = ()  # these points, in turn
 
@@ -460,7 +535,11 @@ def _digits(number: int, sizes: Sequence[int]) -> list[int]:
 
 def read_study(path: str | Path) -> Plan:
     """Read a study.yaml and the specs that it names, relative to its folder."""
-    source = read(Path(path))
+    return planned(read(Path(path)), Path(path).parent)
+
+
+def planned(source: YamlSource, folder: Path, known: Mapping[str, YamlSource] | None = None) -> Plan:
+    """The plan of a study, with the specs that it names: those that are known, else files from a folder."""
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as spec, vary, sampling, objectives")
     try:
@@ -471,14 +550,17 @@ def read_study(path: str | Path) -> Plan:
     if study.specs:
         once(Place(source, ("specs",)), names)
     places: list[Path_] = [("specs", n) for n in range(len(names))] if study.specs else [("spec",)]
-    specs = [_spec(Place(source, place), name, Path(path).parent) for place, name in zip(places, names, strict=True)]
+    specs = [
+        (known or {}).get(name) or _spec(Place(source, place), name, folder)
+        for place, name in zip(places, names, strict=True)
+    ]
     hypercube = study.sampling if isinstance(study.sampling, Hypercube) else None
     axes = tuple(
         axis_of(Place(source, ("vary", name)), specs[0], name, given, hypercube is None)
         for name, given in (study.vary or {}).items()
     )
     of_machine = machine_job(source, study, specs)
-    catalogs = _catalogs(source, study, Path(path).parent)
+    catalogs = _catalogs(source, study, folder)
     titles = []
     for n, objective in enumerate(study.objectives or ()):
         try:
@@ -486,6 +568,11 @@ def read_study(path: str | Path) -> Plan:
         except InputError as error:
             raise Place(source, ("objectives", n)).error(error) from None
     once(Place(source, ("objectives",)), titles)
+    figures = SpecFigures(specs[0])
+    derived = derived_fields(figures, study.derive, lambda name, error: Place(source, ("derive", name)).error(error))
+    require, answers = _require(source, study, figures), _answers(source, study, figures, axes)
+    named = [name for one in (*(limit.of for limit in require),) for name in one.names] + [*answers.names]
+    columns = [*(study.columns or ()), *(name for name in named if name in get_args(FurtherName))]
     plan = Plan(
         source=source,
         names=names,
@@ -495,13 +582,54 @@ def read_study(path: str | Path) -> Plan:
             catalogs=catalogs,
             objectives=tuple(study.objectives or (None,)),
             top=study.top,
+            derived=derived,
+            columns=tuple(dict.fromkeys(columns)),
+            require=require,
             **of_machine,
         ),
+        answers=answers,
         catalogs=tuple(" + ".join(names) for names in study.catalogs or [[]]),
         shares=None,
         depth=study.refine,
     )
     return _sampled(plan, hypercube) if hypercube else _refinable(_few_enough(plan, plan.total))
+
+
+def _require(source: YamlSource, study: StudyFile, figures: SpecFigures) -> tuple[Limit, ...]:
+    found = []
+    for n, text in enumerate(study.require or ()):
+        try:
+            found.append(limit(text, lambda name: kind_of_figure(name, figures)))
+            for name in found[-1].of.names:
+                kind_of_figure(name, figures)
+        except InputError as error:
+            raise Place(source, ("require", n)).error(error) from None
+    return tuple(found)
+
+
+def _answers(source: YamlSource, study: StudyFile, figures: SpecFigures, axes: Sequence[Axis]) -> Answers:
+    """Expressions of the tables that are made of all rows."""
+
+    def read(text: str, *path: str | int) -> Expression:
+        try:
+            one = expression(text)
+            for name in one.names:
+                kind_of_figure(name, figures)
+        except InputError as error:
+            raise Place(source, path).error(error) from None
+        return one
+
+    varied = [axis.name for axis in axes]
+    for n, name in enumerate(study.best.over if study.best else ()):
+        if name not in varied:
+            hint = nearest(name, varied) or f"; expected one of {', '.join(varied) or 'several'}"
+            raise Place(source, ("best", "over", n)).error(f"{quoted(name)} does not vary{hint}")
+    return Answers(
+        over=tuple(study.best.over) if study.best else (),
+        by=read(study.best.by, "best", "by") if study.best else None,
+        front=tuple(read(text, "front", n) for n, text in enumerate(study.front or ())),
+        influence=tuple(read(text, "influence", n) for n, text in enumerate(study.influence or ())),
+    )
 
 
 def _spec(place: Place, name: str, folder: Path) -> YamlSource:
@@ -562,4 +690,4 @@ def _sampled(plan: Plan, hypercube: Hypercube) -> Plan:
     for n in range(shares.shape[1]):  # each field has its own generator: further fields change nothing
         generator = np.random.default_rng([hypercube.seed, n])
         shares[:, n] = (generator.permutation(count) + generator.random(count)) / count
-    return Plan(source=plan.source, names=plan.names, job=plan.job, catalogs=plan.catalogs, shares=shares)
+    return replace(plan, shares=shares)

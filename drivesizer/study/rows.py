@@ -30,7 +30,7 @@ from drivesizer.spec.any_spec import is_machine, read_any
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.study.fields import changed
-from drivesizer.study.figures import SpecFigures
+from drivesizer.study.figures import SpecFigures, row_figures
 from drivesizer.study.plan import Job, Plan, Variant
 from drivesizer.version import __version__
 
@@ -351,6 +351,7 @@ def _source(name: str, text: str) -> YamlSource:
 
 @lru_cache(maxsize=8)
 def _figures(name: str, text: str) -> SpecFigures:
+    """Figures of a spec by name."""
     return SpecFigures(_source(name, text))
 
 
@@ -396,7 +397,8 @@ def document_of(job: Job, variant: Variant) -> YamlSource:
     source = _source(*job.specs[variant.spec])
     data = source.data
     for axis, value in zip(job.axes, variant.values, strict=True):
-        data = changed(data, axis.path, value)
+        for path, one_value in axis.changes(value):
+            data = changed(data, path, one_value)
     for one in job.derived:
         data = one.entered(data, _figures(*job.specs[variant.spec]))
     found, names = source.with_data(data), job.catalogs[variant.catalogs]
@@ -437,7 +439,7 @@ def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
             for variant in of_point:
                 objective = objective_of(text) if (text := job.objectives[variant.objective]) else None
                 try:
-                    rows += _rows(job, variant, objective, parts, alike)
+                    rows += _required(job, variant, _rows(job, variant, objective, parts, alike))
                     continue
                 except DrivesizerError as error:
                     message = " ".join(str(error).split())
@@ -448,6 +450,41 @@ def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
                 title = title_of(objective) if objective else ""
                 rows.append([*variant.head, title, None, "error", *none, message])
     return Part(rows, len(variants), made)
+
+
+def figures_of(job: Job, variant: Variant) -> SpecFigures:
+    """Figures of a variant's spec by name."""
+    return _figures(*job.specs[variant.spec])
+
+
+def _required(job: Job, variant: Variant, rows: list[Row]) -> list[Row]:
+    """Rows of the drives within the study's limits; where none is, one that says which limit the closest is beyond."""
+    if not job.require:
+        return rows
+    before, columns = len(variant.head), result_columns(job)
+    heads = [column.head for column in columns]
+    kept, closest = list[Row](), None
+    for row in rows:
+        cells = row[before:]
+        if cells[heads.index("status")] in ("fail", "error"):
+            return rows
+
+        def of_spec(name: str) -> float:
+            return figures_of(job, variant).value(name, document_of(job, variant).data)
+
+        figure = row_figures(heads, cells, of_spec)
+        excesses = [(one.excess(figure), one.text) for one in job.require]
+        unknown = next((text for by, text in excesses if isnan(by)), "")
+        by, text = (nan, unknown) if unknown else max(excesses)
+        if by <= 1e-9:
+            kept.append(row)
+        elif closest is None:
+            none = {column.head: "" if column.form == "text" else None for column in columns}
+            counts = {name: cells[heads.index(name)] for name in ("objective", "sets_examined", "sets_that_stand")}
+            label = cells[heads.index("set")] if "set" in heads else ""
+            said = {"status": "fail", "smallest_margin": _MARGIN[0].cell(-by), "smallest_margin_check": text}
+            closest = [*variant.head, *(none | counts | said | {"nearest_miss": label}).values()]
+    return kept or ([closest] if closest else rows)
 
 
 def _rows(

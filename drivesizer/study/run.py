@@ -10,16 +10,22 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.writing import remove_files
+from drivesizer.files.yaml_source import read, written
+from drivesizer.results.sizing import frame_of
+from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
-from drivesizer.study.plan import Places, Plan
+from drivesizer.study.answers import answers
+from drivesizer.study.plan import Places, Plan, planned
 from drivesizer.study.rows import Row, columns_of, rows_of
 from drivesizer.study.workers import Workers, computed, workers
 
@@ -76,6 +82,9 @@ def carry_out(
         else:
             remove_files([as_parquet])
             outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
+        for name, heads, rows in answers(plan, lambda: store.every_row(plan.every_point)):
+            folders.write_csv(folder / name, heads, rows)
+            outcome.written.append(folder / name)
         if over is not None:
             from drivesizer.study.maps import draw_maps
 
@@ -164,3 +173,82 @@ def _counted(plan: Plan, rows: Iterable[Row], outcome: Outcome) -> Iterator[Row]
             outcome.variants[row[status]] += 1
             outcome.examined += row[examined] or 0
         yield row
+
+
+# -- A study as a call.
+
+
+@dataclass(frozen=True)
+class Variants:
+    """The rows of a study."""
+
+    columns: tuple[str, ...]
+    table: list[Row]
+    answers: dict[str, list[dict[str, Any]]]  # best, front and influence, where they are wanted
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Each row by its columns."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.table]
+
+    def to_frame(self) -> Any:
+        """The rows as a data frame of pandas."""
+        return frame_of(self.rows())
+
+    def __str__(self) -> str:
+        status, rank = (self.columns.index(name) for name in ("status", "rank"))
+        count = Counter(row[status] for row in self.table if row[rank] in (None, 1))
+        return f"{count.total()} variants: {', '.join(f'{n} {name}' for name, n in sorted(count.items()))}"
+
+
+def size_variants(
+    spec: str | Path | Mapping[str, Any] | RobotSpec,
+    vary: Mapping[str, Any],
+    *,
+    processes: int = 1,
+    folder: str | Path | None = None,
+    **more: Any,
+) -> Variants:
+    """Size every variant of a spec: a study as a call.
+
+    Parameters
+    ----------
+    spec
+        A file, the same fields as a dict, or a spec that was read.
+    vary
+        By field, as in a study's file: a list, or a range with steps.
+    processes
+        That share the work; 0 is one for each core.
+    folder
+        Where the rows are kept, so that the same call goes on from there.
+    more
+        Further fields of a study: objectives, sampling, derive, require, best, front, influence.
+
+    Returns
+    -------
+    Variants
+        Its rows, also as a data frame.
+
+    Raises
+    ------
+    InputError
+        When a field or a value is wrong: one line.
+    """
+    if isinstance(spec, RobotSpec):
+        source = spec.source
+    else:
+        source = written(spec) if isinstance(spec, Mapping) else read(Path(spec))
+    plan = planned(written({"spec": "spec", "vary": dict(vary), **more}, "study"), Path(), {"spec": source})
+    with TemporaryDirectory() if folder is None else nullcontext(str(folder)) as place:
+        kept = Path(place) / "study" if folder is None else Path(place)
+        carry_out(plan, kept, processes=processes, maps=None)
+        store = folders.Store(kept, plan, folders.made_of(plan))
+        while finer := refined(plan, store.every_row(plan.every_point)):
+            plan = finer
+        made = answers(plan, lambda: store.every_row(plan.every_point))
+        return Variants(
+            tuple(column.head for column in columns_of(plan)), list(store.every_row(plan.every_point)),
+            {
+                name.removesuffix(".csv"): [dict(zip((one.head for one in heads), row, strict=True)) for row in rows]
+                for name, heads, rows in made
+            },
+        )  # fmt: skip

@@ -44,7 +44,8 @@ from drivesizer.version import __version__
 
 _FORMAT = 2  # of the folder
 _MANIFEST = "study.json"
-_OWN = {"lock", "lock.txt", "rows.jsonl", "maps", "results.csv", "results.parquet", _MANIFEST}
+_ANSWERS = ("best.csv", "front.csv", "influence.csv")  # where they are wanted
+_OWN = {"lock", "lock.txt", "rows.jsonl", "maps", "results.csv", "results.parquet", _MANIFEST, *_ANSWERS}
 _HOLDER = "lock.txt"  # names the process that holds the lock: a locked file itself cannot be read on every system
 _READ = (".csv", ".txt", ".json", ".urdf", ".xml", ".mjcf")  # ends of names of files that specs name
 _GROUP = 50_000  # least number of rows that are written together to Parquet
@@ -136,7 +137,10 @@ class Store:
         before = read if isinstance(read, dict | None) else {}
         if fresh:  # the files of a study, and no others
             maps = folder / "maps"
-            remove_files([*self.results, self.path, folder / _MANIFEST, *maps.glob("*.svg"), *maps.glob("*.png")])
+            answers = (folder / name for name in _ANSWERS)
+            remove_files(
+                [*self.results, *answers, self.path, folder / _MANIFEST, *maps.glob("*.svg"), *maps.glob("*.png")]
+            )
         elif before is not None and before != manifest:
             reason = _difference(before, manifest)
             raise InputError(
