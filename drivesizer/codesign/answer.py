@@ -16,10 +16,11 @@ from drivesizer.codesign.task import Free, Task, read_task
 from drivesizer.files.yaml_source import read, written
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.study.rows import forget_files
 from drivesizer.study.workers import workers
 
 FLAT = 0.01  # share by which a figure may be worse where an optimum is called flat
-_HALVINGS = 9  # of the range on either side
+_HALVINGS = 12  # of the range on either side
 _BOUND = "end of its range"
 
 
@@ -50,6 +51,7 @@ def answer(
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     most = 1 if task.job.merit else processes or cores
     advance: Progress = progress or (lambda done, total: None)
+    forget_files()
     whole = task.combinations <= task.evaluations
     with workers(most, scheduler) as on, machines(task, on, folder, fresh=fresh) as of:
         (every_machine if whole else evolved)(of, advance)

@@ -392,6 +392,12 @@ def _torques(robot: _Robot, file: str, gravity: float) -> JointTorques:
     return joint_torques(robot.section, file, gravity)
 
 
+def forget_files() -> None:
+    """Read catalogues and descriptions again: another study of the same process may find others in their files."""
+    _catalog.cache_clear()
+    _torques.cache_clear()
+
+
 def document_of(job: Job, variant: Variant) -> YamlSource:
     """The file of a variant: the spec's with other values in some fields, and other catalogues where it names some."""
     source = _source(*job.specs[variant.spec])

@@ -26,7 +26,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
 from drivesizer.study.answers import answers
 from drivesizer.study.plan import Places, Plan, planned
-from drivesizer.study.rows import Row, columns_of, rows_of
+from drivesizer.study.rows import Row, columns_of, forget_files, rows_of
 from drivesizer.study.workers import Workers, computed, workers
 
 Progress = Callable[[int, int], None]  # variants that are done, variants in all
@@ -56,6 +56,7 @@ def carry_out(
     progress: Progress | None = None,
 ) -> Outcome:
     """Size every variant that is not sized yet, and write tables and maps."""
+    forget_files()
     origin, outcome, over = folders.made_of(plan), Outcome(), None
     if maps is not None:
         from drivesizer.study.maps import map_axes
