@@ -342,6 +342,8 @@ def _assumptions(case: ClosedLoop) -> list[str]:
     measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
     turns = "the wheel turns at speed over radius; " if isinstance(spec.load, WheeledVehicle) else ""
     late = [f"each loop responds to its sample of {COMPUTING:g} period before; a faster controller has more margin"]
+    if isinstance(controller, Cascade) and not controller.computing:
+        late = ["velocity and position loops respond within their sample, the current loop to that of a period before"]
     if isinstance(controller, Gains):
         late = [
             f"the voltage responds to the measurement of {COMPUTING:g} control period before",

@@ -67,9 +67,8 @@ def commission(
         for path in write_files(device_file.files(one, rows, _remarks(one, made, board), output)):
             typer.echo(f"{path} written", err=True)
     out = console()
-    names = [row.parameter.name for row in rows]
-    shared = names[0].rpartition(".")[0] + "."
-    if len(shared) < _LONG or not all(name.startswith(shared) for name in names):
+    shared = rows[0].parameter.name.rpartition(".")[0] + "."
+    if len(shared) < _LONG or not all(row.parameter.name.startswith(shared) for row in rows):
         shared = ""
     room = out.width - max(
         len(row.parameter.name) - len(shared) for row in rows

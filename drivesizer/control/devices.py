@@ -26,7 +26,7 @@ from drivesizer.spec.robot import RobotSpec
 _PHASE = math.sqrt(3.0) / 2.0  # torque constant per amplitude of a phase's current, over that of block commutation
 _WORDS = (  # empty where not given
     "form", "suffix", "line", "after", "remarks", "load", "first", "source", "note", "root", "match", "family",
-    "firmware", "own_rate", "planned_speed", "position", "count_time", "pulses",
+    "firmware", "own_rate", "planned_speed", "prompt", "position", "count_time", "pulses",
 )  # fmt: skip
 _OF_POSITION = frozenset({"K_pos", "kp", "ki", "kd"})
 _OF_LOOPS = {
@@ -293,7 +293,8 @@ def loops_of(device: Device, spec: RobotSpec, drive: DriveSet) -> Control:
     if position and device.words["planned_speed"]:
         position = position.model_copy(update={"planned_speed": False})
     none = {name: 0.0 for name, figure in _AHEAD.items() if figure not in has}
-    kept = {"structure": "cascade", "position": position, "rate": rate, "feedforward": given.model_copy(update=none)}
+    kept = {"structure": "cascade", "position": position, "rate": rate, "feedforward": given.model_copy(update=none),
+            "computing": int(not device.words["prompt"])}  # fmt: skip
     if own.structure == "voltage_pid" and own.bandwidth is not None:  # which is required of that structure too
         kept |= {"velocity": VelocityLoop().model_copy(update={"bandwidth": own.bandwidth}), "bandwidth": None}
     return own.model_copy(update=kept)

@@ -144,7 +144,7 @@ def position_on_voltage(train: DriveTrain, period: float) -> float:
 # phase margins, filter of the derivative.
 
 
-LATE = COMPUTING + 0.5  # periods: computing, and the half by which a held value is late on average
+LATE = COMPUTING + _HOLDING  # periods: computing, and the half by which a held value is late on average
 SPREAD = 2.0  # a of the symmetrical optimum [2]: phase margin 36.9 deg
 SOURCES = {
     "magnitude optimum": "C. Kessler, Regelungstechnik 3 (1955) 40-49",
@@ -262,12 +262,12 @@ def design_cascade(
     lag = train.resistance / current_ki if current_ki > 0.0 else (
         train.inductance / (train.resistance + current_kp) + LATE * every.current
     )  # fmt: skip
-    bandwidth = None if own.bandwidth is None else own.bandwidth / slower
-    over, lag = _late(train, lag + LATE * every.velocity, every.velocity, own, bandwidth, counts)
+    bandwidth, late = None if own.bandwidth is None else own.bandwidth / slower, wanted.computing + _HOLDING
+    over, lag = _late(train, lag + late * every.velocity, every.velocity, own, bandwidth, counts)
     kp, ki, velocity_rule = _velocity(train, lag * slower, own, bandwidth, where)
     outer, outer_rule = place.kp if place else None, "position: given"
     if outer is None:
-        outer = _position_gain(train, lag + LATE * every.position, kp, ki) if place and (kp or ki) else 0.0
+        outer = _position_gain(train, lag + late * every.position, kp, ki) if place and (kp or ki) else 0.0
         outer_rule = "position: aperiodic"
     rules = [current_rule, velocity_rule, *([outer_rule] if outer else [])]
     kd, filter_time = own.kd or 0.0, own.filter_time
@@ -286,6 +286,7 @@ def design_cascade(
         feedforward_acceleration=acceleration if given.acceleration is None else given.acceleration,
         feedforward_velocity=velocity if given.velocity is None else given.velocity,
         feedforward_friction=friction if given.friction is None else given.friction,
+        computing=wanted.computing,
         planned_speed=place is None or place.planned_speed,
         current_period=every.current,
         velocity_period=every.velocity,

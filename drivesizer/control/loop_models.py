@@ -103,9 +103,9 @@ def _gain(values: Sequence[Sequence[float]] | np.ndarray, period: float) -> Syst
     return control.ss([], [], [], values, period)
 
 
-def _answered(controller: System) -> System:
+def _answered(controller: System, computing: float = COMPUTING) -> System:
     """From error, feedforward and load torque to demand and load torque: the controller computes for a period."""
-    late = control.ss(0.0, 1.0, 1.0, 0.0, controller.dt) if COMPUTING else _gain([[1.0]], controller.dt)
+    late = control.ss(0.0, 1.0, 1.0, 0.0, controller.dt) if computing else _gain([[1.0]], controller.dt)
     one, both = _gain([[1.0]], controller.dt), _gain([[1.0, 1.0]], controller.dt)
     return control.append(late * both * control.append(controller, one), one)
 
@@ -169,7 +169,7 @@ def velocity_open_loop(
     held = _measured(lifted, cascade.counted_over, angle=angle)
     kd, filter_time = cascade.velocity_kd, cascade.filter_time
     controller = pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
-    return held * _answered(controller)
+    return held * _answered(controller, cascade.computing)
 
 
 def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine: bool = False) -> System:
@@ -179,7 +179,7 @@ def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine:
     added = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]])  # to the speed reference
     slow = _lifted(loop * added, n, (1, 2, 3), fine=fine)
     rest = _gain(np.eye(3 * n), slow.dt)
-    late = _answered(pid(cascade.position_kp, 0.0, slow.dt))[0, 0]
+    late = _answered(pid(cascade.position_kp, 0.0, slow.dt), cascade.computing)[0, 0]
     shown = np.vstack([np.eye(slow.noutputs), np.eye(1, slow.noutputs, OUTPUTS.index("angle"))])
     return _gain(shown, slow.dt) * slow * control.append(late, rest)
 

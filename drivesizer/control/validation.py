@@ -47,6 +47,7 @@ class Cascade:
     feedforward_velocity: float = 0.0  # A/(rad/s): viscous friction and iron
     feedforward_friction: float = 0.0  # A, in the direction of the demand
     feedforward_acceleration: float = 0.0  # A/(rad/s^2): the inertia
+    computing: int = 1  # velocity and position periods between a sample and what responds to it
     planned_speed: bool = True  # goes to the velocity loop beside the position loop's demand
     current_period: float  # s
     velocity_period: float  # s, a whole multiple of the current loop's

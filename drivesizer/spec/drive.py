@@ -433,6 +433,9 @@ class Control(fields.Section):
     speed_from: Literal["exact", "counts"] = fields.default(
         "counts", "how speed is measured: by the encoder's counts where it has one, or exactly"
     )
+    computing: Literal[0, 1] = fields.default(
+        1, "periods that the velocity and position loops of a cascade take to respond to a sample; 0: they do within it"
+    )
     at_rest: Literal["drain", "hold", "brake"] = fields.default(
         "drain",
         "integral of the velocity loop at rest where friction alone holds the load: drained to no current, "

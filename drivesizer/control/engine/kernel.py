@@ -421,25 +421,34 @@ def feedforward_current(p: Array, speed: float, slope: float) -> float:
     return float(p[at.FFV] * speed + p[at.FFF] * sign + p[at.FFA] * slope)
 
 
+def demand_current(s: Array) -> None:
+    """Take the current that was computed, within its limit."""
+    s[at.I_DEMAND] = min(max(s[at.I_NEXT], -s[at.LIMIT]), s[at.LIMIT])
+    s[at.I_CUT] = s[at.I_NEXT] - s[at.I_DEMAND]
+
+
 def outer_loops(p: Array, s: Array, ring: Array, k: int, speed: float, slope: float, angle: float, l: float) -> None:
-    """The outer loops of the cascade at their samples: position, then velocity; each one of its periods late."""
+    """The outer loops of the cascade at their samples: position, then velocity; one of its periods late, or at once."""
     n_v, n_p = int(p[at.N_V]), int(p[at.N_P])
     if k % n_v != 0:
         return
-    demand, s[at.LIMIT] = s[at.I_NEXT], permitted_current(p, s, p[at.H] * p[at.N_V])
-    s[at.I_DEMAND] = min(max(demand, -s[at.LIMIT]), s[at.LIMIT])
-    s[at.I_CUT] = demand - s[at.I_DEMAND]
+    s[at.LIMIT] = permitted_current(p, s, p[at.H] * p[at.N_V])
+    if p[at.SOON] == 0.0:
+        demand_current(s)
     w = measured_speed(p, s, ring)
     if n_p > 0 and k % (n_v * n_p) == 0:
         lag = float(angle - s[at.X])
         if p[at.EDGES] != 0.0:  # in whole counts, so that a motor within its count may rest
             lag = (whole_counts(p, angle) - whole_counts(p, s[at.X])) * 2.0 * math.pi / float(p[at.EDGES])
-        s[at.W_ADD], s[at.W_NEXT] = s[at.W_NEXT], p[at.PKP] * lag
+        before, s[at.W_NEXT] = s[at.W_NEXT], p[at.PKP] * lag
+        s[at.W_ADD] = s[at.W_NEXT] if p[at.SOON] != 0.0 else before
     error = p[at.AHEAD] * speed + s[at.W_ADD] - w
     drain(p, s, error, speed, slope, l)
     s[at.I_NEXT] = feedforward_current(p, speed, slope) + pid(
         p, s, at.OUTER, error, s[at.I_CUT] * error > 0.0 or s[at.U_CUT] * error > 0.0
     )
+    if p[at.SOON] != 0.0:
+        demand_current(s)
 
 
 def limited_voltage(p: Array, s: Array, g: Array, demand: float, t: float, weight: float) -> float:

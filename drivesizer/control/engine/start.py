@@ -184,7 +184,7 @@ def table(drive: Drive, top: float, most: int) -> list[float]:
             "CASCADE": 1.0, "H": c.current_period, "N_V": c.current_steps, "N_P": c.velocity_steps,
             "CKP": c.current_kp, "CKI": c.current_ki * c.current_period,
             "PKP": c.position_kp if c.velocity_steps else 0.0,
-            "AHEAD": float(c.planned_speed or not c.velocity_steps),
+            "AHEAD": float(c.planned_speed or not c.velocity_steps), "SOON": float(not c.computing),
             "PROMPT": float(drive.prompt),
             "TOL_X": named["TOL_W"] / c.position_kp if c.velocity_steps else math.inf,
         }  # fmt: skip
