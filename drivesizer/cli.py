@@ -47,6 +47,8 @@ _COMMANDS = {
                 "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
     "identify": ("commands.identify", "A drive's figures out of its log, with bands.",
                  "identify log.csv --motor 118752 -o fit.svg"),
+    "compare": ("commands.identify", "A machine's log beside its sizing, check by check.",
+                "compare log.csv --spec examples/sps_robot.yaml"),
     "export": ("commands.export", "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
                "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     "serve": ("live.command", "A page in the browser where the drive follows the figures.", "serve robot.yaml"),

@@ -9,7 +9,7 @@ import typer
 
 from drivesizer.commands import common
 from drivesizer.commands.catalog import Names
-from drivesizer.commands.common import Chosen, Json, OfAxis, file_argument, file_option
+from drivesizer.commands.common import Chosen, Json, More, OfAxis, Profile, file_argument, file_option
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -148,3 +148,57 @@ def _machine(
             f"--axis: expected one of {', '.join(name for name, _, _ in axes)}; a log is that of one drive"
         )
     return axes[0][1], axes[0][2]
+
+
+# -- ``drivesizer compare``.
+
+
+def compare(
+    log: LogFile,
+    spec: Annotated[
+        Path, file_option("--spec", metavar="ROBOT.YAML", help="The machine that was logged; robot.yaml by default.")
+    ] = common.DEFAULT,
+    profile: Profile = None,
+    chosen: Chosen = None,
+    scale: Scales = None,
+    json: Json = False,
+    output: Annotated[
+        list[Path] | None,
+        file_option("--output", "-o", help="Torque measured against asked (.svg, .pdf, .png), or the corrected spec."),
+    ] = None,
+    axis: OfAxis = None,
+    catalogs: More = None,
+) -> None:
+    """Hold a machine's log against its sizing: margins that are really left, and what explains the difference."""
+    from drivesizer.files.writing import check_targets, write_files
+    from drivesizer.identification.compare import compare as compared
+    from drivesizer.identification.compare import corrected
+
+    paths = output or []
+    for path in paths:
+        if path.suffix.lower() not in (*_DRAWN, *_SPECS):
+            expected = f"expected {', '.join(_DRAWN)}, or .yaml for the corrected spec"
+            raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
+    check_targets(paths)
+    own, drive = _machine(spec, chosen, axis, catalogs)
+    proof = common.in_closed_loop("", own, drive, profile=profile)
+    found = compared(log, proof, scales=_factors(scale))
+    files = {}
+    for path in paths:
+        if path.suffix.lower() in _DRAWN:
+            files[path] = _drawn(path, found.time, found.traces)
+        elif not found.explanations:
+            raise InputError(f"{path}: no figure of the load explains a difference: the spec stays as it is")
+        else:
+            files[path] = corrected(own, found.explanations[0])
+    if json:
+        from drivesizer.output.json.documents import as_text
+
+        typer.echo(as_text(found))
+    else:
+        from drivesizer.output.terminal.sizing import compared as printed
+
+        printed(found)
+    for path in write_files(files):
+        typer.echo(f"{path} written", err=True)
+    raise typer.Exit(int(any(one.status == "fail" for one in found.checks)))
