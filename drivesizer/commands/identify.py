@@ -173,6 +173,9 @@ def compare(
     from drivesizer.files.writing import check_targets, write_files
     from drivesizer.identification.compare import compare as compared
     from drivesizer.identification.compare import corrected
+    from drivesizer.identification.identify import scaled
+    from drivesizer.identification.log import read_log
+    from drivesizer.simulate import hardest_case, validate
 
     paths = output or []
     for path in paths:
@@ -180,9 +183,11 @@ def compare(
             expected = f"expected {', '.join(_DRAWN)}, or .yaml for the corrected spec"
             raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
     check_targets(paths)
+    logged = scaled(read_log(log), _factors(scale))
     own, drive = _machine(spec, chosen, axis, catalogs)
-    proof = common.in_closed_loop("", own, drive, profile=profile)
-    found = compared(log, proof, scales=_factors(scale))
+    with common.simulating("simulating what was promised"):
+        proof = validate(own, drive, profile=profile, load_case=hardest_case(own, drive))
+    found = compared(logged, proof)
     files = {}
     for path in paths:
         if path.suffix.lower() in _DRAWN:

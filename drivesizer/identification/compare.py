@@ -10,7 +10,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from math import isnan, nan
-from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 import numpy as np
@@ -23,8 +22,8 @@ from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlOverlay
 from drivesizer.identification.checks import log_findings
-from drivesizer.identification.identify import at_motor, scaled
-from drivesizer.identification.log import Log, read_log
+from drivesizer.identification.identify import at_motor
+from drivesizer.identification.log import Log
 from drivesizer.identification.reference import of_drive
 from drivesizer.load_cases.platform import motion_of, remaining_torque
 from drivesizer.physics.motion_curves import local_parabola
@@ -80,17 +79,15 @@ class Moves(NamedTuple):
     moving: NDArray[np.bool_]  # fast enough for friction to have its direction
 
 
-def compare(path: Path, proof: Validation, *, scales: Mapping[str, float] | None = None) -> Comparison:
+def compare(log: Log, proof: Validation) -> Comparison:
     """Hold a log against the sizing of its machine.
 
     Parameters
     ----------
-    path
-        The log.
+    log
+        The machine's log.
     proof
-        The machine's drive in closed loop: its checks are what was promised.
-    scales
-        Factors of columns, by quantity.
+        Its drive in closed loop: its checks are what was promised.
 
     Returns
     -------
@@ -104,14 +101,15 @@ def compare(path: Path, proof: Validation, *, scales: Mapping[str, float] | None
     """
     spec, drive = proof.spec, proof.drive_set
     of = of_drive(spec, drive)
-    log = scaled(read_log(path), scales or {})
     columns = at_motor(log, of)
     if "error" not in columns and {"reference", "load_speed"} <= set(columns):
         columns["error"] = columns["reference"] - columns["load_speed"]
     checks = tuple(_compared(proof, columns))
     if not checks:
         have = ", ".join(log.heads.values())
-        raise InputError(f"{path}: {quoted(have)}; expected the motor's current, voltage or speed, or a temperature")
+        raise InputError(
+            f"{log.name}: {quoted(have)}; expected the motor's current, voltage or speed, or a temperature"
+        )
     remarks = [*log.remarks, *_left_out(proof, columns)]
     moves = _moves(log, columns, of.figures["k_t"]) if {"current", "speed"} <= set(columns) else None
     asked, explanations = (np.zeros(0), ()) if moves is None else explained(spec, drive, moves)
