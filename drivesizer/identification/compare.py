@@ -107,9 +107,7 @@ def compare(log: Log, proof: Validation) -> Comparison:
     checks = tuple(_compared(proof, columns))
     if not checks:
         have = ", ".join(log.heads.values())
-        raise InputError(
-            f"{log.name}: {quoted(have)}; expected the motor's current, voltage or speed, or a temperature"
-        )
+        raise InputError(f"{log.name}: {quoted(have)}; expected the motor's current, voltage or speed")
     remarks = [*log.remarks, *_left_out(proof, columns)]
     moves = _moves(log, columns, of.figures["k_t"]) if {"current", "speed"} <= set(columns) else None
     asked, explanations = (np.zeros(0), ()) if moves is None else explained(spec, drive, moves)
