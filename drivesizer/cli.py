@@ -48,7 +48,7 @@ _COMMANDS = {
     "identify": ("commands.identify", "A drive's figures out of its log, with bands.",
                  "identify log.csv --motor 118752 -o fit.svg"),
     "compare": ("commands.identify", "A machine's log beside its sizing, check by check.",
-                "compare log.csv --spec examples/sps_robot.yaml"),
+                "compare log.csv --spec robot.yaml"),
     "export": ("commands.export", "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
                "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
     "serve": ("live.command", "A page in the browser where the drive follows the figures.", "serve robot.yaml"),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from catalog_texts import MAP, SHEET
+from motor_logs import motor_log
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
@@ -115,7 +116,12 @@ _RUN: dict[str, object] = {}  # what a command said, so that none is run twice
 def desk(tmp_path):
     """A folder with what the examples of the help name, each command in a state as if it were the first."""
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
-    for name, text in (("parts.csv", SHEET), ("map.yaml", MAP), ("my_parts.yaml", catalogue_of_the_page())):
+    for name, text in (
+        ("log.csv", motor_log(",")),
+        ("parts.csv", SHEET),
+        ("map.yaml", MAP),
+        ("my_parts.yaml", catalogue_of_the_page()),
+    ):
         (tmp_path / name).write_text(text, encoding="utf-8")
 
     def run(command):

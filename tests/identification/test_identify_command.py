@@ -7,20 +7,13 @@ import struct
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
+from motor_logs import motor_log
 
 
-def log_of(path: Path, *, samples: int = 500) -> Path:
-    """A motor of 2 ohm and 0.05 V*s/rad without inductance that follows steps of the voltage: exact, by hand."""
-    R, k, J, dry, h = 2.0, 0.05, 2e-5, 0.004, 2e-3
-    u = np.repeat(np.tile([12.0, 4.0, -8.0, 10.0, -12.0], samples)[: samples // 25], 25)
-    w, rows = 0.0, ["time (s)\tmotor voltage (V)\tcurrent (A)\tmotor speed (rpm)"]
-    for n, v in enumerate(u):
-        rows.append(f"{n * h:.6f}\t{v:g}\t{(v - k * w) / R:.6f}\t{w * 30 / np.pi:.6f}")
-        for _ in range(50):
-            w += h / 50 * (k * (v - k * w) / R - dry * np.sign(w or v)) / J
-    path.write_text("\n".join(rows))
+def log_of(path: Path) -> Path:
+    """A log that was written there."""
+    path.write_text(motor_log())
     return path
 
 
