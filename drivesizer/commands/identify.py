@@ -164,7 +164,9 @@ def compare(
     json: Json = False,
     output: Annotated[
         list[Path] | None,
-        file_option("--output", "-o", help="Torque measured against asked (.svg, .pdf, .png), or the corrected spec."),
+        file_option(
+            "--output", "-o", help="Torque measured against required (.svg, .pdf, .png), or the corrected spec."
+        ),
     ] = None,
     axis: OfAxis = None,
     catalogs: More = None,

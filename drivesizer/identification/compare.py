@@ -1,6 +1,6 @@
 """A machine's log beside its sizing: checks by what was measured, and the figure of the spec behind the difference.
 
-The motor's torque by its current, :math:`k_t i`, is held against what the spec asks for along the measured motion:
+The motor's torque by its current, :math:`k_t i`, is held against what the spec requires along the measured motion:
 inertia, friction, the load by direction, gears. Each figure of the load is varied alone until that fits best; the share
 of the squared difference that it takes away says how well it explains the log.
 """
@@ -110,12 +110,12 @@ def compare(log: Log, proof: Validation) -> Comparison:
         raise InputError(f"{log.name}: {quoted(have)}; expected the motor's current, voltage or speed")
     remarks = [*log.remarks, *_left_out(proof, columns)]
     moves = _moves(log, columns, of.figures["k_t"]) if {"current", "speed"} <= set(columns) else None
-    asked, explanations = (np.zeros(0), ()) if moves is None else explained(spec, drive, moves)
+    required, explanations = (np.zeros(0), ()) if moves is None else explained(spec, drive, moves)
     if moves is None:
         remarks.append("the current or the speed was not logged: what explains the difference is unknown")
     elif explanations and explanations[0].share < 0.5:
         remarks.append("no figure of the load explains most of the difference by itself")
-    off = asked - moves.torque if moves is not None else np.zeros(1)
+    off = required - moves.torque if moves is not None else np.zeros(1)
     kept = moves.moving if moves is not None else np.zeros(1, bool)
     rms = [float(np.sqrt((x[kept] ** 2).mean())) if kept.any() else nan
            for x in (off, moves.torque if moves is not None else off)]  # fmt: skip
@@ -124,7 +124,7 @@ def compare(log: Log, proof: Validation) -> Comparison:
         torque=rms[1], findings=tuple(log_findings(log, pulled=True)), remarks=tuple(remarks),
         time=moves.time if moves is not None else np.zeros(0),
         traces=() if moves is None else (
-            Trace("motor torque", "torque", "mN*m", moves.torque, np.where(moves.moving, asked, nan)),
+            Trace("motor torque", "torque", "mN*m", moves.torque, np.where(moves.moving, required, nan)),
             Trace("motor speed", "rotary_speed", "rpm", moves.speed, moves.speed),
         ),
     )  # fmt: skip
@@ -168,21 +168,21 @@ def _moves(log: Log, columns: Columns, k_t: float) -> Moves:
     return Moves(t, w, dw, torque, np.abs(w) > _FAST * np.abs(w).max())
 
 
-def asked_torque(spec: RobotSpec, drive: DriveSet, moves: Moves) -> Array:
-    """Torque of the motor [N*m] that a spec asks for along a measured motion, friction and gears included."""
+def required_torque(spec: RobotSpec, drive: DriveSet, moves: Moves) -> Array:
+    """Torque of the motor [N*m] that a spec requires along a measured motion, friction and gears included."""
     train, _ = drive_train(spec, drive, 1e-3)
     direction = np.sign(moves.speed)
     shaft = train.resistance_along(direction) + train.load_inertia * moves.acceleration / train.ratio
     left = remaining_torque(spec, motion_of(spec), train.load)
     if len(left):
         shaft = shaft + np.interp((moves.time - moves.time[0]) % left[-1, 0], left[:, 0], left[:, 1])
-    asked = train.motor_inertia * moves.acceleration + train.at_motor(shaft, direction) + train.viscous * moves.speed
-    return np.asarray(asked)
+    required = train.motor_inertia * moves.acceleration + train.at_motor(shaft, direction) + train.viscous * moves.speed
+    return np.asarray(required)
 
 
 def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tuple[Explanation, ...]]:
-    """The torque that a spec asks for, and the figures of its load that would explain what the log needs instead."""
-    first, found = asked_torque(spec, drive, moves), list[Explanation]()
+    """The torque that a spec requires, and the figures of its load that would explain what the log needs instead."""
+    first, found = required_torque(spec, drive, moves), list[Explanation]()
     some = moves.moving
 
     def left(of: Array) -> float:
@@ -192,22 +192,22 @@ def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tu
         return first, ()
     for name, quantity in _figures_of(spec.load):
         x = start = float(getattr(spec.load, name) or 0.0)
-        asked, best = first, left(first)
+        required, best = first, left(first)
         for _ in range(_ROUNDS):
             step = _STEP * abs(x) or _first_step(quantity.kind)
             try:
-                slope = (asked_torque(_with(spec, name, x + step), drive, moves) - asked) / step
+                slope = (required_torque(_with(spec, name, x + step), drive, moves) - required) / step
                 power = float((slope[some] ** 2).sum())
                 if not power > 0.0:
                     break
-                moved = x - float((slope * (asked - moves.torque))[some].sum()) / power
+                moved = x - float((slope * (required - moves.torque))[some].sum()) / power
                 moved = min(max(moved, quantity.least, quantity.above + 1e-3 * abs(start)), quantity.most)
-                asked = asked_torque(_with(spec, name, moved), drive, moves)
+                required = required_torque(_with(spec, name, moved), drive, moves)
             except InputError:  # a figure with which the load cannot follow its motion
                 break
-            if not left(asked) < best:
+            if not left(required) < best:
                 break
-            x, best = moved, left(asked)
+            x, best = moved, left(required)
         share = 1.0 - best / left(first)
         if share > _EXPLAINS:
             entered = (spec.entered.get("load") or {}).get(name)
