@@ -55,7 +55,7 @@ def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False,
         machine, objectives = read_any(YamlSource(text, held.name)), tuple[str, ...]()
         wanted, spec = front and not machine.is_several, machine.axes[0].spec
         # no front where each of its drives would be weighed in the whole machine, for minutes
-        if wanted and not (spec.platform or spec.battery or spec.budget or spec.limits_the_bus):
+        if wanted and not (spec.platform or spec.battery or spec.budget or spec.limits_the_bus or spec.supply.stalled):
             objectives = FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
         return size_machine(
             machine, top=top, pareto=objectives, choices=_CHOICES if wanted else 0, brief=brief, progress=held.go_on

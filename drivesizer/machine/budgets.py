@@ -7,8 +7,11 @@ cases the worst of them counts.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from math import isnan, nan
 from typing import NamedTuple
+
+import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
@@ -17,10 +20,13 @@ from drivesizer.machine.battery import checks_of_battery, energy_budget, pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.mass_budget import drive_rows, machine_mass, of_drives, of_supply, price_check
 from drivesizer.machine.supply_power import drive_power, together
+from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, worst_of_cases
+from drivesizer.results.check_columns import at_most
 from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.sections import Supply
 
 
 class MachineBudget(NamedTuple):
@@ -88,12 +94,38 @@ def machine_budget(
     checks += worst_of_cases(by_case)
     braking = braking_budget(problem, one) if problem.machine.limits_the_bus else None
     checks += braking.checks if braking else ()
+    if spec.supply.stalled and not spec.on_common_bus:
+        checks.append(stall_check(spec.supply, [stall_current(spec, one)] * spec.load.motors))
     if spec.budget and spec.budget.price is not None:
         resistor = braking.resistor if braking else None
         items = [*of_drives(problem, one), *of_supply(spec.supply.part, resistor, catalog)]
         checks.append(price_check(items, spec.budget.price, catalog))
     least = min(energies, key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None)  # the unknown first
     return MachineBudget(tuple(checks), tuple(figures), masses, least, braking)
+
+
+def stall_current(spec: RobotSpec, one: DriveParts) -> float:
+    """Current out of the supply for one drive that stalls with a cold winding, at the nominal voltage [A].
+
+    The winding takes what the stage applies over its resistance, or what the controller lets through, or the printed
+    stall current where that is less, as of motors with electronics inside; of it the supply gives R I² and what the
+    stage loses.
+    """
+    motor, controller, volts = one.motor, one.controller, spec.supply.nominal
+    feed = spec.feed_of(controller)._replace(voltage=volts)
+    cold = float(resistance_at(resistance_25(motor), spec.environment.ambient))
+    applied = volts if isnan(feed.usable) else float(feed.usable)
+    permitted = controller.peak_current if controller else nan
+    limits = [applied / cold, motor.stall_current * volts / motor.nominal_voltage, permitted]
+    current = float(np.fmin.reduce(limits))
+    lost = float(np.nan_to_num(feed.lost(current)) + np.nan_to_num(feed.stage.standby))
+    return (current**2 * cold + lost) / volts
+
+
+def stall_check(supply: Supply, drawn: Sequence[float]) -> Check:
+    """The current of all drives stalled at once [A] against what the supply delivers."""
+    limit = nan if supply.most_current is None else supply.most_current
+    return at_most("supply_stall", math.fsum(drawn), limit).at((), "budget")
 
 
 def rows_of_drive(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:

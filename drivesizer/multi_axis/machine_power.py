@@ -10,7 +10,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
 from drivesizer.machine.battery import pack_of
 from drivesizer.machine.braking import with_parts_of_supply
-from drivesizer.machine.budgets import rows_of_drive
+from drivesizer.machine.budgets import rows_of_drive, stall_check, stall_current
 from drivesizer.machine.mass_budget import machine_mass, of_drives, of_supply, price_check
 from drivesizer.multi_axis.common_bus import AxisPower, moving_alone
 from drivesizer.multi_axis.common_supply import common_supply, shared_sections
@@ -82,11 +82,17 @@ def _supplied_axes(
 
 
 def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower | None) -> tuple[Check, ...]:
-    """Mass and price of all axes against the machine's budget."""
+    """Mass and price of all axes against the machine's budget, and their stall against its supply."""
     budget, drives = machine.budget, [(one.result.problem, one.best) for one in axes if one.best]
-    if budget is None or len(drives) < len(axes):
+    if len(drives) < len(axes):
         return ()
-    catalog, found = _listing(machine, [problem.catalog for problem, _ in drives]), list[Check]()
+    found = list[Check]()
+    if machine.supply.stalled:
+        on_it = [(problem.spec, one) for problem, one in drives if problem.spec.on_common_bus]
+        found.append(stall_check(machine.supply, [spec.load.motors * stall_current(spec, one) for spec, one in on_it]))
+    if budget is None:
+        return tuple(found)
+    catalog = _listing(machine, [problem.catalog for problem, _ in drives])
     if budget.weighs:
         battery = pack_of(machine.battery, catalog).mass if machine.battery else None
         rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]

@@ -214,7 +214,7 @@ def machine_filter(
 ) -> Judge | None:
     """A function that separates drives that pass the machine's budgets from those that fail; None without budgets."""
     spec = problem.spec
-    if not (spec.battery or spec.budget or machine or spec.limits_the_bus):
+    if not (spec.battery or spec.budget or machine or spec.limits_the_bus or spec.supply.stalled):
         return None
 
     def failing(whole: Evaluation, row: int) -> tuple[bool, Iterable[str]]:

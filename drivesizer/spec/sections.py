@@ -122,6 +122,9 @@ class Supply(fields.Section):
     )
     capacitance: fields.Capacitance | None = fields.optional("of the bus, where what is not accepted stays")
 
+    stalled: bool = fields.default(
+        False, "whether it must also deliver what all drives draw when they stall at once, as small servos may"
+    )
     brakes: fields.Voltage | None = fields.optional(
         "that holding brakes are fed with, as nominal where they share this supply; where not given "
         "brakes of another voltage have a supply of their own, of no more than this one's voltage or 24 V"
@@ -138,6 +141,8 @@ class Supply(fields.Section):
 
     @model_validator(mode="after")
     def _of_one_kind(self) -> Self:
+        if self.stalled and self.current is None and self.part is None:
+            raise ValueError("give current with stalled: that the supply can deliver")
         if self.kind == "power_supply" and (self.regeneration or self.accepts == "all"):
             raise ValueError("a power_supply takes nothing back; leave regeneration and accepts out, or another kind")
         if self.kind == "battery" and self.accepts == "share":
