@@ -162,7 +162,7 @@ class _Side:
 
 
 def _flatness(of: Machines, best: Machine) -> list[Flat]:
-    """How far each figure may go."""
+    """Ranges of the figures, each alone, within a hundredth of the goal."""
     free = of.task.free
     coordinates = [one.coordinate(value) for one, value in zip(free, best.values, strict=True)]
     sides = [
@@ -196,7 +196,7 @@ def _with(free: tuple[Free, ...], values: Values, place: int, coordinate: float)
 
 
 def _why_worse(best: Machine, other: Machine) -> str:
-    """What is wrong with a machine beside the best; empty where it is as good but for a hundredth."""
+    """Fault of a machine beside the best; empty where it is as good but for a hundredth."""
     one, now = best.choice(), other.choice()
     assert one is not None
     if now is None:

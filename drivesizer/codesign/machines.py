@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.codesign.task import Task
+from drivesizer.errors import InputError
 from drivesizer.results.sizing import used_share
 from drivesizer.study import store as folders
 from drivesizer.study.figures import NAMED, row_figures
@@ -50,7 +51,7 @@ class Machine:
         return min(self.choices, key=lambda one: (one.goals[goal], -one.margin), default=None)
 
     def score(self, goal: int = 0) -> float:
-        """What a minimiser compares: a goal, and behind every machine within the limits the excess over them."""
+        """Score that a minimiser compares: a goal, and behind every machine within the limits the excess over them."""
         one = self.choice(goal)
         if one is None:
             return _WORST * (1.0 + min(self.excess, 1e6))
@@ -83,6 +84,8 @@ class Machines:
                 self.store.keep(part)
             rows |= _by_number(part, {one.number: one.values for one in rest})
         self.sized += len(rows)
+        if rows and self.sized == len(rows) and all(some[0][-1] for some in rows.values()):  # the first of all
+            raise InputError(next(iter(rows.values()))[0][-1])
         for values, one in new.items():
             self.known[values] = found.get(values) or self._machine(one, rows[values])
         return [self.known[values] for values in wanted]

@@ -95,7 +95,7 @@ def _lines(answer: Answer) -> Iterator[str]:
 
 
 def _searched(answer: Answer) -> str:
-    """How many machines were looked at, and whether a better one may be left."""
+    """Number of machines that were looked at, and whether a better one may be left."""
     task = answer.task
     if answer.whole:
         left = task.combinations - answer.looked_at

@@ -87,7 +87,7 @@ class Task:
 
     @property
     def goals(self) -> tuple[Expression, ...]:
-        """What is made least: first what decides, then what the front is of."""
+        """Goals: first the one that decides, then those of the front."""
         return (self.minimise, *(one for one in self.pareto if one.text != self.minimise.text))
 
     @property
@@ -190,7 +190,7 @@ def _section(source: YamlSource, given: dict[str, Any]) -> Design:
 
 
 def _spaces(source: YamlSource, free: Mapping[str, Any]) -> tuple[dict[Path_, Any], dict[Path_, str], Any]:
-    """What is free and what follows, by its path; and the data with one value of each in its place."""
+    """Ranges and expressions by their paths; and the data with one value of each in its place."""
     figures, data = SpecFigures(source), source.data
     spaces: dict[Path_, Any] = {}
     texts: dict[Path_, str] = {}
@@ -264,7 +264,7 @@ def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -
 def _goals(
     source: YamlSource, section: Design, figures: SpecFigures, where: Place, judged: bool
 ) -> tuple[Expression, tuple[Expression, ...], tuple[Limit, ...]]:
-    """What is made least, what the front is of, and the limits; every name in them is known."""
+    """Goals, those of the front, and limits; every name in them is known."""
 
     def known(one: Expression, *path: str | int) -> Expression:
         for name in one.names:

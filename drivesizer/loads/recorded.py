@@ -162,7 +162,20 @@ class ComputedLoad(Recorded):
 
 
 def computed_load(cycle: LoadCycle, motors: int = 1) -> ComputedLoad:
-    """The load that a load cycle of one drive's shaft is of, one of several drives alike."""
+    """The load that a load cycle is of.
+
+    Parameters
+    ----------
+    cycle
+        Of the shaft of one drive.
+    motors
+        Drives alike, of which each has this cycle.
+
+    Returns
+    -------
+    ComputedLoad
+        The load.
+    """
     return ComputedLoad.model_construct(
         kind="recorded", file=cycle.name, smoothing=0.0, inertia=0.0, cycle=cycle, motors=motors
     )

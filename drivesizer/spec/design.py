@@ -15,7 +15,7 @@ _Text = Annotated[str, Field(min_length=1, max_length=400)]
 
 
 class Design(fields.Section):
-    """What `drivesizer design` makes the best of, by the spec's free figures."""
+    """Goals and limits of the spec's free figures, for `drivesizer design`."""
 
     minimise: _Text | None = fields.optional(
         "mass, price, energy, time, -autonomy, or an expression; the objective under select where not given",

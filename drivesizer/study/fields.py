@@ -151,7 +151,8 @@ def _quantities(marks: Sequence[Any]) -> list[Quantity | Either]:
     found: list[Quantity | Either] = [mark for mark in marks if isinstance(mark, Quantity | Either)]
     for mark in marks:
         if get_origin(mark) not in (None, list, dict, tuple) or get_origin(mark) is Annotated:
-            found += _quantities(get_args(mark) if get_origin(mark) is not Annotated else mark.__metadata__)
+            inside = (*mark.__metadata__, mark.__origin__) if get_origin(mark) is Annotated else get_args(mark)
+            found += _quantities(inside)
     return found
 
 

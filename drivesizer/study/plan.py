@@ -250,6 +250,8 @@ def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -
         raise place.error(wrong)
     first = given.get("from") if isinstance(given, dict) else given[0] if isinstance(given, list) and given else given
     kind = kind_of(spec, path, _nominal(first))
+    if isinstance(given, list) and any(isinstance(value, dict | list) for value in given):  # bodies, not figures
+        kind = ""
     if isinstance(given, dict):
         return _range(place, Axis(name=name, path=path, kind=kind), given, grid)
     if not isinstance(given, list) or not given:
