@@ -31,6 +31,10 @@ OfSpec = Annotated[Path | None, file_option("--spec", metavar="ROBOT.YAML", help
 Scales = Annotated[
     list[str] | None, typer.Option("--scale", metavar="COLUMN=FACTOR", help="speed=6.2832; may be repeated.")
 ]
+Heads = Annotated[
+    list[str] | None,
+    typer.Option("--column", metavar="QUANTITY=HEAD", help="A table's column, current='a1 q-axis [A]'; repeatable."),
+]
 
 
 def identify(
@@ -40,6 +44,7 @@ def identify(
     chosen: Chosen = None,
     inertia: Annotated[str | None, typer.Option(help="Known, of what is mounted at the output.")] = None,
     ratio: Annotated[float, common.number_option("--ratio", 9.0, meaning="Of gears before a logged torque.")] = 1.0,
+    column: Heads = None,
     scale: Scales = None,
     json: Json = False,
     output: Annotated[
@@ -68,7 +73,7 @@ def identify(
     if inertia is not None:
         of = of._replace(inertia=_inertia(inertia))
     with common.working("fitting the drive's model to the log; first, once: translating it to machine code"):
-        found = identified(log, of, scales=_factors(scale))
+        found = identified(log, of, scales=_factors(scale), named=_heads(column))
     files = {path: part_file(found, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
     files |= {path: _drawn(path, found.time, found.traces) for path in paths if path.suffix.lower() in _DRAWN}
     if json:
@@ -103,6 +108,18 @@ def _inertia(text: str) -> float:
     if not value > 0.0:
         raise InputError(f"--inertia: {quoted(text)} is not above 0; expected e.g. 12 g*cm^2")
     return value
+
+
+def _heads(words: list[str] | None) -> dict[str, str]:
+    from drivesizer.identification.log import QUANTITIES
+
+    found = {}
+    for word in words or ():
+        name, _, head = word.partition("=")
+        if name.strip() not in QUANTITIES.split() or not head:
+            raise InputError(f"--column: {quoted(word)}; expected one of {', '.join(QUANTITIES.split())} and its head")
+        found[name.strip()] = head.strip()
+    return found
 
 
 def _factors(words: list[str] | None) -> Mapping[str, float]:
@@ -160,6 +177,7 @@ def compare(
     ] = common.DEFAULT,
     profile: Profile = None,
     chosen: Chosen = None,
+    column: Heads = None,
     scale: Scales = None,
     json: Json = False,
     output: Annotated[
@@ -185,7 +203,7 @@ def compare(
             expected = f"expected {', '.join(_DRAWN)}, or .yaml for the corrected spec"
             raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
     check_targets(paths)
-    logged = scaled(read_log(log), _factors(scale))
+    logged = scaled(read_log(log, _heads(column)), _factors(scale))
     own, drive = _machine(spec, chosen, axis, catalogs)
     with common.simulating("simulating what was promised"):
         proof = validate(own, drive, profile=profile, load_case=hardest_case(own, drive))

@@ -25,6 +25,7 @@ _SPANS = 300  # of constant mean square current
 _LEAST_RISE = 3.0  # K, below which temperatures say nothing
 _SIGMA = 0.3  # K, of a sensor
 _LONG = 2.0  # time constants of the housing
+BOUND = "lower bound"
 _CERTAIN = 0.5  # of a figure, standard deviation
 _FIGURES = (
     ("R_th1", "thermal resistance winding to housing", "thermal_resistance", "K/W"),
@@ -94,10 +95,10 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
         return np.asarray((course(x) - measured).ravel() / _SIGMA)
 
     total = float(time[-1])
-    low, high = np.log([1e-3, 1e-2, 1e-3, 1.0]), np.log([1e3, 1e5, 1e4, 1e7])
-    tries = [np.clip(np.log([2.0, total / a, 6.0, total * c]), low + 0.01, high - 0.01)
+    least, most = np.log([1e-3, 1e-2, 1e-3, 1.0]), np.log([1e3, 1e5, 1e4, 1e7])
+    tries = [np.clip(np.log([2.0, total / a, 6.0, total * c]), least + 0.01, most - 0.01)
              for a in (20.0, 4.0) for c in (0.5, 3.0)]  # fmt: skip
-    best = min((least_squares(rest, x, bounds=(low, high), x_scale=1.0, max_nfev=60) for x in tries),
+    best = min((least_squares(rest, x, bounds=(least, most), x_scale=1.0, max_nfev=60) for x in tries),
                key=lambda one: float(one.cost))  # fmt: skip
     r = best.fun.reshape(len(rises), -1)
     size = max(float(np.sqrt((r**2).mean())), 1.0)
@@ -109,11 +110,11 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
         if k < 2 and sigma[k] > _CERTAIN:
             open_ones.append(title)
             continue
-        grows = float(np.exp(BAND * min(sigma[k], 5.0)))
+        grows, value = float(np.exp(BAND * min(sigma[k], 5.0))), float(values[k])
+        low, high = value / grows, np.inf if bound else value * grows
         open_ones += [title] if bound else []
-        basis = "lower bound" if bound else ("formal", "bootstrap", "subsets")[int(three[:, k].argmax())]
-        figures.append(IdentifiedFigure(name, title, kind, unit, float(values[k]), float(values[k]) / grows,
-                                        np.inf if bound else float(values[k]) * grows, basis))  # fmt: skip
+        basis = BOUND if bound else ("formal", "bootstrap", "subsets")[int(three[:, k].argmax())]
+        figures.append(IdentifiedFigure(name, title, kind, unit, low if bound else value, low, high, basis))
     tied = (Inseparable(", ".join(open_ones), f"the log lasts {total:.3g} s", _NEEDS),) if open_ones else ()
     made = course(best.x)
     traces = tuple(Trace(name, "temperature", "degC", measured[k], made[k]) for k, name in enumerate(rises))

@@ -20,7 +20,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.identification.calibration import calibration
 from drivesizer.identification.checks import log_findings, unit_findings
 from drivesizer.identification.fit import BAND, Fit, fitted
-from drivesizer.identification.heat import heated
+from drivesizer.identification.heat import Heat, heated
 from drivesizer.identification.log import Log, read_log
 from drivesizer.identification.model import Record
 from drivesizer.physics.motion_curves import local_parabola
@@ -52,7 +52,8 @@ class Reference(NamedTuple):
 NOTHING = Reference()
 
 
-def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float] | None = None) -> Identification:
+def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float] | None = None,
+             named: Mapping[str, str] | None = None) -> Identification:  # fmt: skip
     """Identify a drive by its log.
 
     Parameters
@@ -63,6 +64,8 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
         What is known of the drive.
     scales
         Factors of columns, by quantity.
+    named
+        Heads of a table's columns, by quantity, where they are not found by themselves.
 
     Returns
     -------
@@ -77,8 +80,11 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
     found = calibration(path)
     if found is not None:
         return found
-    log = scaled(read_log(path), scales or {})
+    log = scaled(read_log(path, named or {}), scales or {})
     columns = at_motor(log, of)
+    current, R_25 = columns.get("current"), of.figures.get("R", nan)
+    if "speed" not in columns and (heat := heated(log, current, R_25)).figures:
+        return _of_heat(log, heat, of)
     if "speed" not in columns or not {"voltage", "current"} & set(columns):
         have = ", ".join(log.heads.values())
         raise InputError(f"{path}: {quoted(have)}; expected the motor's speed or position, and its voltage or current")
@@ -88,8 +94,7 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
     known = {name: x for name, x in of.figures.items() if x > 0.0}
     free, known = _fitted_figures(one, known)
     fit = fitted(one, known, free)
-    current = columns.get("current")
-    heat = heated(log, current, fit.values["R"] if "R" in fit.free else of.figures.get("R", nan))
+    heat = heated(log, current, fit.values["R"] if "R" in fit.free else R_25)
     figures = [*_figures(one, fit, known, of, log), *heat.figures]
     traces = [
         Trace(
@@ -104,6 +109,17 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
         driven=one.driven, figures=tuple(figures), inseparable=(*_structural(one, fit, known), *fit.inseparable,
         *heat.inseparable), findings=tuple(_findings(log, one, fit, of)), condition=fit.condition, time=time,
         traces=tuple(traces), remarks=tuple(remarks),
+    )  # fmt: skip
+
+
+def _of_heat(log: Log, heat: Heat, of: Reference) -> Identification:
+    """Of a log at rest: temperatures alone."""
+    return Identification(
+        log=log.name, label=of.label, columns=log.heads, samples=len(log.columns["time"]),
+        duration=float(np.ptp(log.columns["time"])), driven="current", figures=heat.figures,
+        inseparable=(*heat.inseparable, Inseparable("all but heat", "no speed was logged", "the motor's speed")),
+        findings=tuple(log_findings(log, pulled=True)), condition=nan, time=heat.time, traces=heat.traces,
+        remarks=log.remarks,
     )  # fmt: skip
 
 

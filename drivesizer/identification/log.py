@@ -10,6 +10,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from math import nan
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ Array = NDArray[np.float64]
 LARGEST = 64_000_000  # bytes
 _MOST = 1_000_000  # rows
 _FEWEST = 20  # rows
+_ABOVE = 60  # rows among which the heads are
 _GRAVITY = 9.80665  # m/s^2
 _GAP = 10.0  # times the usual interval, from which on a move has ended
 _UNMOVED = 1e-9  # share by which a column changes that says nothing
@@ -48,6 +50,7 @@ class Log(NamedTuple):
         return "time" not in self.columns
 
 
+QUANTITIES = "time supply voltage duty current speed load_speed reference error position torque winding housing power"
 # quantity | kinds of its unit | heads, the most usual first; of several columns that mean one the first is taken
 _QUANTITIES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     name: (tuple(kinds.split()), tuple(word.strip() for word in words.split(";")))
@@ -72,13 +75,15 @@ _QUANTITIES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }  # fmt: skip
 
 
-def read_log(path: Path) -> Log:
+def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({})) -> Log:
     """Read a log.
 
     Parameters
     ----------
     path
         CSV, TSV or XLSX with heads; SysId or pendulum JSON; ``.wpilog``.
+    named
+        Heads of a table by quantity, where they are not those that are known.
 
     Returns
     -------
@@ -97,7 +102,7 @@ def read_log(path: Path) -> Log:
         return _checked(_data_log(raw, path), path)
     if path.suffix == ".json" or raw.lstrip()[:1] == b"{":
         return _checked(_json(as_text(raw, path), path), path)
-    return _checked(_table(path), path)
+    return _checked(_table(path, named), path)
 
 
 def _checked(log: Log, path: Path) -> Log:
@@ -146,11 +151,18 @@ def _checked(log: Log, path: Path) -> Log:
 # -- Tables.
 
 
-def _table(path: Path) -> Log:
+def _table(path: Path, named: Mapping[str, str]) -> Log:
     table = max(sheets(path, LARGEST), key=lambda one: len(one.rows))
     rows = [(line, cells) for line, cells in table.rows if any(cells)]
     rows = [(line, cells) for line, cells in rows if not cells[0].startswith("#")]
-    found = next(((place, at) for place, (_, cells) in enumerate(rows[:40]) if len(at := _meant(cells)) >= 2), None)
+    wanted = set(named.values())
+    heads_at = [(place, cells) for place, (_, cells) in enumerate(rows[:_ABOVE]) if wanted <= set(cells)]
+    if wanted and not heads_at:
+        shown = max((cells for _, cells in rows[:_ABOVE]), key=len, default=[])
+        raise InputError(
+            f"{path}: no row has the heads {quoted(', '.join(wanted))}; found {quoted(', '.join(shown), 200)}"
+        )
+    found = next(((place, at) for place, cells in heads_at if len(at := _meant(cells, named)) >= 2), None)
     if found is None:
         raise InputError(f"{path}: no header was found; expected e.g. time (s),voltage (V),current (A),speed (rpm)")
     place, at = found
@@ -182,12 +194,14 @@ def _number(cell: str, decimal: str) -> float:
         return nan
 
 
-def _meant(cells: Sequence[str]) -> dict[str, int]:
-    """Place of each quantity among heads: by word, where its unit fits."""
+def _meant(cells: Sequence[str], named: Mapping[str, str]) -> dict[str, int]:
+    """Place of each quantity among heads: as it is named, else by word, where its unit fits."""
     heads = [plain_head(split_head(cell)[0].replace("_", " ")) for cell in cells]
     units = [split_head(cell)[1] for cell in cells]
-    found = dict[str, int]()
+    found = {name: list(cells).index(head) for name, head in named.items()}
     for name, (kinds, words) in _QUANTITIES.items():
+        if name in found:
+            continue
         fits = [k for k in range(len(cells)) if k not in found.values() and (not units[k] or _fits(units[k], kinds))]
         place = next((k for word in words for k in fits if heads[k] == word), None)
         if place is not None and not (name in ("load_speed", "reference") and not units[place]):
@@ -241,7 +255,7 @@ def _json(text: str, path: Path) -> Log:
         if isinstance(data, dict) and isinstance(data.get("entries"), list) and "mass" in data:
             return _pendulum(data, path)
         if isinstance(data, list) and data and isinstance(data[0], dict):
-            return _table(path)
+            return _table(path, {})
     except (TypeError, ValueError, KeyError, OverflowError) as error:
         if isinstance(error, InputError):
             raise

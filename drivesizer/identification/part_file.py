@@ -11,6 +11,7 @@ from drivesizer.catalog.query import Hit, partners
 from drivesizer.catalog.schema import SCHEMA
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.identification.heat import BOUND
 from drivesizer.results.identification import Identification
 from drivesizer.units import from_si
 
@@ -53,7 +54,7 @@ def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
         raise InputError(
             f"{quoted(hit.part)} is an actuator: its figures are printed at the output; expected a motor to write a row"
         )
-    figures = {one.name: one.value for one in found.figures}
+    figures = {one.name: one.value for one in found.figures if one.basis != BOUND}
     if "rotor_inertia" not in figures and "load_inertia" not in figures and "J" in figures:
         figures["rotor_inertia"] = figures["J"]
     lacks = [n for n in _NEEDED if not figures.get(n, 0.0) > 0.0]

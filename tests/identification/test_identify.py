@@ -205,6 +205,24 @@ def heating(time: Array, current: float, R: float) -> tuple[Array, Array]:
     return np.array(winding) + 25.0, np.array(housing) + 25.0
 
 
+def test_a_stall_gives_the_winding_s_heat_and_any_head_may_be_named(tmp_path: Path) -> None:
+    time = np.arange(0.0, 150.0, 0.1)
+    current = np.where(time % 50.0 < 30.0, 4.0, 0.0)
+    winding, housing, w, h = [], [], 0.0, 0.0
+    for i in current.tolist():
+        winding.append(w)
+        housing.append(h)
+        loss = 1.5 * (1.0 + 0.0039 * w) * i**2
+        w, h = w + 0.1 * (loss - (w - h) / 3.0) * 3.0 / 20.0, h + 0.1 * ((w - h) / 3.0 - h / 9.0) * 9.0 / 400.0
+    table = np.column_stack([time, current, np.array(winding) + 25.0, np.array(housing) + 25.0])
+    path = tmp_path / "stall.csv"
+    np.savetxt(path, table, delimiter=",", header="time [s],q amps [A],motor temp [C],housing temp [C]", comments="")
+    found = identify(path, Reference(figures={"R": 1.5}), named={"current": "q amps [A]"})
+    assert found.figure("R_th1").value == pytest.approx(3.0, rel=0.03)
+    assert found.figure("tau_w").value == pytest.approx(20.0, rel=0.03)
+    assert found.figure("R_th2").low <= 9.0
+
+
 @pytest.mark.parametrize("lasts", [1600.0, 120.0])
 def test_two_time_constants_of_the_housing_are_needed_for_heat(tmp_path: Path, lasts: float) -> None:
     time, random = np.arange(0.0, lasts, 0.2), np.random.default_rng(1)
@@ -281,7 +299,16 @@ BE8108 = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("file", "linkage", "contradicts"), [(HOVERBOARD, 0.0175, True), (BE8108, 0.0020, False)])
+SPINDLE = {  # ld_spindle.json
+    "raw": {"0.0": [(218.112, 2.16518), (275.612, 2.72857), (332.877, 3.27236), (394.354, 3.8276), (454.26, 4.37562)],
+            "-9.0": [(215.318, 1.66223), (291.173, 2.22509), (363.039, 2.79384), (437.949, 3.35506), (513.54, 3.91924)]},
+    "params": {"R": 0.100249, "poles": 4, "v_per_hz": 0.0661883}, "fit": {"lambda_m": 0.00946613},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("file", "linkage", "contradicts"), [(HOVERBOARD, 0.0178, True), (SPINDLE, 0.0097, True), (BE8108, 0.002, False)]
+)
 def test_a_calibration_that_contradicts_itself_is_caught(
     tmp_path: Path, file: dict[str, Any], linkage: float, contradicts: bool
 ) -> None:

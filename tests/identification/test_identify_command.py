@@ -96,6 +96,8 @@ def test_no_log_is_one_line_and_nothing_is_written(run: Any, tmp_path: Path, mon
     (("--scale", "speed"), "expected a column and its factor"),
     (("--scale", "sped=2"), "is no column of the log"),
     (("--inertia", "2 m"), "--inertia"),
+    (("--column", "amps=current (A)"), "expected one of time"),
+    (("--column", "current=amps"), "no row has the heads"),
     (("--motor", "no such"), "no such"),
 ])  # fmt: skip
 def test_wrong_options_are_one_line(run: Any, tmp_path: Path, words: tuple[str, ...], said: str) -> None:
