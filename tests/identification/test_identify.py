@@ -114,7 +114,7 @@ def met(folder: Path, seeds: range) -> tuple[list[bool], list[float]]:
 
 
 def test_random_drives_are_within_their_bands(tmp_path: Path) -> None:
-    inside, widths = met(tmp_path, range(40))
+    inside, widths = met(tmp_path, range(20))
     assert np.mean(inside) >= 0.9
     assert np.max(widths) < 0.05  # bands that say something
 
