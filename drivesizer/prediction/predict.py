@@ -37,6 +37,9 @@ _MOMENTS = 121  # over the duration
 _POINTS = 41  # of the line of speed over torque
 _STAGE_AT_WORST = 0.9, 1.0  # duty, and voltage drop [V], of controllers that print neither
 _DECIDES = 0.25  # share of a figure from which on it is said that it decides
+# V at the nominal current of cables to a motor 1 m away: both conductors, copper of 5 A/mm^2. Of two dynamometers of
+# robot contests the same supplies show 12 mohm beside a winding of 35 to 47 mohm
+_CABLES, _NOTICED = 2.0 * 1.0 * 1.75e-8 * 5e6, 0.1  # V; share of the stall current
 _PER_CENT = (0.05, 0.5, 0.95)
 
 
@@ -318,6 +321,12 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         yield "the power of the supply is before its resistance, with losses and standby power of the controller"
         if np.isnan(parts.controller["standby_current"][0]):
             yield "standby power of the controller not counted: it is not printed"
+    leads = _CABLES / one.motor["nominal_current"][0]
+    taken = leads / (leads + one.bodies.R_25[0])
+    if given.resistance == 0.0 and taken > _NOTICED:
+        yield ("supply and leads have no resistance; copper cables of 1 m for the nominal current have "
+               f"{show(leads, 'mohm', 'resistance', 2)} and take {taken:.0%} of the stall current: give --resistance"
+               ).replace("%", " %")  # fmt: skip
     if parts.controller is None and not np.isfinite(one.most_current[0]):
         left = _STAGE_AT_WORST[0] * max(1.0 - _STAGE_AT_WORST[1] / given.voltage, 0.0)
         yield ("without a controller the winding is connected to the supply: nothing limits the current; one that is "

@@ -252,3 +252,12 @@ select: {catalogs: [maxon]}
     path.write_text(path.read_text(encoding="utf-8").replace("[2]", "[2, 3]"), encoding="utf-8")
     with pytest.raises(InputError, match="belt of several ratios"):
         predict_set(DCX, catalogs=["maxon"], spec=path)
+
+
+def test_leads_that_take_much_of_a_stall_are_missed():
+    """1 m there and back at 5 A/mm^2 is 0.175 V at the nominal current, whatever that is."""
+    strong, weak = hit("305015"), hit(DCX)
+    leads = 0.175 / strong["nominal_current"]
+    (said,) = (text for text in of(strong).assumptions if "--resistance" in text)
+    assert f"{1e3 * leads:.0f} mΩ" in said and f"{100 * leads / (leads + strong['resistance']):.0f} % of" in said
+    assert not any("--resistance" in text for text in (*of(weak).assumptions, *of(strong, resistance=0.01).assumptions))
