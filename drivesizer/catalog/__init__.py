@@ -46,7 +46,7 @@ from drivesizer.catalog.parts import (
     lines,
     singular,
 )
-from drivesizer.catalog.prices import LISTS, matched, price_list
+from drivesizer.catalog.prices import is_list, matched, price_list
 from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joined, recall, store
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
@@ -102,7 +102,7 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     named = [each for name in names for each in (shipped() if name == "all" else [name])]
     found = [path_of(name, beside) for name in dict.fromkeys(named)]
     paths = list({os.path.realpath(path): path for path in found}.values())  # a file by two names is one
-    stems = [path.name if path.suffix in LISTS else path.stem for path in paths]
+    stems = [path.name if is_list(path) else path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:
             raise InputError(f"two catalogues are called {quoted(stem)}; rename one of the files")
@@ -134,7 +134,7 @@ def path_of(name: str, beside: Path | None = None) -> Path:
     if name in known:
         return known[name]
     path = (beside or Path()) / name
-    if path.suffix in (".yaml", ".yml", *LISTS):
+    if path.suffix in (".yaml", ".yml") or is_list(path):
         return path
     hint = nearest(name, known, 1)
     raise UnknownCatalogError(
@@ -240,7 +240,7 @@ def _parsed(path: Path, raw: bytes, *lists: Path) -> Catalog:
     from drivesizer.catalog.catalog_file import parse
     from drivesizer.files.yaml_source import YamlSource
 
-    if path.suffix in LISTS:
+    if is_list(path):
         return price_list(path, digest_of(raw))
     digest = digest_of(raw, *map(read_bytes, lists))
     found = parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest)

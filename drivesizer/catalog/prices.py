@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import cache
 from math import isnan, nan
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +25,16 @@ from drivesizer.catalog.tables import Catalog, Price, Table, spelling, without_p
 from drivesizer.errors import InputError, quoted
 from drivesizer.units import KINDS, number
 
-LISTS = (".csv", ".tsv", ".xlsx")  # what a price list may be, beside the section ``prices`` of a catalogue file
+_LISTS = (".csv", ".tsv", ".xlsx")  # what a price list may be, beside the section ``prices`` of a catalogue file
 BY_PIECES = (("price_20", 20), ("price_5", 5), ("price", 1))  # columns of a row in EUR, from so many pieces on
 _DATE = re.compile(r"(\d{1,2})[./](\d{1,2})[./](\d{4})|(\d{4}-\d{2}-\d{2}).*")
 
 # -- Price lists as people have them.
+
+
+def is_list(name: str | Path) -> bool:
+    """Whether a name among the catalogues is that of a price list."""
+    return Path(name).suffix.lower() in _LISTS
 
 
 def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
@@ -44,14 +49,14 @@ def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
 
     for sheet in sheets(path):
         for place, (line, cells) in enumerate(sheet.rows[:15]):
-            heads = _understood(cells)
-            if not (heads.keys() & {"part"} and any(name.startswith("price") for name in heads)):
+            heads, columns = _understood(cells)
+            if "part" not in heads or not columns:
                 continue
             rows = [(at, row) for at, row in sheet.rows[place + 1 :] if any(row)]
-            amounts = [row[k] for name, k in heads.items() if name[:5] == "price" for _, row in rows if k < len(row)]
+            amounts = [row[k] for k in columns for _, row in rows if k < len(row)]
             decimal, found, odd = decimal_sign(amounts, sheet.separator), list[Price](), list[int]()
             for at, row in rows:
-                own = list(_of_row(heads, cells, row, decimal, f"{path}:{at}"))
+                own = list(_of_row(heads, columns, row, decimal, f"{path}:{at}"))
                 found += [one._replace(file="" if shipped else path.name) for one in own]
                 odd += [] if own else [at]
             if not found:
@@ -62,24 +67,35 @@ def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
     raise InputError(f"{path}: expected a price list with heads such as part, price, currency, date, seller")
 
 
-def _understood(cells: Sequence[str]) -> dict[str, int]:
-    """Columns of a price list by what their heads mean; ``price 10`` is the price from ten pieces on."""
-    from drivesizer.files.sheets import plain_head
+class _Amounts(NamedTuple):
+    """A column of prices: from how many pieces on, 0 where another column says it; the currency of its head."""
 
-    found: dict[str, int] = {}
+    pieces: int
+    currency: str
+
+
+def _understood(cells: Sequence[str]) -> tuple[dict[str, int], dict[int, _Amounts]]:
+    """Columns of a price list by what their heads mean, and those of prices: ``price 10`` is from ten pieces on."""
+    from drivesizer.files.sheets import currency_of, plain_head
+
+    stated = [re.search(_CURRENCY, cell) for cell in cells]
+    codes = [currency_of(one[0]) if one else "" for one in stated]
+    plain = [plain_head(re.sub(_CURRENCY, " ", cell)) for cell in cells]
+    found, amounts, price = dict[str, int](), dict[int, _Amounts](), "|".join(_words()["price"])
+    for k, text in enumerate(plain):
+        match = re.fullmatch(rf"(?:{price})(?:\D*?(\d+)\b.*)?", text)
+        if match or (not text and codes[k]):  # a head may be the currency alone
+            amounts[k] = _Amounts(int(match[1]) if match and match[1] else 0, codes[k])
     for name, words in _words().items():
-        plain = [plain_head(re.sub(_CURRENCY, " ", cell)) for cell in cells]
         for word in words:  # the first word counts for most
-            place = next((k for k, text in enumerate(plain) if text == word and k not in found.values()), None)
+            place = next(
+                (k for k, text in enumerate(plain) if text == word and k not in {*found.values(), *amounts}), None
+            )
             if place is not None:
                 found.setdefault(name, place)
-        for k, text in enumerate(plain) if name == "price" else ():
-            broken = re.fullmatch(rf"(?:{'|'.join(words)})\D*?(\d+)\b.*", text)
-            if broken and k not in found.values():
-                found[f"price {broken[1]}"] = k
     if "part" not in found and "order_number" in found:
         found["part"] = found.pop("order_number")
-    return found
+    return found, amounts
 
 
 @cache
@@ -90,34 +106,34 @@ def _words() -> dict[str, list[str]]:
     return {name: [name.replace("_", " "), *words.split("; ")] for name, words in given.items()}
 
 
-_CURRENCY = re.compile(rf"(?<![A-Za-z])(?:{'|'.join(KINDS['price'].units)})(?![A-Za-z])|[€$£]")
+_CURRENCY = re.compile(rf"(?<![A-Za-z])(?:{'|'.join(KINDS['price'].units)})(?![A-Za-z])|[€$£¥]")
 
 
-def _of_row(heads: Mapping[str, int], titles: Sequence[str], row: Sequence[str], decimal: str, where: str) -> Any:
-    """The prices of a row: one, or one for each break by quantity."""
+def _of_row(
+    heads: Mapping[str, int], columns: Mapping[int, _Amounts], row: Sequence[str], decimal: str, where: str
+) -> Iterator[Price]:
+    """The prices of a row: one, or one of each column that has one."""
     from drivesizer.files.sheets import currency_of, figure
 
     def text(name: str) -> str:
         return row[heads[name]] if heads.get(name, len(row)) < len(row) else ""
 
-    for name in (name for name in heads if name.partition(" ")[0] == "price" and text(name)):
+    for place, column in columns.items():
         try:
-            digits, behind = figure(text(name), decimal)
+            digits, behind = figure(row[place] if place < len(row) else "", decimal)
         except InputError:
             continue
         if not float(digits) > 0.0 or not text("part"):
             continue
-        stated = re.search(_CURRENCY, titles[heads[name]])
-        codes = (text("currency"), behind, stated[0] if stated else "")
-        currency = next(filter(None, map(currency_of, codes)), "")
+        currency = column.currency or currency_of(text("currency").upper()) or currency_of(behind)
         if not currency:
             raise InputError(
                 f"{where}: currency: {text('currency') or 'none'}; expected one of {', '.join(KINDS['price'].units)} "
                 "in a column of its own or in the head, e.g. price (EUR)"
             )
-        pieces = name.partition(" ")[2] or re.sub(r"\D.*", "", text("pieces")) or "1"
+        pieces = column.pieces or int(re.sub(r"\D.*", "", text("pieces")) or 1)
         texts = ("part", "seller", "order_number", "delivery", "note", "manufacturer", "document")
-        yield Price(amount=float(digits), currency=currency, pieces=max(int(pieces), 1), date=iso_date(text("date")),
+        yield Price(amount=float(digits), currency=currency, pieces=max(pieces, 1), date=iso_date(text("date")),
                     confidence=text("confidence") or "secondary", **{one: text(one) for one in texts})  # fmt: skip
 
 
@@ -347,11 +363,12 @@ def uncompared(catalog: Catalog) -> str:
             codes = np.broadcast_to(currency, len(table))
             for row in np.flatnonzero(~np.isnan(amount) & (codes != catalog.currency)).tolist():
                 part = str(table["part"][row])
-                if isnan(counted["price"][counted.rows[part]]):
+                if part in counted.rows and isnan(counted["price"][counted.rows[part]]):
                     left.setdefault(str(codes[row]), {})[part] = None
     for price in catalog.prices:
         counted = compared(price.section)
-        if price.currency not in catalog.rates and isnan(counted["price"][counted.rows[price.part]]):
+        known = price.currency in catalog.rates or price.part not in counted.rows
+        if not known and isnan(counted["price"][counted.rows[price.part]]):
             left.setdefault(price.currency, {})[price.part] = None
     said = [
         f"{len(parts)} in {code} ({', '.join(list(parts)[:3])}{' ...' * (len(parts) > 3)})"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, Source, Table, columns_of, load, path_of, shipped
 from drivesizer.catalog.conditions import OPTIONS, Condition, column_name
 from drivesizer.catalog.parts import Column, printed
-from drivesizer.catalog.prices import LISTS, currencies
+from drivesizer.catalog.prices import currencies, is_list
 from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
 from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted
@@ -68,12 +68,12 @@ def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
     """Catalogues by name, those that ship when none is given."""
     found: dict[str, Catalog] = {}
     every = list(names)
-    lists = [name for name in every if Path(name).suffix in LISTS]  # over the prices of each
+    lists = [name for name in every if is_list(name)]  # over the prices of each
     others = [name for name in every if name not in lists] or shipped()
     files = {name if name == "all" else os.path.realpath(path_of(name)): name for name in others}
     for given in files.values():
         catalog = load([given, *lists])
-        name = ", ".join(name for name in catalog.digests if Path(name).suffix not in LISTS)
+        name = ", ".join(name for name in catalog.digests if not is_list(name))
         if name in found:
             raise InputError(f"two catalogues are called {quoted(name)}; rename one of the files")
         found[name] = catalog

@@ -298,7 +298,7 @@ def unit_of(text: str, small: bool = False) -> str:
 def currency_of(unit: str) -> str:
     """Code of a currency, of its sign or of the code itself; empty where a unit is none."""
     signs = KINDS["price"].units.items()
-    return next((code for code, others in signs if unit.upper() in (code, *others.split())), "")
+    return next((code for code, others in signs if unit in (code, *others.split())), "")
 
 
 def plain_head(text: str) -> str:

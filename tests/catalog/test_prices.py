@@ -84,7 +84,7 @@ def test_a_list_of_any_country_is_read(raw, currency, folder):
 
 def test_dates_sellers_and_delivery_are_kept(folder):
     price = price_of(opened(folder, GERMAN), "motors", "M20-24", 1)
-    assert (price.date, price.seller, price.delivery, price.note) == ("2026-02-01", "Händler", "3 Wochen", "Motor")
+    assert (price.date, price.seller, price.delivery, price.note) == ("2026-02-01", "Händler", "3 Wochen", "")
 
 
 def test_a_workbook_is_a_list_too(folder):
@@ -95,6 +95,14 @@ def test_a_workbook_is_a_list_too(folder):
         sheet.write_row(at, 0, row)
     book.close()
     assert found(opened(folder, stream.getvalue(), suffix=".xlsx"), "M20-24") == (41.5, "EUR")
+
+
+def test_a_column_for_each_currency(folder):
+    """The head may be the currency alone."""
+    for heads in ("part,price (EUR),price (USD)", "Part,EUR,USD"):
+        catalog = opened(folder, f"{heads}\nM20-24,40,44\nM30,,12\n")
+        assert found(catalog, "M20-24") == (40.0, "EUR") and found(catalog, "M30 12 V") == (12.0, "USD")
+        assert found(priced(catalog, "USD"), "M20-24") == (44.0, "USD")
 
 
 def test_breaks_by_quantity_in_rows_and_in_columns(folder):

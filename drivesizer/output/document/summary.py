@@ -67,7 +67,7 @@ def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequ
     columns = [
         replace(c, yields=not single) if c.key == "price" else c for c in columns if not (single and c.key == "prices")
     ]
-    mass, prices = (next((t for t in every if t.name == "mass"), None), [t for t in every if t.name == "price"])
+    mass, prices = (next((t for t in every if t.name == "mass"), None), _of_all_currencies(every))
     sums: dict[str, doc.Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
     sums["price" if single else "prices"] = " + ".join(total_of(one).text for one in prices) or "unknown"
     if len(prices) == 1:
@@ -75,6 +75,13 @@ def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequ
     rows = [_part_row(line, axes) for line, axes in lines]
     rows.append(doc.Row(sums, name="total", total=True))
     return doc.Table((caption, doc.Note("; ".join(remarks))), columns, rows, "parts", "part", "parts", file="parts")
+
+
+def _of_all_currencies(every: Sequence[Total]) -> list[Total]:
+    """The totals of price, of which each lacks what has a price in no currency."""
+    found = [total for total in every if total.name == "price"]
+    return [replace(one, lacks=tuple(role for role in one.lacks if all(role in other.lacks for other in found)))
+            for one in found]  # fmt: skip
 
 
 def total_of(total: Total) -> doc.Quantity:
@@ -86,13 +93,11 @@ def total_of(total: Total) -> doc.Quantity:
 
 def lacking_words(every: Sequence[Total]) -> Iterator[doc.Block]:
     """The band of what is estimated in the totals, and the parts that they leave out."""
-    said = []
-    for one in every:
+    said, prices = [], _of_all_currencies(every)
+    for one in (*(total for total in every if total.name != "price"), *prices[:1]):
         if one.estimated:
             said.append(f"{one.name} {show_band(one.low, one.high, 'g', 'mass')}, by estimates")
-        alike = [other for other in every if other.name == one.name]  # prices in several currencies are one line
-        lacks = [role for role in one.lacks if all(role in other.lacks for other in alike)]
-        said += [f"no {one.name} of {', '.join(lacks)}"] if lacks and one is alike[0] else []
+        said += [f"no {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
     if said:
         yield doc.Words(f"In all: {'; '.join(said)}.", "note")
 
