@@ -252,7 +252,7 @@ def mass_text(one: DriveSet) -> str:
     if isnan(one.mass):
         return "unknown"
     mark = "≥ " if unknown_parts(one, "mass", one.mass_of) else "≈ " if one.mass_estimated else ""
-    return mark + show(one.mass, "g", "mass")
+    return mark + show(one.mass, "g", "mass", 3 if one.mass_estimated else 4)
 
 
 def objective_figure(drive_set: DriveSet, objective: str) -> Figure:
