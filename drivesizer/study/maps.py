@@ -140,7 +140,9 @@ def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str
         title = []
         for one, value in zip(over.beside, key, strict=True):
             unit = one.head.removeprefix(one.name).strip(" ()")
-            named = f"{one.name.rpartition('.')[2]} {value:g} {unit}".rstrip() if one.numeric else str(value)
+            plain = one.name in ("spec", "catalogs") or "," in one.name  # which say themselves what they are
+            cell = f"{value:g} {unit}".rstrip() if one.numeric else str(value)
+            named = cell if plain else f"{one.name.rpartition('.')[2]} {cell}"
             title.append(f"by {value}" if one.name == "objective" else named)
         panels[", ".join(title)] = rows
     if len(panels) > _MOST_PANELS:
