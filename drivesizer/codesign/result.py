@@ -85,7 +85,7 @@ def _lines(answer: Answer) -> Iterator[str]:
         yield ""
         one = answer.rounded.choice()
         assert one is not None
-        figures = ", ".join(f"{f.axis.name} {_value(v)}" for f, v in zip(task.free, answer.rounded.values, strict=True))
+        figures = ", ".join(f"{f.axis.name} {v}" for f, v in zip(task.free, answer.rounded.values, strict=True))
         yield f"  Rounded: {figures}: {_figure(answer, task.minimise, one.goals[0])}"
     if answer.front:
         yield ""
@@ -119,7 +119,7 @@ def _none(answer: Answer) -> Iterator[str]:
 
 
 def _pairs(answer: Answer, one: Machine) -> Iterator[str]:
-    return (f"{f.axis.name} {_value(value)}" for f, value in zip(answer.task.free, one.values, strict=True))
+    return (f"{f.axis.name} {value}" for f, value in zip(answer.task.free, one.values, strict=True))
 
 
 def _free(answer: Answer) -> list[tuple[str, ...]]:
@@ -128,8 +128,8 @@ def _free(answer: Answer) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = [("free figure", "best", "within 1 %", "below that", "above that")]
     for flat, value in zip(answer.flat, answer.best.values, strict=True):
         same = flat.low == flat.high
-        span = "only this" if same else f"{_value(flat.low)} .. {_value(flat.high)}"
-        rows.append((flat.free.axis.name, _value(value), span, _why(flat.below), _why(flat.above)))
+        span = "only this" if same else f"{flat.low} .. {flat.high}"
+        rows.append((flat.free.axis.name, str(value), span, _why(flat.below), _why(flat.above)))
     return rows
 
 
@@ -172,7 +172,8 @@ def _front(answer: Answer) -> list[tuple[str, ...]]:
     for machine, choice in few:
         row = dict(zip(task.heads, choice.row, strict=True))
         goals = (_figure(answer, one, value) for one, value in zip(task.goals, choice.goals, strict=True))
-        rows.append((*goals, *map(_value, machine.values), str(row.get("set", ""))))
+        drives = ", ".join(str(label) for head, label in row.items() if head == "set" or head.endswith(".set"))
+        rows.append((*goals, *map(str, machine.values), drives))
     return rows
 
 
@@ -190,11 +191,6 @@ def _figure(answer: Answer, one: Expression, value: float) -> str:
         kind = kind_of_figure(name, answer.task.figures) or "dimensionless"
         return show(value, KINDS[kind].si, kind)
     return f"{value:.5g}"
-
-
-def _value(value: Any) -> str:
-    """A free figure as it goes into the spec, no more digits than it needs."""
-    return str(value)
 
 
 def _why(name: str) -> str:
