@@ -322,7 +322,7 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         if np.isnan(parts.controller["standby_current"][0]):
             yield "standby power of the controller not counted: it is not printed"
     leads = _CABLES / one.motor["nominal_current"][0]
-    taken = leads / (leads + one.bodies.R_25[0])
+    taken = leads / (leads + np.asarray(one.bodies.R_25)[0])
     if given.resistance == 0.0 and taken > _NOTICED:
         yield ("supply and leads have no resistance; copper cables of 1 m for the nominal current have "
                f"{show(leads, 'mohm', 'resistance', 2)} and take {taken:.0%} of the stall current: give --resistance"
