@@ -137,7 +137,7 @@ def _reference(
     motor: str | None, spec: Path | None, chosen: list[str] | None, axis: str | None, catalogs: list[str] | None,
     ratio: float,
 ) -> tuple[Hit | None, Reference]:  # fmt: skip
-    """What is known of the drive: nothing, a motor, or all that a spec and its drive say."""
+    """The drive as it is known: not at all, by a motor, or by a spec and its drive."""
     from drivesizer.identification.identify import Reference
     from drivesizer.identification.reference import of_drive, of_motor
 

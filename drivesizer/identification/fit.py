@@ -97,7 +97,7 @@ class _Problem:
         return np.array([low for low, _ in found]), np.array([high for _, high in found])
 
     def rest(self, x: Array) -> Array:
-        """What the model leaves of each output, in standard deviations, one output behind another."""
+        """Rest of each output that the model leaves, in standard deviations, one output behind another."""
         made = response(self.of(x), self.one)
         found = [(made[n] - y) / self.sigma[n] for n, y in self.one.outputs.items()]
         for part in found:

@@ -37,7 +37,7 @@ _NEEDS = "temperatures of winding and housing over two time constants of the hou
 
 
 class Heat(NamedTuple):
-    """What temperatures say."""
+    """Figures out of temperatures."""
 
     figures: tuple[IdentifiedFigure, ...] = ()
     inseparable: tuple[Inseparable, ...] = ()

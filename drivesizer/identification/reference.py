@@ -1,4 +1,4 @@
-"""What is known of a drive before its log: a motor's data sheet, or a spec with its drive."""
+"""A drive as it is known before its log: a motor's data sheet, or a spec with its drive."""
 
 from __future__ import annotations
 

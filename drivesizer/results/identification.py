@@ -1,4 +1,4 @@
-"""What a log says of a drive: figures with bands, what it cannot separate, and the log beside a sizing."""
+"""A drive by its log: figures with bands, those it cannot separate, and the log beside a sizing."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Inseparable(NamedTuple):
 
 
 class LogFinding(NamedTuple):
-    """What a check of the log found; a factor that would mend it."""
+    """Finding of a check of the log; a factor that would mend it."""
 
     name: str
     text: str

@@ -1,4 +1,4 @@
-"""What a log says of a drive, and the log beside its sizing, as tables and sentences."""
+"""A drive by its log, and the log beside its sizing, as tables and sentences."""
 
 from __future__ import annotations
 
