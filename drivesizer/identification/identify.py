@@ -205,7 +205,7 @@ def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Recor
 
 
 def _fitted_figures(one: Record, known: dict[str, float]) -> tuple[tuple[str, ...], dict[str, float]]:
-    """Figures that are fitted of a record, and those that are known: without data sheet a resistance or constant of 1."""
+    """Figures that are fitted of a record, and known ones: without data sheet a resistance or constant of 1."""
     # losses by direction scale as the torque constant does: behind gears that is the voltage per speed
     direct = one.ratio == 1.0 or one.driven == "current" or "current" not in one.outputs
     loads = (("k_t", "e") if direct else ("e", "e_back")) if one.loaded else ()
