@@ -108,12 +108,12 @@ MAKERS: dict[str, dict[str, int]] = {
     "banebots": counted(motors=2),
     "beckhoff": counted(motors=7 + 1 + 20, steppers=5, brake_resistors=5 + 4, power_supplies=1)
     | pin(controllers=8),  # AM8122 has two windings; AM8000
-    "ctre": counted(motors=3, controllers=4),  # two kinds of commutation are one motor; the Falcon is VEX's
+    "ctre": counted(motors=3, controllers=4, encoders=1),  # two kinds of commutation are one motor; the Falcon is VEX's
     "ipower": counted(motors=3 - 2), "no_maker": counted(motors=2), "waveshare": counted(motors=4),
     "zltech": counted(motors=2), "kollmorgen": counted(motors=3),
     "nanotec": counted(motors=4, steppers=6 + 2 * 2 + 3 + 1),
     "odrive": counted(motors=5 - 2, brake_resistors=1) | pin(controllers=5 + 2),  # without M5312s and BotWheel
-    "rev": counted(motors=6 - 1, belts=25, pulleys=12, controllers=3),  # without Core Hex
+    "rev": counted(motors=6 - 1, belts=25, pulleys=12, controllers=3, encoders=1),  # without Core Hex
     "tamagawa": counted(motors=19),
     "tq": counted(motors=3),
     # gearheads
@@ -139,7 +139,7 @@ MAKERS: dict[str, dict[str, int]] = {
     "steadywin": counted(actuators=13), "deep_robotics": counted(actuators=2),
     "towerpro": counted(actuators=3), "dsservo": counted(actuators=4), "hiwonder": counted(actuators=1),
     "unitree": counted(actuators=3 - 2 + 1),  # without A1, B1
-    "vex": counted(motors=4, actuators=3 + 1), "xiaomi": counted(actuators=1),
+    "vex": counted(motors=4, actuators=3 + 1, encoders=1), "xiaomi": counted(actuators=1),
     # controllers
     "adafruit": counted(controllers=1), "makerbase": counted(controllers=1), "simplefoc": counted(controllers=6 - 2),
     "amc": counted(controllers=3), "basicmicro": pin(controllers=9), "cytron": pin(controllers=2 + 2),
@@ -182,9 +182,8 @@ def _paired_with_nothing(name: str, catalog: Catalog) -> None:
     geared = [(motor, gear) for motor, gear in names if gear != DIRECT]
     assert len(geared) == (13 if name == "yaskawa" else 0)
     assert all(gear.startswith(motor + "J") for motor, gear in geared)  # whose type names the motor
-    assert all(
-        not len(getattr(catalog, relation).left) for relation in RELATIONS.keys() - {"motor_gearhead", "motor_brake"}
-    )
+    within = {"motor_gearhead", "motor_brake"} | ({"motor_encoder"} if name in ("ctre", "rev", "vex") else set())
+    assert all(not len(getattr(catalog, relation).left) for relation in RELATIONS.keys() - within)  # built in
 
 
 # --- figures as printed ----------------------------------------------------------------------------------------------

@@ -108,7 +108,7 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
 
 
 def _viewed(catalog: Catalog) -> Catalog:
-    return with_direct_drive(with_clamping_hubs(_with_controllers_inside(split_actuators(catalog))))
+    return with_direct_drive(with_clamping_hubs(_with_amplifiers(_with_controllers_inside(split_actuators(catalog)))))
 
 
 def split_actuators(catalog: Catalog) -> Catalog:
@@ -197,6 +197,44 @@ def _with_controllers_inside(catalog: Catalog) -> Catalog:
     part[of] = names
     figures = _part_inside(motors, "controllers_of_motors") | {"inside": motors["part"], "part": part.astype(str)}
     return replace(catalog, controllers=_with_parts_inside(catalog.controllers, motors, of, figures))
+
+
+ASSUMED = "assumed"  # family of what makers sell to their servo motors for the mains
+_MAINS = 200.0  # V of direct voltage, from which on a brushless motor is one of these
+_SOLD = tables.Source("assumed: makers sell an amplifier and an encoder to each of their servo motors", "derived")
+
+
+def amplifier_of(part: Any) -> Any:
+    """Name of the amplifier that is assumed of a motor."""
+    return np.char.add("amplifier for ", part)
+
+
+def _with_amplifiers(catalog: Catalog) -> Catalog:
+    """The catalogue with an amplifier, and an encoder where none is listed, for each servo motor for the mains."""
+    motors, known = catalog.motors, catalog.controllers["family"] == ASSUMED
+    alone = (motors["inside"] == "") & (motors["controller"] == "") & (motors["kind"] == "brushless")
+    of = np.flatnonzero(alone & (motors["nominal_voltage"] >= _MAINS) & ~np.isnan(motors["peak_torque"]))
+    if not len(of) or known.any():
+        return catalog
+    shared = {"family": ASSUMED, "order_number": "", "also_called": "", "inside": ""}
+    source = len(catalog.sources)
+
+    def sold(section: str, part: Any, rows: NDArray[np.int64], kind: str) -> Table[Any]:
+        figures = {"manufacturer": motors["manufacturer"], **_part_inside(motors, kind), **shared, "part": part}
+        columns = {name: values[rows] for name, values in filled(section, figures, len(motors)).items()}
+        found = np.full(len(rows), source), motors.excluded[rows]
+        return with_rows(catalog.table(section), columns, *found)
+
+    without = np.setdiff1d(of, catalog.motor_encoder.left)
+    new = np.arange(len(without)) + len(catalog.encoders)
+    encoders = sold("encoders", np.char.add("encoder in ", motors["part"]), without, "encoders_of_servos")
+    return replace(
+        catalog,
+        controllers=sold("controllers", amplifier_of(motors["part"]), of, "amplifiers"),
+        encoders=encoders,
+        motor_encoder=with_pairs(catalog.motor_encoder, without, new, np.full(len(new), source)),
+        sources=(*catalog.sources, _SOLD),
+    )
 
 
 def with_clamping_hubs(catalog: Catalog) -> Catalog:

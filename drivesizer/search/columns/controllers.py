@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
+from drivesizer.catalog.view.search_view import ASSUMED, amplifier_of
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.extremes import distinct
 from drivesizer.physics.power_stage import STAGE_FIGURES
@@ -135,7 +136,9 @@ def _allowed(choice: ControllerChoice, catalog: Catalog, lowest: float, highest:
     has_own = np.isin(box, distinct(table["inside"][table["inside"] != ""]))
     place = table["inside"][order]
     # one inside is for its motor alone, and such a motor takes no other
-    allowed &= np.where(has_own[:, None], place == box[:, None], (place == "") & (own == "")[:, None])
+    assumed, amplifiers = table["family"][order] == ASSUMED, amplifier_of(catalog.motors["part"])[:, None]
+    apart = (place == "") & (own == "")[:, None] & (~assumed | (table["part"][order] == amplifiers))
+    allowed &= np.where(has_own[:, None], place == box[:, None], apart)
     partial = ~has_own & ((own != "") | (not choice.named))
     unclear = np.append(np.isnan(table["supply_min"] + table["supply_max"]), False)
     last = _last(allowed, order)
@@ -278,7 +281,8 @@ def none_suits(
     kind, own = (str(catalog.motors[name][motor]) for name in ("kind", "controller"))
     box = str(_box(catalog.motors)[motor])
     inside = box != "" and bool((table["inside"] == box).any())
-    rows = (table["inside"] == (box if inside else "")) & table.named(spec.select.controller.named)
+    others = (table["family"] == ASSUMED) & (table["part"] != amplifier_of(str(catalog.motors["part"][motor])))
+    rows = (table["inside"] == (box if inside else "")) & ~others & table.named(spec.select.controller.named)
     if not rows.any():
         return f"{own} is inside the motor; no figures of it are listed" if own else "the catalogues list no controller"
     bus = spec.select.controller.bus or ""
