@@ -57,6 +57,7 @@ class Plan:
     source: Mapping[str, str] = field(default_factory=dict)  # document, confidence, date, url
     unknown: tuple[str, ...] = ()
     common: Mapping[str, Any] = field(default_factory=dict)
+    answers: Mapping[str, str] = field(default_factory=dict)  # head -> column, of heads that no guess understood
 
 
 class Head(NamedTuple):
@@ -447,6 +448,7 @@ def import_table(
         raise InputError(f"{path}: {error}") from None
     where = str(path) if layout.lying else f"{path}:{layout.heads[0].line}"
     heads = _guessed(layout, section) if given.columns is None else _mapped(layout, section, given, where)
+    heads = [one if one.column else one._replace(column=given.answers.get(one.theirs, "")) for one in heads]
     heads = [one._replace(column="", lacks="given in common") if one.column in given.common else one for one in heads]
     heads, common = _prices(heads, section, given)
     numbered = any(head.column == "part" for head in heads)
@@ -646,7 +648,13 @@ def map_text(imported: Imported, given: Plan) -> str:
     return "\n".join(lines) + "\n"
 
 
-def lacking(imported: Imported) -> list[tuple[str, str, int]]:
+def asked(section: str) -> list[str]:
+    """Figures by which one begins: those of a shop's page."""
+    found: list[str] = _words()["asked"].get(section, ["mass"])
+    return found
+
+
+def lacking(catalog: Catalog, section: str) -> list[tuple[str, str, int]]:
     """Figures that a sizing needs and parts lack: their names, what each is for, and of how many parts."""
-    found = ((*head, int(lack.sum())) for head, lack in needed(imported.catalog.table(imported.section)).items())
+    found = ((*head, int(lack.sum())) for head, lack in needed(catalog.table(section)).items())
     return [one for one in found if one[2]]

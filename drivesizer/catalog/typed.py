@@ -16,16 +16,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.catalog import catalog_of_text
-from drivesizer.catalog.parts import DIRECT, RELATIONS, singular
+from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, singular
 from drivesizer.catalog.schema import SCHEMA, SOURCE
 from drivesizer.catalog.tables import Catalog, joined, with_pairs
 from drivesizer.errors import CatalogError, quoted
+from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import Path_, YamlSource, written
 
 Named = Mapping[str, Mapping[str, Sequence[str]]]  # by section: names or patterns by column
 
 NAME = "name"  # the key by which a part is typed, and not chosen
-_SHARED = ("confidence", "date", "document", "url")  # of its source
+SHARED = ("confidence", "date", "document", "url")  # of its source
+_NO_MAKER = "typed"  # in place of a maker that is not said
+_GEARED = {"motors": "gearheads", "gearheads": "motors"}
 _UNTRIED = "secondary"  # confidence of figures that nobody says more of
 
 
@@ -72,15 +75,16 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
     figures, keys = dict[str, Any](), dict[str, str]()
     for key, value in given.items():
         column = meant_by(section, key)
-        if key in (NAME, "maker", "family", *_SHARED):
+        if key in (NAME, "maker", "family", *SHARED):
             continue
         if column in figures:
             raise CatalogError(f"{source.where((*at, key))}: {column} is given twice, as {keys[column]} too")
-        figures[column], keys[column] = value, key
-    origin = {key: given[key] for key in _SHARED if key in given}
+        bare = column == "ratio" and isinstance(value, str) and value.replace(".", "", 1).isdecimal()
+        figures[column], keys[column] = float(value) if bare else value, key
+    origin = {key: given[key] for key in SHARED if key in given}
     data: dict[str, Any] = {
         "catalog": SCHEMA,
-        "manufacturer": given.get("maker", "typed"),
+        "manufacturer": given.get("maker", _NO_MAKER),
         "overrides": True,
         "sources": {"typed": {"document": f"{source.name}, {'.'.join(map(str, at))}", "confidence": _UNTRIED} | origin},
         section: [{"family": given.get("family", str(name)), "source": "typed", "common": figures,
@@ -91,6 +95,44 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
         data["compatibility"] = {"motor_gearhead": [alone]}
     parse(_Fields(source, at, data, keys), "typed", "")
     return written(data).text
+
+
+def with_part(text: str, name: str, part: str) -> str:
+    """The text of a catalogue file with the part of :func:`typed_part` as its last, all else as it was written.
+
+    Raises
+    ------
+    CatalogError
+        When the file is no catalogue, or has the part.
+    """
+    from drivesizer.catalog.catalog_file import parse
+
+    data, more, edits = YamlSource(text, name).data, YamlSource(part, name).data, list[Edit]()
+    data = data if isinstance(data, dict) else {}
+    section = next(one for one in PARTS if one in more)
+    key = f"page of {more[section][0]['rows'][0][0]}"
+    while key in (data.get("sources") or ()):
+        key += ", again"
+    edits.append(Edit(("sources", key), more["sources"]["typed"]))
+    maker, own_maker = more["manufacturer"], data.get("manufacturer")
+    if maker not in (_NO_MAKER, own_maker):
+        raise CatalogError(f"{name}: is of {quoted(own_maker)}; parts of {quoted(maker)} need a file of their own (-o)")
+    lists: dict[Path_, list[Any]] = {(section,): more[section]}
+    pairs = more.get("compatibility", {}).get("motor_gearhead", [])
+    if section in _GEARED and isinstance(known := data.get(_GEARED[section]), list):
+        beside = list(dict.fromkeys(one.get("family") for one in known if isinstance(one, dict)))
+        first = more[section][0]["rows"][0]
+        pairs = [*pairs, {"name": "assumed: one maker", section: first, _GEARED[section]: beside}]
+    lists |= {("compatibility", "motor_gearhead"): pairs} if pairs else {}
+    for path, entries in lists.items():
+        there: Any = data
+        for step in path:
+            there = there.get(step) if isinstance(there, dict) else None
+        own = [entry | {"source": key} for entry in entries]
+        edits += [Edit((*path, len(there) + at), one) for at, one in enumerate(own)] if there else [Edit(path, own)]
+    made = edited(text, edits, name)
+    parse(YamlSource(made, name), Path(name).stem, "")
+    return made
 
 
 class _Fields(YamlSource):

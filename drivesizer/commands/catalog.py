@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import os
 import shlex
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import file_argument, file_option, whole_option
+from drivesizer.commands.common import answer, at_a_terminal, file_argument, file_option, whole_option
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.words import number_of
 
 if TYPE_CHECKING:
     from drivesizer.catalog import Catalog
+    from drivesizer.catalog.importing import Imported, Plan
     from drivesizer.catalog.query import Hit, Selection
 
 
@@ -133,7 +137,11 @@ def take_in(
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
     planned = plan(section, map_, stated, set_ or ())
     partners = open_named(with_) if with_ else {}
-    imported = import_table(sheets(file), file, planned, target, partners)
+    tables = sheets(file)
+    imported = import_table(tables, file, planned, target, partners)
+    if map_ is None and at_a_terminal():
+        answered = _asked(imported, planned)
+        imported = imported if answered is planned else import_table(tables, file, answered, target, partners)
     written = []  # before anything is printed, whose reader may go away
     if map_ is None and not dry_run and any(head.column not in ("", head.theirs) for head in imported.heads):
         beside = target.with_suffix(".map.yaml")
@@ -155,6 +163,30 @@ def take_in(
         typer.echo(line)
 
 
+def _asked(imported: Imported, planned: Plan) -> Plan:
+    """The plan of an import with what the user says of heads that were not understood, and of the motors' kind."""
+    from drivesizer.catalog import columns_of
+
+    known, answers, common = columns_of(imported.section), dict(planned.answers), dict(planned.common)
+    for head, first in zip(imported.heads, imported.examples, strict=True):
+        if head.theirs and not head.column and not head.lacks and first:
+            question = f"column of {quoted(head.theirs)}, first {quoted(first)}; empty: left out"
+            if column := answer(question, lambda text: _one_of(text, known)):
+                answers[head.theirs] = column
+    said, kinds = {*common, *answers.values(), *(head.column for head in imported.heads)}, ("brushed", "brushless")
+    if imported.section in ("motors", "actuators") and "kind" not in said:
+        kind = answer(f"kind of the {imported.section}: {' or '.join(kinds)}", lambda text: _one_of(text, kinds))
+        common |= {"kind": kind} if kind else {}
+    if answers == planned.answers and common == planned.common:
+        return planned
+    return replace(planned, section=imported.section, common=common, answers=answers)
+
+
+def _one_of(text: str, known: Iterable[str]) -> None:
+    if text not in known:
+        raise InputError(f"{quoted(text)} is not known{nearest(text, known)}")
+
+
 def _target(output: Path | None, dry_run: bool) -> Path:
     from drivesizer.files.writing import ready
 
@@ -168,6 +200,65 @@ def _target(output: Path | None, dry_run: bool) -> Path:
     if output is not None:
         ready(target)
     return target
+
+
+def add(
+    output: Annotated[Path, file_option("--output", "-o", help="Your catalogue file: made, or extended.")],
+    section: Annotated[str, typer.Option(help="motors, gearheads, actuators ...")] = "motors",
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="FIELD=FIGURE", help="name=775, 'voltage=12 V', document=..., date=2026-11."),
+    ] = None,
+) -> None:
+    """Add a part by the figures of a shop's page to a catalogue of your own; at a terminal they are asked for."""
+    from drivesizer.catalog import catalog_of_text
+    from drivesizer.catalog.importing import asked, meant_by
+    from drivesizer.catalog.law_check import check as checked
+    from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
+    from drivesizer.files.writing import ready, write_files
+    from drivesizer.files.yaml_source import written
+    from drivesizer.output.terminal import findings as terminal_findings
+
+    known_section(section)
+    if output.suffix not in (".yaml", ".yml"):
+        raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .yaml")
+    ready(output)
+    given = dict[str, Any]()
+    for entry in set_ or ():
+        name, sign, text = entry.partition("=")
+        if not sign or not text.strip():
+            raise InputError(f"--set: {quoted(entry)}; expected a field and its figure, e.g. 'voltage=12 V'")
+        given[name.strip()] = text.strip()
+
+    def read(**more: Any) -> str:
+        return typed_part(written({"document": "a shop's page", **given, **more}, "--set"), (), section)
+
+    def tried(name: str, text: str) -> str:
+        return read(**{NAME: "x"} | {name: text})
+
+    said = {meant_by(section, name) for name in given}
+    for name in (NAME, "maker", *asked(section), *SHARED) if at_a_terminal() else ():
+        if name not in said and (found := answer(_question(section, name), partial(tried, name))):
+            given[name] = found
+    if NAME not in given:
+        raise InputError("--set: the part has no name; expected e.g. --set name=775")
+    part, empty = read(), f"catalog: 1\nmanufacturer: {given.get('maker', 'own')}\n"
+    made = with_part(output.read_text(encoding="utf-8") if output.exists() else empty, str(output), part)
+    write_files({output: made.encode()})
+    catalog = catalog_of_text(Path("added.yaml"), part.encode())
+    terminal_findings.added(catalog, section, output)
+    if wrong := [one for one in checked(catalog) if one.unexplained]:
+        terminal_findings.findings(wrong)
+
+
+def _question(section: str, name: str) -> str:
+    from drivesizer.catalog import columns_of
+    from drivesizer.units import KINDS
+
+    column = columns_of(section).get(name)
+    hints = {"name": "775", "kind": "brushed or brushless", "confidence": "quoted, secondary", "date": "2026-11"}
+    hint = hints.get(name) or (KINDS[column.kind].example if column and column.kind in KINDS else "")
+    return name.replace("_", " ") + (f", e.g. {hint}" if hint else "")
 
 
 # -- ``drivesizer catalog``: look into catalogues, check them, carry parts in and out.
@@ -375,4 +466,5 @@ def check(
 
 
 app.command(epilog="Example: drivesizer catalog export motors -o motors.csv")(export)
+app.command(epilog="Example: drivesizer catalog add -o my.yaml --set name=775 --set 'voltage=12 V'")(add)
 app.command("import", epilog="Example: drivesizer catalog import parts.csv -o my.yaml")(take_in)

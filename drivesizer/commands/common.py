@@ -446,6 +446,25 @@ def simulating(on: str) -> AbstractContextManager[None]:
     return working(f"{on}; first, once: {' and '.join(once)}" if once else on)
 
 
+def at_a_terminal() -> bool:
+    """Whether somebody is there to be asked."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def answer(question: str, read: Callable[[str], object]) -> str:
+    """Ask for a text that a reader takes, again until it does; empty where nothing is said."""
+    while True:
+        text = str(typer.prompt(question, default="", show_default=False)).strip()
+        if not text:
+            return ""
+        try:
+            read(text)
+        except DrivesizerError as error:
+            typer.echo(str(error))
+        else:
+            return text
+
+
 @contextmanager
 def working(on: str) -> Iterator[None]:
     """Status line on stderr after a second; nothing where stderr is no terminal."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import isnan
+from pathlib import Path
 
 from rich.console import Console
 from rich.text import Text
@@ -16,6 +17,7 @@ from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Coverage, coverage, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
+from drivesizer.output import words
 from drivesizer.output.document.part import family_count
 from drivesizer.output.document.records import Table, listed
 from drivesizer.output.terminal.catalog import counts_text
@@ -176,8 +178,6 @@ def imported(found: Imported, *, guessed: bool = False) -> None:
         blocks(out, [listed(heads, rows, "guessed by name and unit, to be looked at" if guessed else "columns")])
     left = [f"{head.theirs} ({head.lacks})" if head.lacks else head.theirs
             for head in found.heads if head.theirs and not head.column]  # fmt: skip
-    need = [f"{names} ({purpose}{'' if count == parts else f'; {count} of {parts}'})"
-            for names, purpose, count in lacking(found)]  # fmt: skip
     for what, names in (
         ("columns with matching names", same),
         ("assumed", found.assumed),
@@ -185,10 +185,30 @@ def imported(found: Imported, *, guessed: bool = False) -> None:
         ("not understood, unknown now", found.cells),
         ("columns without a value", found.empty),
         ("rows skipped", found.skipped),
-        ("a sizing still needs", need),
     ):
         if names:
             out.print(Text(printable(f"{what}: {'; '.join(names)}")))
+    still_needed(found.catalog, found.section)
+
+
+def added(catalog: Catalog, section: str, target: Path) -> None:
+    """Print what is known of a part that was added to a catalogue file, and what a sizing still lacks."""
+    table, out = catalog.table(section), console()
+    confidence = catalog.confidence(section, 0)
+    known = [f"{name.replace('_', ' ')} {words.figure(table[name][0].item(), column)}"
+             + (" (derived)" if confidence.get(name) == "derived" else "")
+             for name, column in printed(section).items() if name in confidence and column.kind != "text"]  # fmt: skip
+    out.print(Text(printable(f"{singular(section)} {table['part'][0]} added to {target}: {', '.join(known)}")))
+    still_needed(catalog, section)
+
+
+def still_needed(catalog: Catalog, section: str) -> None:
+    """Print the figures that a sizing needs and parts lack."""
+    count = len(catalog.table(section))
+    need = [f"{names} ({purpose}{'' if lack == count else f'; {lack} of {count}'})"
+            for names, purpose, lack in lacking(catalog, section)]  # fmt: skip
+    if need:
+        console().print(Text(printable(f"a sizing still needs: {'; '.join(need)}")))
 
 
 def findings(found: Sequence[Finding], *, everything: bool = False) -> None:
