@@ -648,9 +648,9 @@ def map_text(imported: Imported, given: Plan) -> str:
     return "\n".join(lines) + "\n"
 
 
-def asked(section: str) -> list[str]:
+def on_shop_pages(section: str) -> list[str]:
     """Figures by which one begins: those of a shop's page."""
-    found: list[str] = _words()["asked"].get(section, ["mass"])
+    found: list[str] = _words()["on_shop_pages"].get(section, ["mass"])
     return found
 
 

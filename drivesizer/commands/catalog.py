@@ -140,7 +140,7 @@ def take_in(
     tables = sheets(file)
     imported = import_table(tables, file, planned, target, partners)
     if map_ is None and at_a_terminal():
-        answered = _asked(imported, planned)
+        answered = _completed(imported, planned)
         imported = imported if answered is planned else import_table(tables, file, answered, target, partners)
     written = []  # before anything is printed, whose reader may go away
     if map_ is None and not dry_run and any(head.column not in ("", head.theirs) for head in imported.heads):
@@ -163,7 +163,7 @@ def take_in(
         typer.echo(line)
 
 
-def _asked(imported: Imported, planned: Plan) -> Plan:
+def _completed(imported: Imported, planned: Plan) -> Plan:
     """The plan of an import with what the user says of heads that were not understood, and of the motors' kind."""
     from drivesizer.catalog import columns_of
 
@@ -210,9 +210,9 @@ def add(
         typer.Option("--set", metavar="FIELD=FIGURE", help="name=775, 'voltage=12 V', document=..., date=2026-11."),
     ] = None,
 ) -> None:
-    """Add a part by the figures of a shop's page to a catalogue of your own; at a terminal they are asked for."""
+    """Add a part by the figures of a shop's page to a catalogue of your own; at a terminal they are requested."""
     from drivesizer.catalog import catalog_of_text
-    from drivesizer.catalog.importing import asked, meant_by
+    from drivesizer.catalog.importing import meant_by, on_shop_pages
     from drivesizer.catalog.law_check import check as checked
     from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
     from drivesizer.files.writing import ready, write_files
@@ -237,7 +237,7 @@ def add(
         return read(**{NAME: "x"} | {name: text})
 
     said = {meant_by(section, name) for name in given}
-    for name in (NAME, "maker", *asked(section), *SHARED) if at_a_terminal() else ():
+    for name in (NAME, "maker", *on_shop_pages(section), *SHARED) if at_a_terminal() else ():
         if name not in said and (found := answer(_question(section, name), partial(tried, name))):
             given[name] = found
     if NAME not in given:

@@ -447,12 +447,12 @@ def simulating(on: str) -> AbstractContextManager[None]:
 
 
 def at_a_terminal() -> bool:
-    """Whether somebody is there to be asked."""
+    """Whether somebody is there to answer."""
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
 def answer(question: str, read: Callable[[str], object]) -> str:
-    """Ask for a text that a reader takes, again until it does; empty where nothing is said."""
+    """Request a text that a reader takes, again until it does; empty where nothing is said."""
     while True:
         text = str(typer.prompt(question, default="", show_default=False)).strip()
         if not text:
