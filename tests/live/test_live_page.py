@@ -20,7 +20,7 @@ from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.document.candidates import numbers_of, short_name
 from drivesizer.sizing import size
-from drivesizer.spec.robot import load_spec
+from drivesizer.spec.robot import load_spec, read_spec
 
 pytestmark = pytest.mark.slow
 WIDTHS = (390, 768, 1400)
@@ -411,6 +411,29 @@ def test_machine_of_several_axes(page: Any, tmp_path: Path) -> None:
     page.keyboard.press("Enter")
     page.get_by_role("button", name="add another of axes").click()
     expect(page.locator("#headline .best")).to_contain_text("Machine of 3 axes", timeout=30_000)
+
+
+def test_two_sliders_give_a_map_of_the_best_drive(page: Any) -> None:
+    """Its corners are the answers to the figures that they stand for."""
+    button = page.get_by_role("button", name="map over both sliders")
+    page.get_by_label("slider for load mass").click()
+    expect(button).to_be_hidden()
+    page.get_by_label("slider for load wheel diameter").click()
+    button.click()
+    cells = page.locator(".map .cells i")
+    expect(cells).to_have_count(81)
+    expect(page.locator(".map .cells .wait")).to_have_count(0, timeout=240_000)
+    for place, mass, diameter in ((0, 11.25, 304.0), (72, 11.25, 38.0), (80, 90.0, 38.0)):
+        text = edited(
+            SMALL, [Edit(("load", "mass"), f"{mass:g} kg"), Edit(("load", "wheel_diameter"), f"{diameter:g} mm")], "x"
+        )
+        best = size(read_spec(YamlSource(text, "x"))).sets
+        where = f"{mass:g} kg, {diameter:g} mm: "
+        expect(cells.nth(place)).to_have_attribute(
+            "title", where + (best[0].label if best else "no drive meets all limits")
+        )
+    typed(page, "load", "mass", value="46 kg")
+    expect(cells.first).to_be_hidden()
 
 
 def two_axes_text() -> str:

@@ -8,6 +8,7 @@ import * as files from "./files.js";
 import * as form from "./form.js";
 import * as glance from "./glance.js";
 import * as headline from "./headline.js";
+import * as map from "./map.js";
 import { reveal, turn } from "./panes.js";
 import { get, pieces } from "./requests.js";
 import * as sliders from "./sliders.js";
@@ -215,6 +216,7 @@ loop.addEventListener("click", async () => {
 
 let keeping = 0;
 watch(() => {
+  map.renew();
   enable(document.getElementById("undo"), state.past.length);
   enable(document.getElementById("redo"), state.future.length);
   document.getElementById("unsaved").hidden = state.text === state.saved && state.mark !== null;

@@ -19,11 +19,16 @@ export function stretches(points) {
   return list;
 }
 
+/** The class of a drive's colour. */
+export function colour(each) {
+  if (!passes(each)) return each.status === "wrong" ? "wait" : "none";
+  if (!known.has(each.label)) known.set(each.label, known.size % COLOURS);
+  return `s${known.get(each.label)}`;
+}
+
 /** Draws both; `text` writes a value, `rejected` says by the end of a stretch why its drive is not the best beyond it. */
 export function draw({ band, list, low, high, points, rejected, text }) {
   const found = stretches(points);
-  for (const each of found) if (passes(each) && !known.has(each.label)) known.set(each.label, known.size % COLOURS);
-  const colour = (each) => (passes(each) ? `s${known.get(each.label)}` : each.status === "wrong" ? "wait" : "none");
   band.replaceChildren(...found.map((each, n) => {
     const start = n ? (found[n - 1].to + each.from) / 2 : low, end = n + 1 < found.length ? (each.to + found[n + 1].from) / 2 : each.to;
     const share = (end - start) / (high - low), name = share >= NAMED && passes(each) ? each.name ?? "" : "";
@@ -36,7 +41,7 @@ export function draw({ band, list, low, high, points, rejected, text }) {
 }
 
 const reach = (each, text) => (each.from === each.to ? text(each.from) : `${text(each.from)} to ${text(each.to)}`);
-const best = (each) => (passes(each) ? each.label : each.status === "wrong" ? each.said : "no drive meets all limits");
+export const best = (each) => (passes(each) ? each.label : each.status === "wrong" ? each.said : "no drive meets all limits");
 const said = (each, text) => `${reach(each, text)}: ${best(each)}`;
 
 function line(each, colour, more, why, text) {
