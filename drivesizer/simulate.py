@@ -289,7 +289,7 @@ def with_remedies(
 
 
 def _heavier(mine: DriveSet, other: DriveSet) -> str:
-    """How much heavier another drive is for an axis that carries it, in words; its controller rides on none."""
+    """Mass by which another drive is heavier for an axis that carries it, in words; its controller rides on none."""
 
     def of_turning(one: DriveSet) -> float:
         return math.fsum(part.mass for role, part in one.parts.items() if part is not None and role != "controller")

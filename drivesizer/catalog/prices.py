@@ -196,7 +196,7 @@ def _parts_of(catalog: Catalog, price: Price) -> list[tuple[str, str]]:
 
 
 def factors(rates: Mapping[str, str] | None, currency: str) -> dict[str, float]:
-    """What one of each currency is in a given one, by rates such as ``{"USD": "0.92 EUR"}``.
+    """Worth of one of each currency in a given one, by rates such as ``{"USD": "0.92 EUR"}``.
 
     Examples
     --------

@@ -144,7 +144,7 @@ def loops(made: Commissioned) -> list[str]:
 
 
 def _warned(device: Device, made: Commissioned, board: dict[str, float]) -> list[str]:
-    """What is not written, what a setting decides, and what is to be known of the controller."""
+    """Notes on what is not written, what a setting decides, and what is to be known of the controller."""
     lines = [f"not written: {line}" for line in made.left_out]
     for name, (usual, what) in device.settings.items():
         value = board.get(name, usual)

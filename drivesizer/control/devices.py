@@ -142,7 +142,7 @@ class Written(NamedTuple):
 
 
 class Writing(NamedTuple):
-    """What is written into a controller, and what is not."""
+    """Parameters that are written into a controller, and those that are not."""
 
     rows: list[Written]
     left_out: list[str]  # with the reason

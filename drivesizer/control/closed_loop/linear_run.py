@@ -196,7 +196,7 @@ def _joined(runs: list[dict[str, Array]]) -> dict[str, Array]:
 
 
 def _feedforward(c: Gains | Cascade, speed: Array, slope: Array) -> Array:
-    """What a controller adds to its demand by the reference: current [A], or voltage [V]."""
+    """Feed-forward: what a controller adds to its demand by the reference, current [A] or voltage [V]."""
     found: Array = (
         c.feedforward_velocity * speed + c.feedforward_friction * np.sign(speed) + c.feedforward_acceleration * slope
     )

@@ -1,4 +1,4 @@
-"""What is ordered: numbers, prices, sellers and delivery of parts, by axis and for the machine; and what is missing."""
+"""The order: numbers, prices, sellers and delivery of parts, by axis and for the machine; and what is missing."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Ordered(NamedTuple):
 
 
 def lines_of(content: Content | MachineContent) -> list[Ordered]:
-    """What is ordered for each axis, at the prices of the quantity of all of them, then for all axes together."""
+    """Lines of what is ordered for each axis, at the prices of the quantity of all, then for all axes together."""
     if isinstance(content, Content):
         return [Ordered("", line) for line in content.bought] if content.outcome != "missed" else []
     own = [Ordered(one.name, line) for one in content.axes for line in one.lines]
