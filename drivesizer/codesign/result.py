@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import isinf, isnan
 from typing import Any
@@ -142,16 +142,19 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
         number = f"{row['drives']} of " if not name and row.get("drives", 1) != 1 else ""
         yield f"  {name or 'drive'}: {number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
     figure = row_figures(heads, choice.row, _of_spec(answer))
-    shown = [(NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
-    lacking = {NAMED[f].title: row.get(f"{f}_lacks") for f in ("mass", "price")}
-    for title, value, named in shown:
+    shown = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
+    lacks = {name: row.get(f"{name}_lacks") for name in ("mass", "price")}
+
+    def least(names: Iterable[str]) -> str:
+        lacking = " + ".join(dict.fromkeys(str(lacks[name]) for name in names if lacks.get(name)))
+        return f", at least: {lacking} not known" if lacking else ""
+
+    for name, title, value, named in shown:
         if not isnan(value):
-            lacks = lacking.get(title)
-            more = f", at least: {lacks} not known" if lacks else ""
-            yield f"  {title}: {show(value, named.unit, named.kind)}{more}"
+            yield f"  {title}: {show(value, named.unit, named.kind)}{least([name])}"
     yield f"  tightest: {_why(str(row['smallest_margin_check']))}, {100 * choice.margin:+.1f} %"
     for limit in task.limits:
-        yield f"  {limit.text}: {_figure(answer, limit.of, limit.of.value(figure))}"
+        yield f"  {limit.text}: {_figure(answer, limit.of, limit.of.value(figure))}{least(limit.of.names)}"
 
 
 def _of_spec(answer: Answer) -> Callable[[str], float]:
