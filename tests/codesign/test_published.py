@@ -17,6 +17,8 @@ from drivesizer import design
 from drivesizer.codesign.result import Answer
 
 LEAD = 0.01 / (2 * math.pi)  # m/rad
+pytestmark = pytest.mark.slow
+
 NX = """\
 NX205EAV 2 2.1e-5 0.77 7500; NX205EAS 2 2.1e-5 0.77 8900; NX210EAT 3.4 3.8e-5 1.3 6000; NX210EAP 3.4 3.8e-5 1.3 7000;
 NX310EAP 6.6 7.9e-5 2.1 4800; NX310EAK 6.6 7.9e-5 2.1 8400; NX420EAP 13.4 29e-5 3.8 4700; NX420EAJ 13.4 29e-5 3.8 7200;
