@@ -93,7 +93,7 @@ def test_makers_that_print_no_inertia_have_one_now(everything):
     motors = search_view(everything).motors
     rows = (motors["inside"] != "") & np.isin(motors["manufacturer"], ["ROBOTIS", "Pololu", "goBILDA"])
     rows &= ~np.isnan(motors["resistance"])
-    assert rows.sum() == 139
+    assert rows.sum() == 141
     for name in ("rotor_inertia", "thermal_resistance_winding", "thermal_resistance_housing", "motor_time_constant"):
         assert not np.isnan(motors[name][rows]).any(), name
     own = everything.actuators

@@ -20,8 +20,6 @@ from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import candidates
-from drivesizer.search.columns.controllers import selected
-from drivesizer.spec.drive import Choice
 
 ACME = """\
 catalog: 1
@@ -152,8 +150,8 @@ def test_confidence_is_the_sources_until_a_note_changes_it() -> None:
 def test_an_excluded_part_stays_in_the_file_and_is_not_offered() -> None:
     motors = acme().motors
     assert motors["part"][motors.excluded].tolist() == ["M60-X"]
-    assert motors["part"][selected(motors, Choice())].tolist() == ["M40-24", "M40-48", "M60-24"]
-    assert motors["part"][selected(motors, Choice(family=["M60"]))].tolist() == ["M60-24"]
+    assert motors["part"][motors.named({})].tolist() == ["M40-24", "M40-48", "M60-24"]
+    assert motors["part"][motors.named({"family": ["M60"]})].tolist() == ["M60-24"]
 
 
 def test_no_candidate_holds_an_excluded_part(spec, catalog: Catalog) -> None:

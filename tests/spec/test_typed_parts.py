@@ -96,7 +96,7 @@ def test_of_an_axis_of_a_machine():
         ({"motor": {**MOTOR, "nominal_voltage": "9 V"}}, "nominal_voltage is given twice, as voltage too"),
         ({"motor": {**MOTOR, "name": ""}}, 'select.motor.name: "" is no name of a part; expected e.g. "775"'),
         ({"motor": {**MOTOR, "mass": "-3 g"}}, 'select.motor.mass: "-3 g" is below 0'),
-        ({"motor": {**MOTOR, "confidence": "sure"}}, 'confidence "sure" is not one of quoted, secondary, derived'),
+        ({"motor": {**MOTOR, "confidence": "sure"}}, 'confidence "sure" is not one of measured, quoted, secondary'),
         ({"motor": {"part": "775", "mass": "3 g"}}, "select.motor.mass: a part with figures of its own needs its name"),
         ({"motor": MOTOR, "actuator": ACTUATOR}, "give select.motor or select.actuator, not both"),
         ({"gearhead": {**GEARHEAD, "ratio": "64 rpm"}}, 'ratio: "64 rpm" is not a number'),
