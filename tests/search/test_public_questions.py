@@ -242,8 +242,9 @@ QUESTIONS: dict[str, tuple[str, str, str, dict[str, Any]]] = {
     "c11b: a telescope": (TELESCOPE, "17HS4401 direct", "pass", {
         "step_resolution": ("pass", 1.8 / 8 / 43200 * pi / 180), "pull_out_torque": "pass"}),
     "user_A_one: an AGV": (AGV.replace("MAKERS", "maxon"), "", "pass", {}),
+    # its amplifier is assumed, its brake is not: what holds 25 kg without power is unknown
     "user_C_y: a vertical axis at the mains": (SERVO.replace("MAKERS", "yaskawa, panasonic"), "", "unknown", {
-        _THERE: "unknown", "inertia_ratio": "pass"}),
+        _THERE: "pass", "inertia_ratio": "pass", "holding": "unknown"}),
 }  # fmt: skip
 
 
@@ -369,10 +370,20 @@ def test_a_catalogue_of_low_voltage_loses_no_servo_at_the_mains() -> None:
     )
     assert alone and alone.keys() <= both.keys()
     first = next(iter(both.values()))
-    reasons = {name: next(c.note for c in drive.own_checks if c.name == _THERE)
-               for name, drive in (("alone", alone[first.motor.part]), ("both", first))}  # fmt: skip
-    assert first.motor.part in alone and first.controller is None
-    assert reasons == {"alone": "the catalogues list no controller", "both": "none is listed for 325 V"}
+    for drive in (alone[first.motor.part], first):
+        assert drive.controller is not None and drive.controller.part == f"amplifier for {first.motor.part}"
+
+
+def test_a_drive_without_a_controller_says_why() -> None:
+    """A servo for 400 V beside controllers of maxon, none of which takes 325 V; a catalogue of motors alone."""
+    servo = SERVO.replace("MAKERS", "yaskawa, maxon")
+    winch = WINCH.replace("MAKERS", "andymark")
+    for text, part, reason in (
+        (servo, "SGMUH-10DA", "none is listed for 325 V"),
+        (winch, "CIM", "the catalogues list no controller"),
+    ):
+        drive = explain(spec(text), part, "direct")[0]
+        assert drive.controller is None and drive.without_controller == reason
 
 
 def test_a_change_of_the_gimbal_is_tried_and_never_beyond_its_parts() -> None:
