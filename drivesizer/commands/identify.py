@@ -55,16 +55,11 @@ def identify(
     catalogs: Names = None,
 ) -> None:
     """Identify a drive by its log: figures with bands, what it cannot separate, what is wrong with it."""
-    from drivesizer.files.writing import check_targets, write_files
+    from drivesizer.files.writing import write_files
     from drivesizer.identification.identify import identify as identified
     from drivesizer.identification.part_file import part_file
 
-    paths = output or []
-    for path in paths:
-        if path.suffix.lower() not in (*_DRAWN, *_SPECS):
-            expected = f"expected {', '.join(_DRAWN)}, or .yaml for a row of a catalogue"
-            raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
-    check_targets(paths)
+    paths = _targets(output, "a row of a catalogue")
     if motor and spec:
         raise InputError("--motor: the spec has the motor; expected one of --motor and --spec")
     if not ratio > 0.0:
@@ -190,19 +185,14 @@ def compare(
     catalogs: More = None,
 ) -> None:
     """Hold a machine's log against its sizing: margins that are really left, and what explains the difference."""
-    from drivesizer.files.writing import check_targets, write_files
+    from drivesizer.files.writing import write_files
     from drivesizer.identification.compare import compare as compared
     from drivesizer.identification.compare import corrected
     from drivesizer.identification.identify import scaled
     from drivesizer.identification.log import read_log
     from drivesizer.simulate import hardest_case, validate
 
-    paths = output or []
-    for path in paths:
-        if path.suffix.lower() not in (*_DRAWN, *_SPECS):
-            expected = f"expected {', '.join(_DRAWN)}, or .yaml for the corrected spec"
-            raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
-    check_targets(paths)
+    paths = _targets(output, "the corrected spec")
     logged = scaled(read_log(log, _heads(column)), _factors(scale))
     own, drive = _machine(spec, chosen, axis, catalogs)
     with common.simulating("simulating what was promised"):
@@ -227,3 +217,15 @@ def compare(
     for path in write_files(files):
         typer.echo(f"{path} written", err=True)
     raise typer.Exit(int(any(one.status == "fail" for one in found.checks)))
+
+
+def _targets(output: list[Path] | None, data: str) -> list[Path]:
+    """The files to write: figures, and data as YAML."""
+    from drivesizer.files.writing import check_targets
+
+    for path in output or []:
+        if path.suffix.lower() not in (*_DRAWN, *_SPECS):
+            expected = f"expected {', '.join(_DRAWN)}, or .yaml for {data}"
+            raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
+    check_targets(output or [])
+    return output or []
