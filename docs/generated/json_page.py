@@ -7,11 +7,17 @@ from typing import Any
 
 from drivesizer.catalog import PARTS
 from drivesizer.output.export.json_document import export_schema
-from drivesizer.output.json.schema import prediction_schema, report_schema
+from drivesizer.output.json.schema import comparison_schema, identification_schema, prediction_schema, report_schema
 
 __all__ = ["json_documents"]
 
-_DOCUMENTS = {"Sizing and report": report_schema, "Prediction": prediction_schema, "Export": export_schema}
+_DOCUMENTS = {
+    "Sizing and report": report_schema,
+    "Prediction": prediction_schema,
+    "Identification": identification_schema,
+    "Comparison": comparison_schema,
+    "Export": export_schema,
+}
 
 
 def json_documents() -> str:

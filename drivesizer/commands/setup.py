@@ -354,14 +354,15 @@ def schema(
 
     from drivesizer.catalog.schema import catalog_schema
     from drivesizer.output.export.json_document import export_schema
-    from drivesizer.output.json.schema import prediction_schema, report_schema
+    from drivesizer.output.json import schema as schemas
     from drivesizer.spec.machine import machine_schema
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.study.plan import StudyFile
 
-    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema}
-    made |= {"study": StudyFile.model_json_schema, "prediction": prediction_schema, "export": export_schema}
-    made |= {"machine": machine_schema}
+    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": schemas.report_schema}
+    made |= {"study": StudyFile.model_json_schema, "prediction": schemas.prediction_schema, "export": export_schema}
+    made |= {"machine": machine_schema, "identification": schemas.identification_schema}
+    made |= {"comparison": schemas.comparison_schema}
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))

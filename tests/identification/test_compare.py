@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pytest
 
@@ -91,6 +92,7 @@ def test_margins_are_those_of_the_measured_figures(run: Any, cart: Path, figures
     log = driven(Path("log.csv"), figures, 30.0, 0.015)
     _, out, _ = run("compare", log, "--spec", cart, "--set", DRIVE, "--json")
     found = json.loads(out)
+    jsonschema.Draft202012Validator(json.loads(run("schema", "comparison")[1])).validate(found)
     table = np.loadtxt(log, delimiter=",", skiprows=1)
     mean = np.sqrt(np.trapezoid(table[:, 1] ** 2, table[:, 0]) / table[-1, 0])
     checks = {one["name"]: one for one in found["checks"]}

@@ -7,6 +7,7 @@ import struct
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 from motor_logs import motor_log
 
@@ -39,6 +40,8 @@ def test_json_has_si_and_a_part_the_rest_of_the_data_sheet(run: Any, tmp_path: P
     monkeypatch.chdir(tmp_path)
     status, out, _ = run("identify", log_of(Path("log.tsv")), "--motor", "118752", "--json", "-o", "own.yaml")
     found = json.loads(out)
+    schema = json.loads(run("schema", "identification")[1])
+    jsonschema.Draft202012Validator(schema).validate(found)
     figures = {one["name"]: one for one in found["figures"]}
     assert status == 0
     assert figures["J"]["value"] == pytest.approx(2e-5, rel=0.05)  # the sheet has an inductance, the log none
