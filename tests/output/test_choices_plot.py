@@ -14,7 +14,7 @@ from drivesizer.results.sizing import Choice
 
 def drives(count: int, seed: int) -> list[Choice]:
     rng = np.random.default_rng(seed)
-    parts: Any = SimpleNamespace(label="<b>motor</b> + gearhead")
+    parts: Any = SimpleNamespace(label="<b>motor</b> + gearhead", currency="EUR")
     made = []
     for _ in range(count):
         mass, price, energy = rng.integers(1, 6, 3).tolist()

@@ -22,7 +22,8 @@ from drivesizer.spec.robot import load_spec
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
 RPM = np.pi / 30
-# No sheet tells how warm the NEO gets; that its winding may not exceed 125 degC is assumed.
+# No sheet tells how warm the NEO gets; that its winding may not exceed 125 degC is assumed. Of an inductance so small
+# commutation takes nothing: what decides are the two constants.
 NEO = """catalog: 1
 manufacturer: REV Robotics
 sources: {sheet: {document: "NEO data sheet", confidence: quoted}}
@@ -30,7 +31,7 @@ motors:
 - family: NEO
   source: sheet
   common: {kind: brushless, rotor_inertia: 397 g*cm^2, pole_pairs: 7, nominal_voltage: 12 V,
-    max_winding_temperature: 125 degC}
+    max_winding_temperature: 125 degC, inductance: 0.000001 mH}
   columns: [part, no_load_speed (rpm), no_load_current (A), stall_torque (N*m), stall_current (A), resistance (ohm),
     torque_constant (mN*m/A), back_emf_constant (mV/rpm)]
   rows: [[NEO, 5676, 1.8, 2.6, 105, 0.1143, 24.76, ~], [NEO-K, 5676, 1.8, 2.6, 105, 0.1143, 24.76, 2.075]]
