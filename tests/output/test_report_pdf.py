@@ -3,7 +3,7 @@
 import io
 import re
 from dataclasses import replace
-from math import nan
+from math import isnan, nan
 
 import pypdf
 import pytest
@@ -118,7 +118,7 @@ def test_sixty_candidates_run_over_pages_with_their_head_repeated(tmp_path, cata
 def test_a_set_of_unknown_figures_and_a_file_whose_name_is_no_text(result):
     """The rest is drawn; letters of the name are spelled out with backslashes, which the typesetter once refused."""
     best = result.sets[0]
-    bare = replace(best, gearhead=replace(best.gearhead, inertia=nan, price=nan))
+    bare = replace(best, gearhead=replace(best.gearhead, inertia=nan))
     named = replace(result, sets=(bare,), problem=replace(result.problem, machine=result.spec.model_copy()))
     named.spec._source = YamlSource(result.spec.text, "folder/a\udcff\x01.yaml")
     made = printed(named, None)
@@ -127,7 +127,9 @@ def test_a_set_of_unknown_figures_and_a_file_whose_name_is_no_text(result):
     assert "a_udcff_x01.yaml" in pypdf.PdfReader(io.BytesIO(made.content)).attachments
     assert "attachedtothisPDFasa_udcff_x01.yaml" in "".join(text.split())
     assert "Energy per cycle unknown" in text and "current over time is unknown" in text
-    assert re.search(r"total (≥ )?[\d.]+ k?g unknown", text) and not re.search(r"\bnan\b", text)
+    assert not isnan(best.gearhead.price) and isnan(best.motor.price)
+    least = re.search(r"total ≥ [\d.]+ k?g ≥ ([\d.]+) EUR", text)
+    assert least and float(least[1]) == pytest.approx(4 * best.gearhead.price) and not re.search(r"\bnan\b", text)
 
 
 def test_misses_are_reported_with_bars_and_what_would_have_to_move(example_text, tmp_path):
