@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
 from drivesizer.errors import InputError
 from drivesizer.files import fields
@@ -232,8 +232,16 @@ class Leg(fields.Section):
         return (0.0 if self.charges else 1.0) if self.load is None else self.load
 
 
+def _by_duration_or_legs(schema: dict[str, Any]) -> None:
+    """Let the schema of a mission take legs in place of a duration."""
+    schema["anyOf"] = [{"required": schema.pop("required")}, {"required": ["legs"]}]
+    schema["properties"]["legs"]["minItems"] = 1
+
+
 class Mission(fields.Section):
     """Use of the motion, for the closed loop, and the legs of a day for the battery."""
+
+    model_config = ConfigDict(json_schema_extra=_by_duration_or_legs)
 
     duration: fields.Duration = fields.required(
         "for which the cycle is repeated, rounded up to whole cycles; with legs their sum where not given",

@@ -1,6 +1,7 @@
 """The JSON Schemas that editors get: what ships obeys them, and what is wrong does not."""
 
 import json
+from contextlib import nullcontext
 from importlib import resources
 from pathlib import Path
 
@@ -10,9 +11,11 @@ from rows import hold
 
 from drivesizer.catalog import shipped
 from drivesizer.catalog.schema import catalog_schema
+from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import read
 from drivesizer.spec.any_spec import is_machine
-from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.machine import machine_schema
+from drivesizer.spec.robot import RobotSpec, load_spec
 from drivesizer.study.plan import StudyFile
 
 SPECS = [Path(str(p)) for p in (resources.files("drivesizer.spec") / "starters").iterdir() if p.name.endswith(".yaml")]
@@ -29,6 +32,23 @@ def test_shipped_catalogues_obey_the_schema():
 @pytest.mark.parametrize("path", sorted(SPECS), ids=lambda p: p.stem)
 def test_starters_and_examples_obey_the_schema(path):
     jsonschema.Draft202012Validator(RobotSpec.model_json_schema()).validate(read(path).data)
+
+
+@pytest.mark.parametrize(("mission", "good"), [
+    ({"duration": "2 h"}, True),
+    ({"legs": [{"time": "40 min"}, {"time": "20 min", "charges": True}]}, True),
+    ({"duration": "2 h", "legs": [{"time": "40 min"}]}, True),
+    ({}, False),
+    ({"legs": []}, False),
+])  # fmt: skip
+def test_a_mission_has_a_duration_or_legs(mission, good):
+    """The schema takes what the reader takes; that of a machine requires no field of what its axes share."""
+    spec = read(EXAMPLES / "sps_robot.yaml").data | {"mission": mission}
+    assert jsonschema.Draft202012Validator(RobotSpec.model_json_schema()).is_valid(spec) == good
+    whole = {"name": "one", "mission": mission, "axes": {"a": {}}}
+    assert jsonschema.Draft202012Validator(machine_schema()).is_valid(whole) == (mission != {"legs": []})
+    with nullcontext() if good else pytest.raises(InputError, match="mission"):
+        load_spec(spec)
 
 
 def test_the_example_of_a_study_obeys_the_schema():
