@@ -363,11 +363,9 @@ def _partial(field: dict[str, Any], models: dict[str, Any]) -> dict[str, Any]:
     """A section of which no field is required; the models that it needs are added."""
     if "$ref" in field:
         name = field["$ref"].removeprefix(_REF)
-        whole = models[name]
-        demands = {"required", "anyOf"} if whole.get("type") == "object" else {"required"}
-        if not demands & whole.keys():
+        if not models[name].get("required"):
             return field
-        models[_PARTIAL + name] = {key: value for key, value in whole.items() if key not in demands}
+        models[_PARTIAL + name] = {key: value for key, value in models[name].items() if key != "required"}
         return field | {"$ref": f"{_REF}{_PARTIAL}{name}"}
     options = field.get("oneOf", field.get("anyOf"))
     if options is None:
