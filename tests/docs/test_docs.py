@@ -159,7 +159,8 @@ def test_every_command_that_is_listed_runs(desk):
             continue
         said = desk(command)
         assert said.status < 2, f"{command}\n{said.text}"
-        assert said.status == 0 or "explain" in command, command  # which shows a pair that falls
+        fails = command.split()[1] in ("explain", "compare")  # a pair that falls; the log of a motor on its own bench
+        assert said.status == 0 or fails, command
 
 
 @pytest.mark.slow
