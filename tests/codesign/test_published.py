@@ -111,7 +111,7 @@ def test_the_lightest_motor_and_its_ratio_are_those_printed(actuator, case, torq
 
 def test_of_lead_and_ratio_their_quotient_alone_is_fixed(actuator):
     """Half the lead gives half the ratio and the same motor; where both are free only N/p = 3032.6 rad/m is."""
-    rows = list(family(A[3], 20, 19.0))
+    rows = list(family(A[3], 20, 18.9))
     whole, half = (drive_of(actuator(rows, *A[:3], lead=lead)) for lead in (LEAD, LEAD / 2))
     assert whole[0] == half[0]
     assert half[2] / (LEAD / 2) == pytest.approx(whole[2] / LEAD, rel=0.02)

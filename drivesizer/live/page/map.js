@@ -4,8 +4,9 @@ import { button, element, words } from "./dom.js";
 import { pieces, whenFree } from "./requests.js";
 import { state } from "./state.js";
 import { best, colour, passes } from "./stretches.js";
+import * as sweeps from "./sweeps.js";
 
-const CELLS = 9; // along each side
+const CELLS = 7; // along each side
 const panel = document.getElementById("sliders");
 const wanted = button("map over both sliders", draw), place = element("div", { className: "map", hidden: true });
 let running = null;
@@ -35,6 +36,7 @@ async function draw() {
   const named = (one, all) => element("p", { className: "ends", textContent: `${one.path.map(words).join(" · ")}: ${all[0]} to ${all.at(-1)}` });
   place.replaceChildren(named(up, [...rows].reverse()), element("div", { className: "cells" }, ...cells.flat()), named(across, columns), legend);
   place.hidden = false;
+  sweeps.pause(); // a tab's sweeps take the place of one another
   try {
     for (const [n, row] of rows.entries()) {
       for await (const piece of pieces("sweep", { text, edits: [[up.path, row, false]], path: across.path, values: columns }, running.signal)) {
@@ -43,6 +45,8 @@ async function draw() {
     }
   } catch (error) {
     if (error.name !== "AbortError") legend.append(element("li", { textContent: "not computed: the server does not answer" }));
+  } finally {
+    sweeps.goOn();
   }
 }
 

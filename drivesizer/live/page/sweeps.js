@@ -69,13 +69,16 @@ async function work() {
   work();
 }
 
-whenFree(() => {
+export function pause() {
   paused += 1;
   current?.control.abort();
-}, () => {
+}
+
+export function goOn() {
   paused -= 1;
   work();
-});
+}
+whenFree(pause, goOn);
 
 async function sweep(one, signal) {
   const count = one.whole ? Math.min(POINTS, one.high - one.low + 1) : POINTS;
