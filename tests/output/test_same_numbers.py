@@ -26,12 +26,12 @@ from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import KNOWN, write
 from drivesizer.results.check import Check
-from drivesizer.results.sizing import SizingResult
+from drivesizer.results.sizing import SizingResult, unknown_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.simulate import validate
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.units import from_si, label
+from drivesizer.units import KINDS, from_si, label
 
 
 class Fact(NamedTuple):
@@ -42,6 +42,7 @@ class Fact(NamedTuple):
     margin: float = nan
     unit: str = ""  # as it is printed
     status: str = ""
+    digits: int = 4  # that are printed for people: a mass that is estimated in part has three
 
 
 Key = tuple[Any, ...]  # ("requirement", name), ("check", method, name), ("candidate", rank, figure) ...
@@ -81,8 +82,8 @@ def recorded(run: Run) -> Facts:
         found[where, c.method, c.name] = Fact(demand, limit, c.margin, label(c.unit), c.status)
     for s in run.candidates:
         prices = [p.price for p in s.parts.values() if p is not None and not isnan(p.price)]
-        found["candidate", s.rank, "mass"] = Fact(1000.0 * s.mass, unit="g")
-        found["candidate", s.rank, "price"] = Fact(sum(prices) if prices else nan, unit="EUR")
+        found["candidate", s.rank, "mass"] = Fact(1000.0 * s.mass, unit="g", digits=3 if s.mass_estimated else 4)
+        found["candidate", s.rank, "price"] = Fact(sum(prices) if prices else nan, unit=s.currency)
         found["candidate", s.rank, "total_ratio"] = Fact(s.total_ratio)
         found["candidate", s.rank, "verdict"] = Fact(status=s.status)
     for f in run.proof.figures if run.proof else ():
@@ -196,8 +197,9 @@ def from_xlsx(folder: Path, run: Run) -> Facts:
             found["figure", figures[title]] = Fact(number(row["value"]), unit=row["unit of value"])
         if sheet == "Candidates" and row.get("list") in ("set", "miss", "unsure"):
             rank = row["rank"]
+            (price,) = (head for head in row if re.fullmatch("price [A-Z]{3}", head))
             found["candidate", rank, "mass"] = Fact(1000.0 * number(row["mass kg"]), unit="g")
-            found["candidate", rank, "price"] = Fact(number(row["price EUR"]), unit="EUR")
+            found["candidate", rank, "price"] = Fact(number(row[price]), unit=price.split()[-1])
             found["candidate", rank, "total_ratio"] = Fact(number(row["total ratio"]))
             found["candidate", rank, "verdict"] = Fact(status=row["status"])
     return found
@@ -236,7 +238,7 @@ def from_json(folder: Path, run: Run) -> Facts:
         prices = [p["price"] for p in (*whole, *belt, s["encoder"], s["controller"])
                   if p and not p.get("inside") and p["part"] != "direct" and p["price"] is not None]  # fmt: skip
         found["candidate", s["rank"], "mass"] = Fact(1000.0 * number(s["mass"]), unit="g")
-        found["candidate", s["rank"], "price"] = Fact(sum(prices) if prices else nan, unit="EUR")
+        found["candidate", s["rank"], "price"] = Fact(sum(prices) if prices else nan, unit=s["currency"])
         found["candidate", s["rank"], "total_ratio"] = Fact(s["total_ratio"])
         found["candidate", s["rank"], "verdict"] = Fact(status=s["status"])
     for f in driven["figures"]:
@@ -349,20 +351,27 @@ def nearest(expected: Fact, read: list[Fact]) -> Fact | None:
 def candidate(text: str, s: Any, expected: Facts) -> Facts:
     motor = " ?".join(re.escape(letter) for letter in s.motor_name if letter != " ")  # a cell may break inside a name
     pattern = (
-        rf"\b{s.rank} {motor} .{{0,80}}? (?P<ratio>{NUMBER}) (?P<mass>{NUMBER} k?g|unknown) "
-        rf"(?P<price>{NUMBER}(?: EUR)?|unknown) .{{0,120}}?{STATUS}"
+        rf"\b{s.rank} {motor} .{{0,80}}? (?P<ratio>{NUMBER}) (?:{mark(s)}(?P<mass>{NUMBER} k?g)|unknown) "
+        rf"(?P<price>{NUMBER}|unknown) .{{0,120}}?{STATUS}"
     )
-    match = re.search(pattern, text[text.index("combinations of motor and gearhead, with") :])
-    if match is None:
+    table = text[text.index("combinations of motor and gearhead, with") :]
+    match, head = re.search(pattern, table), re.search(r"\bprice \(([A-Z]{3})\)", table)
+    if match is None or head is None:
         return {}
-    amount = {name: nan if match[name] == "unknown" else value_of(match[name].split()[0]) for name in ("mass", "price")}
-    amount["mass"] *= 1000.0 if match["mass"].endswith(" kg") else 1.0
+    mass, _, unit = (match["mass"] or "").partition(" ")
+    grams = value_of(mass) * (1000.0 if unit == "kg" else 1.0) if mass else nan
+    price = nan if match["price"] == "unknown" else value_of(match["price"])
     return {
-        ("candidate", s.rank, "mass"): Fact(amount["mass"], unit="g"),
-        ("candidate", s.rank, "price"): Fact(amount["price"], unit="EUR"),
+        ("candidate", s.rank, "mass"): Fact(grams, unit="g"),
+        ("candidate", s.rank, "price"): Fact(price, unit=head[1]),
         ("candidate", s.rank, "total_ratio"): Fact(value_of(match["ratio"])),
         ("candidate", s.rank, "verdict"): Fact(status=match["status"]),
     }
+
+
+def mark(s: Any) -> str:
+    """Before a mass: at least that, where a counted part's is unknown; about that, where one is estimated."""
+    return "≥ " if unknown_parts(s, "mass", s.mass_of) else "≈ " if s.mass_estimated else ""
 
 
 # -- how well they must agree
@@ -371,27 +380,30 @@ def candidate(text: str, s: Any, expected: Facts) -> Facts:
 def same(expected: Fact, fact: Fact) -> bool:
     """All digits; a workbook keeps 16 of 17."""
     numbers = zip(expected[:3], fact[:3], strict=True)
-    return expected[3:] == fact[3:] and all(both_unknown(a, b) or isclose(a, b, rel_tol=1e-15) for a, b in numbers)
+    return expected[3:5] == fact[3:5] and all(both_unknown(a, b) or isclose(a, b, rel_tol=1e-15) for a, b in numbers)
 
 
 def rounds(expected: Fact, fact: Fact) -> bool:
-    """Four digits, money to the cent, a margin to the tenth of a percent below ten and to the percent above."""
+    """Its digits, money to the cent, a margin to the tenth of a percent below ten and to the percent above."""
     fine = 0.0005 if abs(expected.margin) < 0.0995 else 0.005
     return (
-        expected[3:] == fact[3:]
+        expected[3:5] == fact[3:5]
         and all(
-            both_unknown(a, b) or abs(a - b) <= digit(a, expected.unit)
-            for a, b in zip(expected[:2], fact[:2], strict=True)
+            both_unknown(a, b) or abs(a - b) <= digit(a, expected) for a, b in zip(expected[:2], fact[:2], strict=True)
         )
         and (both_unknown(expected.margin, fact.margin) or abs(expected.margin - fact.margin) <= fine * (1 + 1e-9))
     )
 
 
-def digit(value: float, unit: str) -> float:
+def digit(value: float, expected: Fact) -> float:
     """Half of the last digit that is printed."""
-    if unit == "EUR":
+    if expected.unit in KINDS["price"].units:
         return 0.005 * (1 + 1e-9)
-    return 0.5 * 10.0 ** (floor(log10(abs(value))) - 3) * (1 + 1e-9) if value and isfinite(value) else 0.0
+    return (
+        0.5 * 10.0 ** (floor(log10(abs(value))) + 1 - expected.digits) * (1 + 1e-9)
+        if value and isfinite(value)
+        else 0.0
+    )
 
 
 def both_unknown(a: float, b: float) -> bool:
