@@ -90,7 +90,8 @@ async function current(drawing) {
 
 function drawn(drawing) {
   const whole = figures[drawing.dataset.plot], low = drawing.closest("#glance");
-  const plot = low ? { ...whole, layout: { ...whole.layout, height: LOW } } : whole;
+  const [xaxis, yaxis] = [whole.layout.xaxis, whole.layout.yaxis].map((axis) => ({ ...axis, automargin: false }));
+  const plot = low ? { ...whole, layout: { ...whole.layout, xaxis, yaxis, height: LOW } } : whole;
   drawing.outdated = false;
   if (!drawing.data) return draw(drawing, plot);
   drawing.plot = plot;

@@ -32,7 +32,7 @@ export function draw({ band, list, low, high, points, rejected, text }) {
   band.replaceChildren(...found.map((each, n) => {
     const start = n ? (found[n - 1].to + each.from) / 2 : low, end = n + 1 < found.length ? (each.to + found[n + 1].from) / 2 : each.to;
     const share = (end - start) / (high - low), name = share >= NAMED && passes(each) ? each.name ?? "" : "";
-    const piece = element("i", { className: colour(each), title: said(each, text), textContent: name });
+    const piece = element("i", { className: colour(each), title: said(each, text) }, ...(name ? [element("span", { textContent: name })] : []));
     piece.style.width = `${100 * share}%`;
     return piece;
   }));
