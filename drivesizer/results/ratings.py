@@ -214,12 +214,14 @@ def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
     Up to the voltage of the machine, or of a usual control supply, that can be had; above both it is unknown.
     """
     coil, given, there = brake["supply"], supply.brakes, brake["part"] != ""
-    low, high = (supply.lowest, supply.highest) if given in (None, supply.nominal) else (given, given)
+    volts = np.nan if given is None else given
+    shared = given is None or volts == supply.nominal  # of samples each
+    low, high = (np.where(shared, end, volts) for end in (supply.lowest, supply.highest))
     least, most = (1.0 - _COIL) * coil, (1.0 + _COIL) * coil
     weak = low < least
     demand, limit = np.where(weak, least, high), np.where(there, np.where(weak, low, most), np.inf)
     apart = there & ~(demand <= limit) & (given is None)
-    at_hand = max(supply.highest, _CONTROL)
+    at_hand = np.maximum(supply.highest, _CONTROL)
     higher = apart & (least > at_hand)
     demand, limit = np.where(apart, coil, demand), np.where(apart, most, limit)
     ends = Range(np.where(higher, at_hand, limit), np.where(higher, np.nan, limit))

@@ -9,7 +9,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.machine.problem import problem
-from drivesizer.physics.drive_train import back_emf_constant
+from drivesizer.physics.drive_train import COMMUTATION_BAND, back_emf_constant
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.uncertainty.sampled_drive import SetRows
@@ -66,8 +66,14 @@ def _losing(spec: RobotSpec, table: Any, row: int, factor: float) -> Any:
     return replace(table, columns=columns)
 
 
-def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values: Any) -> tuple[Evaluation, Catalog]:
-    """One sample of a set by the plain evaluation: a spec and a catalogue of its own."""
+def evaluated(
+    spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values: Any, *, passes: bool = True
+) -> tuple[Evaluation, Catalog]:
+    """One sample of a set by the plain evaluation: a spec and a catalogue of its own.
+
+    A voltage passes with the most that commutation may take and fails with the least, and the check shows it with that:
+    the inductance is such that this end of the band is what the sample takes.
+    """
     v = {f"{part}.{figure}": 1.0 for part, section in FACTORS.items() for figure in section.model_fields}
     v |= {assumption.name: value for assumption, value in zip(given, values, strict=True)}
     heats, rubs, k = v["motor.thermal_resistance"], v["motor.friction"], v["motor.torque_constant"]
@@ -82,6 +88,7 @@ def evaluated(spec: RobotSpec, parts: Catalog, one: SetRows, given: Any, values:
         motors=scaled(motors, one.motor, {
             "back_emf_constant": k, "resistance": v["motor.resistance"], "torque_constant": k,
             "no_load_current": rubs / k, "friction_torque": rubs, "viscous_friction": rubs,
+            "inductance": v["motor.commutation"] / COMMUTATION_BAND[passes],
             "rotor_inertia": v["motor.rotor_inertia"], "thermal_resistance_winding": heats,
             "thermal_resistance_housing": heats, "winding_time_constant": heats, "motor_time_constant": heats,
         }),

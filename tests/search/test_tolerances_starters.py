@@ -80,7 +80,8 @@ def _as_evaluated(spec: RobotSpec) -> None:
         (block,) = blocks(ready, parts, [one.belt])
         got = checks_of(parts, one, block)
         for row in np.arange(0, block.size, 9):
-            plainly, _ = evaluated(spec, parts, one, given, ready.values[row])
+            passes = bool(got["supply_voltage"].passed[row])
+            plainly, _ = evaluated(spec, parts, one, given, ready.values[row], passes=passes)
             if plainly.controller[0] == one.controller:  # else it does not suffice, and samples keep it all the same
                 held_alike(plainly, got, int(row), block.size)
                 seen += 1

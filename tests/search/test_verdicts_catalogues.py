@@ -180,6 +180,19 @@ def test_a_coil_for_more_than_there_is_needs_a_supply_that_nobody_named():
         assert ("supply" in one.note) == (volts != coil)
 
 
+@pytest.mark.parametrize(
+    ("brakes", "coil", "demand", "passed"),
+    [(24.0, 24.0, [26.0, 24.0], [True, True]), (None, 24.0, [26.0, 24.0], [True, True]),
+     (None, 40.0, [40.0, 40.0], [False, True])],
+)  # fmt: skip
+def test_a_coil_at_several_supplies_at_once(brakes, coil, demand, passed):
+    """Of 22 to 26 V and of 40 to 48 V: 24 V of a supply of their own are within the coil's 10 % at both."""
+    both = {"nominal": np.array([24.0, 44.0]), "min": np.array([22.0, 40.0]), "max": np.array([26.0, 48.0])}
+    supply = read(VEHICLE.format(catalogs="maxon")).supply.model_copy(update={**both, "brakes": brakes})
+    found = coil_voltage({"supply": np.array([coil]), "part": np.array(["brake"])}, supply)
+    assert (found.demand.tolist(), found.passed.tolist()) == (demand, passed)
+
+
 def test_a_motor_for_extra_low_voltage_is_not_first_at_the_mains():
     """Rectified mains of 230 V, 325 V: motors for 48 V are unknown and behind; one for 283 V is within 1.5 times."""
     text = SERVO.replace("VOLTS", "325 V").replace("panasonicMORE", "maxon")
