@@ -120,9 +120,9 @@ def test_random_drives_are_within_their_bands(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(100, 300, 50))
-def test_two_hundred_random_drives_are_within_their_bands(tmp_path: Path, first: int) -> None:
-    assert np.mean(met(tmp_path, range(first, first + 50))[0]) >= 0.9
+@pytest.mark.parametrize("first", [100, 200])
+def test_further_random_drives_are_within_their_bands(tmp_path: Path, first: int) -> None:
+    assert np.mean(met(tmp_path, range(first, first + 20))[0]) >= 0.9
 
 
 def test_a_data_sheet_is_held_against_the_log_and_a_wrong_unit_gets_its_factor(tmp_path: Path) -> None:
