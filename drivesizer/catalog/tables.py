@@ -28,13 +28,7 @@ OTHER_NAMES = ("order_number", "also_called")  # columns of some sections, besid
 _RECORDS = 256  # parts of late, by row
 
 Part = TypeVar("Part")
-CONFIDENCE = (
-    "measured",
-    "quoted",
-    "secondary",
-    "derived",
-    "recalled",
-)  # the most reliable first; then ESTIMATED
+CONFIDENCE = "measured", "quoted", "secondary", "derived", "recalled"  # the most reliable first; then ESTIMATED
 ESTIMATED = "estimated"  # from peers: no catalogue may say so of its own figures
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import floor, isinf, log10
@@ -13,11 +12,11 @@ from drivesizer.codesign.machines import Machine, Machines, Values, machines
 from drivesizer.codesign.result import Answer, Flat
 from drivesizer.codesign.search import Progress, best_of, every_machine, evolved, front_of, nearest_of
 from drivesizer.codesign.task import Free, Task, read_task
-from drivesizer.files.yaml_source import read, written
+from drivesizer.files.yaml_source import source_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study.rows import forget_files
-from drivesizer.study.workers import workers
+from drivesizer.study.workers import cores, workers
 
 FLAT = 0.01  # share by which a figure may be worse where an optimum is called flat
 _HALVINGS = 12  # of the range on either side
@@ -48,8 +47,7 @@ def answer(
     progress
         Called with the machines that are done and all there are to be.
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    most = 1 if task.job.merit else processes or cores
+    most = 1 if task.job.merit else processes or cores()
     advance: Progress = progress or (lambda done, total: None)
     forget_files()
     whole = task.combinations <= task.evaluations
@@ -126,10 +124,7 @@ def design(
     >>> found.values
     {'load.wheel_diameter': '150 mm'}
     """
-    if isinstance(spec, RobotSpec):
-        source = spec.source
-    else:
-        source = written(spec) if isinstance(spec, Mapping) else read(Path(spec))
+    source = spec.source if isinstance(spec, RobotSpec) else source_of(spec)
     judged = None if minimise is None or isinstance(minimise, str) else minimise
     task = read_task(
         source, free=free, merit=judged, minimise=None if judged else minimise, evaluations=evaluations, seed=seed,

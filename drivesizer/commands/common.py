@@ -115,6 +115,10 @@ def _whole(option: str, example: int, low: float, high: float) -> Callable[[obje
 Spec = Annotated[Path, file_argument(metavar="ROBOT.YAML", help="The spec; robot.yaml by default.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document and nothing else.")]
 Top = Annotated[int, whole_option("--top", 3, 1, 1000, meaning="How many drives to show, at most 1000.")]
+Processes = Annotated[int, whole_option("--processes", 2, 0, 1024, meaning="Processes; 0 is one for each core.")]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
+]
 Fields = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="FIELD=VALUE", help="Another value of a field, e.g. load.mass=400kg; repeatable."),

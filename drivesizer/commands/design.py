@@ -7,7 +7,16 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Fields, Spec, file_option, progress, whole_option, with_fields
+from drivesizer.commands.common import (
+    DEFAULT,
+    Fields,
+    Processes,
+    Scheduler,
+    Spec,
+    file_option,
+    progress,
+    with_fields,
+)
 from drivesizer.commands.ends import STOPPED
 from drivesizer.errors import InputError, quoted
 
@@ -33,12 +42,8 @@ def design(
         Path | None, file_option("--folder", metavar="FOLDER", help="Keep all machines here; the same command resumes.")
     ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew in that folder.")] = False,
-    processes: Annotated[
-        int, whole_option("--processes", 2, 0, 1024, meaning="Processes; 0 is one for each core.")
-    ] = 0,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
-    ] = None,
+    processes: Processes = 0,
+    scheduler: Scheduler = None,
     fields: Fields = None,
 ) -> None:
     """Find the best machine with its drive: free figures, limits, a front; what holds it and what may be rounded."""

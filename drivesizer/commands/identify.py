@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from drivesizer.catalog.query import Hit
     from drivesizer.identification.identify import Reference
     from drivesizer.results.drive_set import DriveSet
+    from drivesizer.results.identification import Comparison, Identification
     from drivesizer.spec.robot import RobotSpec
 
 _DRAWN = (".svg", ".pdf", ".png")
@@ -55,7 +56,6 @@ def identify(
     catalogs: Names = None,
 ) -> None:
     """Identify a drive by its log: figures with bands, what it cannot separate, what is wrong with it."""
-    from drivesizer.files.writing import write_files
     from drivesizer.identification.identify import identify as identified
     from drivesizer.identification.part_file import part_file
 
@@ -71,16 +71,7 @@ def identify(
         found = identified(log, of, scales=_factors(scale), named=_heads(column))
     files = {path: part_file(found, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
     files |= {path: _drawn(path, found.time, found.traces) for path in paths if path.suffix.lower() in _DRAWN}
-    if json:
-        from drivesizer.output.json.documents import as_text
-
-        typer.echo(as_text(found))
-    else:
-        from drivesizer.output.terminal.sizing import identified as printed
-
-        printed(found)
-    for path in write_files(files):
-        typer.echo(f"{path} written", err=True)
+    _answer(found, files, json=json)
 
 
 def _drawn(path: Path, time: Any, traces: Any) -> bytes:
@@ -185,7 +176,6 @@ def compare(
     catalogs: More = None,
 ) -> None:
     """Hold a machine's log against its sizing: margins that are really left, and what explains the difference."""
-    from drivesizer.files.writing import write_files
     from drivesizer.identification.compare import compare as compared
     from drivesizer.identification.compare import corrected
     from drivesizer.identification.identify import scaled
@@ -206,16 +196,7 @@ def compare(
             raise InputError(f"{path}: no figure of the load explains a difference: the spec stays as it is")
         else:
             files[path] = corrected(own, found.explanations[0])
-    if json:
-        from drivesizer.output.json.documents import as_text
-
-        typer.echo(as_text(found))
-    else:
-        from drivesizer.output.terminal.sizing import compared as printed
-
-        printed(found)
-    for path in write_files(files):
-        typer.echo(f"{path} written", err=True)
+    _answer(found, files, json=json)
     raise typer.Exit(int(any(one.status == "fail" for one in found.checks)))
 
 
@@ -229,3 +210,23 @@ def _targets(output: list[Path] | None, data: str) -> list[Path]:
             raise InputError(f"{quoted(path.name)} does not say what is to be written; {expected}")
     check_targets(output or [])
     return output or []
+
+
+def _answer(found: Identification | Comparison, files: dict[Path, bytes], *, json: bool) -> None:
+    """Print what was found, and write the files."""
+    from drivesizer.files.writing import write_files
+    from drivesizer.results.identification import Identification
+
+    if json:
+        from drivesizer.output.json.documents import as_text
+
+        typer.echo(as_text(found))
+    else:
+        from drivesizer.output.terminal import sizing as terminal
+
+        if isinstance(found, Identification):
+            terminal.identified(found)
+        else:
+            terminal.compared(found)
+    for path in write_files(files):
+        typer.echo(f"{path} written", err=True)

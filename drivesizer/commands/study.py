@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from drivesizer.commands.common import file_argument, file_option, print_notes, progress, whole_option
+from drivesizer.commands.common import Processes, Scheduler, file_argument, file_option, print_notes, progress
 from drivesizer.commands.ends import STOPPED
 from drivesizer.output.words import number_of
 
@@ -22,12 +22,8 @@ def study(
         Path | None,
         file_option("--output", "-o", metavar="FOLDER", help="Folder of the results; else here, named as the study."),
     ] = None,
-    processes: Annotated[
-        int, whole_option("--processes", 2, 0, 1024, meaning="Processes; 0 is one for each core.")
-    ] = 0,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute instead.")
-    ] = None,
+    processes: Processes = 0,
+    scheduler: Scheduler = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew; results that are there are lost.")] = False,
     over: Annotated[str | None, typer.Option("--map", metavar="A,B", help="The two fields that maps are over.")] = None,
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,

@@ -124,6 +124,11 @@ def written(data: Mapping[str, Any], name: str = "spec") -> YamlSource:
     return YamlSource(text, name, numbered=False)
 
 
+def source_of(given: str | Path | Mapping[str, Any], name: str = "spec") -> YamlSource:
+    """The source of a file, or of the same fields as a dict, which messages call by a name."""
+    return written(given, name) if isinstance(given, Mapping) else read(Path(given))
+
+
 class _Unshared(yaml.SafeDumper):
     """Writes an object twice that two fields share, without an anchor."""
 

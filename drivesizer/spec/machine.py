@@ -15,7 +15,7 @@ from pydantic import Field, ValidationError, field_validator
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import Path_, YamlSource, overlay, read, written
+from drivesizer.files.yaml_source import Path_, YamlSource, overlay, source_of
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.motions import Cam, Harmonic
@@ -181,7 +181,7 @@ def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:
     InputError
         When the file cannot be read or something in it is wrong: one line with place and reason.
     """
-    return read_machine(written(given, "machine") if isinstance(given, Mapping) else read(Path(given)))
+    return read_machine(source_of(given, "machine"))
 
 
 def read_machine(source: YamlSource) -> MachineSpec:

@@ -17,7 +17,7 @@ from drivesizer.catalog import Brake, Controller
 from drivesizer.catalog.typed import Typed
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, read, written
+from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, source_of
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.motions import Motion, Trapezoid
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -538,4 +538,4 @@ def load_spec(given: str | Path | Mapping[str, Any]) -> RobotSpec:
     >>> round(spec.motion.speed, 3)
     6.283
     """
-    return read_spec(written(given) if isinstance(given, Mapping) else read(Path(given)))
+    return read_spec(source_of(given))

@@ -8,7 +8,6 @@ was stopped goes on with the same points.
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
@@ -20,14 +19,14 @@ from typing import Any
 
 from drivesizer.errors import InputError
 from drivesizer.files.writing import remove_files
-from drivesizer.files.yaml_source import read, written
+from drivesizer.files.yaml_source import source_of, written
 from drivesizer.results.sizing import frame_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
 from drivesizer.study.answers import answers
 from drivesizer.study.plan import Places, Plan, planned
 from drivesizer.study.rows import Row, columns_of, forget_files, rows_of
-from drivesizer.study.workers import Workers, computed, workers
+from drivesizer.study.workers import Workers, computed, cores, workers
 
 Progress = Callable[[int, int], None]  # variants that are done, variants in all
 _TASKS = 128  # at least, where there are as many points
@@ -66,8 +65,7 @@ def carry_out(
     if fresh or not (folder / "study.json").exists():
         note = refuse_if_all_invalid(plan)
         outcome.notes += [note] if note else []
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    most = processes or cores
+    most = processes or cores()
     with workers(most if plan.depth else min(most, plan.points), scheduler) as on, folders.locked(folder):
         store = folders.Store(folder, plan, origin, fresh=fresh)
         _compute(plan, store, on, progress)
@@ -234,10 +232,7 @@ def size_variants(
     InputError
         When a field or a value is wrong: one line.
     """
-    if isinstance(spec, RobotSpec):
-        source = spec.source
-    else:
-        source = written(spec) if isinstance(spec, Mapping) else read(Path(spec))
+    source = spec.source if isinstance(spec, RobotSpec) else source_of(spec)
     plan = planned(written({"spec": "spec", "vary": dict(vary), **more}, "study"), Path(), {"spec": source})
     with TemporaryDirectory() if folder is None else nullcontext(str(folder)) as place:
         kept = Path(place) / "study" if folder is None else Path(place)

@@ -26,6 +26,11 @@ _SINGLE = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB
 _PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
 
 
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 class Workers(NamedTuple):
     """An executor, and what its failures mean."""
 
