@@ -109,24 +109,27 @@ def compare(log: Log, proof: Validation) -> Comparison:
         have = ", ".join(log.heads.values())
         raise InputError(f"{log.name}: {quoted(have)}; expected the motor's current, voltage or speed")
     remarks = [*log.remarks, *_left_out(proof, columns)]
-    moves = _moves(log, columns, of.figures["k_t"]) if {"current", "speed"} <= set(columns) else None
-    required, explanations = (np.zeros(0), ()) if moves is None else explained(spec, drive, moves)
-    if moves is None:
-        remarks.append("the current or the speed was not logged: what explains the difference is unknown")
-    elif explanations and explanations[0].share < 0.5:
-        remarks.append("no figure of the load explains most of the difference by itself")
-    off = required - moves.torque if moves is not None else np.zeros(1)
-    kept = moves.moving if moves is not None else np.zeros(1, bool)
-    rms = [float(np.sqrt((x[kept] ** 2).mean())) if kept.any() else nan
-           for x in (off, moves.torque if moves is not None else off)]  # fmt: skip
-    return Comparison(
-        log=log.name, label=drive.label, over=proof.over, checks=checks, explanations=explanations, difference=rms[0],
-        torque=rms[1], findings=tuple(log_findings(log, pulled=True)), remarks=tuple(remarks),
-        time=moves.time if moves is not None else np.zeros(0),
-        traces=() if moves is None else (
-            Trace("motor torque", "torque", "mN*m", moves.torque, np.where(moves.moving, required, nan)),
+    difference, torque, time = nan, nan, np.zeros(0)
+    traces, explanations = tuple[Trace, ...](), tuple[Explanation, ...]()
+    if {"current", "speed"} <= set(columns):
+        moves = _moves(log, columns, of.figures["k_t"])
+        required, explanations = explained(spec, drive, moves)
+        some, time = moves.moving, moves.time
+        if some.any():
+            off = required - moves.torque
+            difference, torque = (float(np.sqrt((x[some] ** 2).mean())) for x in (off, moves.torque))
+        if explanations and explanations[0].share < 0.5:
+            remarks.append("no figure of the load explains most of the difference by itself")
+        traces = (
+            Trace("motor torque", "torque", "mN*m", moves.torque, np.where(some, required, nan)),
             Trace("motor speed", "rotary_speed", "rpm", moves.speed, moves.speed),
-        ),
+        )
+    else:
+        remarks.append("the current or the speed was not logged: what explains the difference is unknown")
+    return Comparison(
+        log=log.name, label=drive.label, over=proof.over, checks=checks, explanations=explanations,
+        difference=difference, torque=torque, findings=tuple(log_findings(log, pulled=True)), remarks=tuple(remarks),
+        time=time, traces=traces,
     )  # fmt: skip
 
 
