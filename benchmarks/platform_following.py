@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from drivesizer import load_spec
-from drivesizer.control.path_following import following, kernel
-from drivesizer.control.path_following.following import Followed, Model
-from drivesizer.control.path_following.runs import FollowingRun, follow_case
+from drivesizer.control import path_following
+from drivesizer.control.path_following import Followed, FollowingRun, Model, follow_case, kernel
 from drivesizer.load_cases.platform import Driving, driving, with_trajectory
 from drivesizer.platform.trajectory import Trajectory
 
@@ -57,7 +56,7 @@ def main() -> None:
         print(f"{f'{model} model, {len(found.planned.time):,} periods':40}{seconds:10.2f} s    goal: well under 1 s")
     part = beginning(route, options.pieces)
     fast, mine = timed(lambda: driven(part, "kinematic"), options.runs)
-    following.machine_code = lambda _: kernel.follow_one
+    path_following.machine_code = lambda _: kernel.follow_one
     slow, plain = timed(lambda: driven(part, "kinematic"), 1)
     off = np.abs(mine.posture - plain.posture).max()
     print(

@@ -14,9 +14,8 @@ import numpy as np
 from goals import line
 
 from drivesizer.platform.dynamics import Dynamics, Ground, Moving, dynamics, wheel_torques
-from drivesizer.platform.kinematics import to_robot, wheel_speeds
-from drivesizer.platform.matrix_equation import Array
-from drivesizer.platform.wheels import Platform, table_wheel
+from drivesizer.platform.equations import Array
+from drivesizer.platform.kinematics import Platform, table_wheel, to_robot, wheel_speeds
 
 SLOPE, C_RR, C_ROLLER = 0.03, 0.02, 0.01
 

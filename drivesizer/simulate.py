@@ -2,8 +2,8 @@
 
 Reference speed - error at the motor shaft - sampled controller - limited voltage - motor - gearhead, belt, load.
 
-PID and DC motor in python-control are ``control.loop_models``: ``dc_motor`` (states i, w), ``pid``, and the loops that
-they make. ``control.loop_design`` has their poles, margins and steps, and ``linear_run`` simulates the profile with
+PID and DC motor in python-control are ``control.loop_design``: ``dc_motor`` (states i, w), ``pid``, and the loops that
+they make. Their poles, margins and steps are there too; ``linear_run`` simulates the profile with
 them; its figures stand beside those of the program's own engine, which adds limits, friction, heat and counts.
 ``loads.profile`` gives the reference motion, ``control.drive_train`` the plant, ``control.closed_loop`` simulation,
 checks and figures. This module makes the record, with assumptions and warnings.
@@ -12,35 +12,176 @@ checks and figures. This module makes the record, with assumptions and warnings.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.control import devices, remedies
+from drivesizer.control import devices
+from drivesizer.control.closed_loop import ClosedLoop, run
 from drivesizer.control.closed_loop.checks import checks, columns, figures
 from drivesizer.control.closed_loop.linear_run import linear_run
-from drivesizer.control.closed_loop.run import ClosedLoop, run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
-from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Validation
+from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Stepping, Validation
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
 from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.load_cases.profile import profile as named
+from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
-from drivesizer.loads.motions import SPEED
+from drivesizer.loads.motions import SPEED, Move, SCurve, Trapezoid, Triangle
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.results.check import GRAVEST, Check, verdict, worst
 from drivesizer.results.drive_set import DriveSet, loss_assumptions
 from drivesizer.results.problem import SHIFT, for_drive
 from drivesizer.results.sizing import SizingResult
-from drivesizer.spec.drive import Control
+from drivesizer.spec.drive import Control, VelocityLoop
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import show
+from drivesizer.units import show, to_si
+
+CALM = 16  # microsteps with which a stepper's swings are small
+_JERK_TIME = 0.25  # of a straight ramp
+_FOLLOWING = {"tracking_error", "bandwidth"}  # checks that a faster loop may pass; the others a slower one
+_GAINS = ("kp", "ki", "kd")
+_UNITS = {
+    "linear": {
+        "distance": ("length", "m"), "speed": ("speed", "m/s"), "acceleration": ("acceleration", "m/s^2"),
+        "jerk": ("jerk", "m/s^3"),
+    },
+    "rotary": {
+        "distance": ("angle", "deg"), "speed": ("rotary_speed", "rpm"),
+        "acceleration": ("angular_acceleration", "rad/s^2"), "jerk": ("angular_jerk", "rad/s^3"),
+    },
+}  # fmt: skip
+
+
+class Change(NamedTuple):
+    """A change of a spec."""
+
+    what: str
+    entry: str  # as one writes it
+    spec: RobotSpec
+
+
+def rounded_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
+    """The motion as an S-curve of the same distance, speed and acceleration, or with half its jerk."""
+    before = proof.spec.motion
+    if not isinstance(before, SCurve | Trapezoid | Triangle | Move) or (figures := _limits(before)) is None:
+        return
+    units = _UNITS[proof.spec.load.axis]
+    fields: dict[str, Any] = {"profile": "s_curve"}
+    for name, figure in figures.items():
+        kind, unit = units[name]
+        fields[name] = show(figure, unit, kind, 3 if name == "jerk" else 6)
+    if before.rest_time:
+        fields["rest_time"] = show(before.rest_time, "s", "time", 6)
+    if before.there_and_back:
+        fields["there_and_back"] = True
+    for name in ("payload", "payload_back"):
+        if getattr(before, name):
+            fields[name] = show(getattr(before, name), "kg", "mass", 6)
+    made = SCurve.model_validate(fields, context={"axis": proof.spec.load.axis})
+    longer = profile_of(proof.spec.alone(motion=made)).duration - profile_of(proof.spec).duration
+    what = f"rounded ramps, the cycle {show(longer, 's', 'time', 3)} longer"
+    entry = ", ".join(f"{name}: {'true' if text is True else text}" for name, text in fields.items())
+    yield Change(what, f"motion: {{{entry}}}", _with_motion(spec, before, made))
+
+
+def _with_motion(spec: RobotSpec, before: Any, made: Any) -> RobotSpec:
+    """The spec with another motion in the place of one, in all load cases that have it."""
+    return spec.changed(lambda one: one.model_copy(update={"motion": made} if one.motion == before else {}))
+
+
+def _limits(motion: SCurve | Trapezoid | Triangle | Move) -> dict[str, float] | None:
+    """Distance, speed, acceleration and jerk of an S-curve in the place of a motion."""
+    if isinstance(motion, SCurve):
+        return {name: getattr(motion, name) for name in _UNITS["linear"]} | {"jerk": motion.jerk / 2}
+    if isinstance(motion, Trapezoid):
+        up, cruise, down, speed = motion.phases
+        ramps, distance = (up, down), speed * ((up + down) / 2 + cruise)
+    elif isinstance(motion, Triangle):
+        ramps, distance = (motion.time / 2, motion.time / 2), motion.distance
+        speed = 2 * distance / motion.time
+    elif motion.law in ("trapezoid", "triangle"):
+        ramps, distance = motion.ramps, motion.distance
+        speed = distance / (motion.time - sum(ramps) / 2)
+    else:  # its ramps are rounded
+        return None
+    acceleration = speed / max(ramps)
+    jerk = acceleration / (_JERK_TIME * max(ramps))
+    return {"distance": distance, "speed": speed, "acceleration": acceleration, "jerk": jerk}
+
+
+def other_gains(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
+    """Gains that are designed where some are given, and those of other bandwidths."""
+    velocity = next((loop for loop in proof.loops if loop.name == "velocity"), None)
+    if velocity is None:
+        return
+    cascade = spec.control.structure == "cascade"
+    place, own = ("control.velocity", spec.control.velocity) if cascade else ("control", spec.control)
+    blank: Control | VelocityLoop = VelocityLoop() if cascade else Control()
+    without = {name: getattr(blank, name) for name in (*_GAINS, *(("phase_margin",) if cascade else ()))}
+
+    def with_figures(figures: dict[str, Any]) -> RobotSpec:
+        def change(one: RobotSpec) -> RobotSpec:
+            control, own = one.control, figures
+            if control.structure == "cascade":
+                own = {"velocity": control.velocity.model_copy(update=figures)}
+            return one.model_copy(update={"control": control.model_copy(update=own)})
+
+        return spec.changed(change)
+
+    if own.kp is not None:
+        yield Change("gains as they are designed", f"{place} without {', '.join(_GAINS)}", with_figures(without))
+    if math.isnan(velocity.bandwidth):
+        return
+    failed = {check.name for check in proof.checks if check.status == "fail"}
+    for factor in (2.0, 0.5) if failed & _FOLLOWING else (0.5, 0.25):
+        text = show(factor * velocity.bandwidth, "Hz", "frequency", 3)
+        what = f"a {'higher' if factor > 1.0 else 'lower'} bandwidth of the velocity loop"
+        changed = with_figures(without | {"bandwidth": to_si(text, "frequency")})
+        yield Change(what, f"{place}.bandwidth: {text}", changed)
+
+
+def finer_steps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
+    """More microsteps of a stepper's driver: those with which swings are small, or the finest that it has."""
+    driver = proof.drive_set.controller
+    finest = driver.microsteps if driver else math.nan
+    more = int(min(CALM, finest)) if finest >= 1.0 else CALM
+    if isinstance(proof.gains, Stepping) and more > proof.gains.microsteps:
+
+        def change(one: RobotSpec) -> RobotSpec:
+            return one.model_copy(update={"control": one.control.model_copy(update={"microsteps": more})})
+
+        what = "finer steps" if finest >= more else "finer steps, of a driver that has them"
+        yield Change(what, f"control.microsteps: {more}", spec.changed(change))
+
+
+def slower_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
+    """Ramps of a trapezoid twice and four times as long."""
+    before = proof.spec.motion
+    if not isinstance(before, Trapezoid):
+        return
+    for factor in (2.0, 4.0):
+        if before.acceleration is not None:
+            kind, unit = _UNITS[proof.spec.load.axis]["acceleration"]
+            text = show(before.acceleration / factor, unit, kind, 6)
+            made = before.model_copy(update={"acceleration": to_si(text, kind)})
+            yield Change("slower ramps", f"motion.acceleration: {text}", _with_motion(spec, before, made))
+            continue
+        text = show(factor * before.phases[0], "s", "time", 6)
+        made = before.model_copy(update={"acceleration_time": to_si(text, "time")})
+        entry = f"motion.acceleration_time: {text}"
+        if before.deceleration_time is not None:
+            text = show(factor * before.deceleration_time, "s", "time", 6)
+            made = made.model_copy(update={"deceleration_time": to_si(text, "time")})
+            entry += f", motion.deceleration_time: {text}"
+        yield Change("slower ramps", entry, _with_motion(spec, before, made))
+
 
 _STILL_COLD = (
     "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "
@@ -132,7 +273,7 @@ def validate(
         left = "1 further case is" if others == 1 else f"{others} further cases are"
         more.append(f"the load case {driven} is simulated; {left} not simulated")
     if drive_set.steps:  # behind its pulses, on the lowest supply voltage
-        from drivesizer.control.open_loop import run as open_loop
+        from drivesizer.control import open_loop
 
         lowest = spec.supply.lowest
         ran = open_loop.run(spec, drive_set, motion, lambda speed: torque_of_drive(drive_set, speed, lowest))
@@ -261,10 +402,10 @@ def with_remedies(
     if proof.status != "fail":
         return proof
     mine = proof.drive_set
-    kinds: list[Iterable[remedies.Change]] = [remedies.finer_steps(spec, proof), remedies.other_gains(spec, proof)]
+    kinds: list[Iterable[Change]] = [finer_steps(spec, proof), other_gains(spec, proof)]
     if profile is None or profile == "spec":
-        kinds.insert(1, remedies.rounded_ramps(spec, proof))
-        kinds += [remedies.slower_ramps(spec, proof)] * mine.steps
+        kinds.insert(1, rounded_ramps(spec, proof))
+        kinds += [slower_ramps(spec, proof)] * mine.steps
     option = f"--axis {axis} --set" if axis else "--set"
     next_drives = [one for one in others if one.label != mine.label][:_OTHERS]
     drives = [

@@ -8,10 +8,9 @@ from functools import cache
 from pathlib import Path
 
 from drivesizer import explain, load_spec
-from drivesizer.control.path_following.following import Followed, extremes
-from drivesizer.control.path_following.runs import FollowingRun, follow_case
+from drivesizer.control.path_following import Followed, FollowingRun, extremes, follow_case
 from drivesizer.load_cases.platform import Driving, driving, with_trajectory
-from drivesizer.platform.wheels import EXACT, Misjudged
+from drivesizer.platform.kinematics import EXACT, Misjudged
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.units import show
 

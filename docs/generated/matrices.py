@@ -1,4 +1,4 @@
-"""Equations between vectors and matrices as LaTeX: what ``drivesizer.platform.matrix_equation`` has as text."""
+"""Equations between vectors and matrices as LaTeX: what ``drivesizer.platform.equations`` has as text."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 import unicodedata
 
 from drivesizer.physics.notation import Notation
-from drivesizer.platform.matrix_equation import symbol
+from drivesizer.platform.equations import symbol
 
 __all__ = ["equation", "expression", "term", "text"]
 

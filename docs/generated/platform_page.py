@@ -8,7 +8,7 @@ from latex import displayed, inline
 
 from drivesizer.physics.equation import Term
 from drivesizer.platform import robot_figures
-from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
+from drivesizer.platform.equations import PLATFORM, MatrixEquation
 
 __all__ = ["platform_equations"]
 

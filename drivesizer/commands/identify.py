@@ -124,8 +124,7 @@ def _reference(
     ratio: float,
 ) -> tuple[Hit | None, Reference]:  # fmt: skip
     """The drive as it is known: not at all, by a motor, or by a spec and its drive."""
-    from drivesizer.identification.identify import Reference
-    from drivesizer.identification.reference import of_drive, of_motor
+    from drivesizer.identification.identify import Reference, of_drive, of_motor
 
     if motor:
         from drivesizer.catalog.query import find, open_catalogs

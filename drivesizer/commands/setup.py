@@ -187,7 +187,7 @@ def equations(
     from drivesizer.output import derivation
     from drivesizer.output.terminal import equations as terminal_equations
     from drivesizer.platform import robot_figures
-    from drivesizer.platform.matrix_equation import PLATFORM
+    from drivesizer.platform.equations import PLATFORM
 
     if number is None:
         terminal_equations.equations()

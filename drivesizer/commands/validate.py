@@ -192,7 +192,7 @@ def drive(
 
 def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     """Simulate the runs along the path, and draw them where a folder is given."""
-    from drivesizer.control.path_following.runs import drawn, follow_runs
+    from drivesizer.control.path_following import drawn, follow_runs
 
     with common.working("simulating the platform on its path"):
         runs = follow_runs(found, one)

@@ -21,10 +21,8 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import YamlOverlay
-from drivesizer.identification.checks import log_findings
-from drivesizer.identification.identify import at_motor
+from drivesizer.identification.identify import at_motor, log_findings, of_drive
 from drivesizer.identification.log import Log
-from drivesizer.identification.reference import of_drive
 from drivesizer.load_cases.platform import motion_of, remaining_torque
 from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.results.check_columns import at_most

@@ -29,11 +29,11 @@ from drivesizer.loads.wheeled_vehicle import (
     wheel_friction,
 )
 from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit, rms
-from drivesizer.platform import wheels as platform_wheels
+from drivesizer.platform import kinematics as on_wheels
 from drivesizer.platform.dynamics import Dynamics, Ground, contact_loads, dynamics, motion, own_rolling, wheel_torques
-from drivesizer.platform.grip import wheel_cycles
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.planner import Limits, Waypoint, plan, read_track
+from drivesizer.platform.stability import wheel_cycles
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.drive_set import Requirement
 from drivesizer.spec.platform import Platform
@@ -43,7 +43,7 @@ from drivesizer.units import show
 # -- The platform of a spec as the record that kinematics and dynamics take: section and load put together.
 
 
-def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 0.0) -> platform_wheels.Platform:
+def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 0.0) -> on_wheels.Platform:
     """The platform with its payloads, of the load's mass."""
     driven = sum(place.driven for place in section.places)
     if driven != load.driven_wheels:
@@ -58,21 +58,21 @@ def platform_of(section: Platform, load: WheeledVehicle, rotor_inertia: float = 
         wheels.append(replace(w, rotor_inertia=rotor, roller_resistance=roller))
     centre, own = section.centre_of_mass, _own_mass(section, load)
     casters = [
-        platform_wheels.Caster(
+        on_wheels.Caster(
             x=c.x, y=c.y, rolling_resistance=C_rr if c.rolling_resistance is None else c.rolling_resistance
         )
         for c in section.casters
     ]
     inertia = box_inertia(section, own) if section.inertia is None else section.inertia
-    whole = platform_wheels.Platform(
+    whole = on_wheels.Platform(
         wheels=tuple(wheels), mass=own, inertia=inertia, x=centre.x, y=centre.y, height=centre.height or 0.0,
         casters=tuple(casters),
     )  # fmt: skip
     for p in section.payloads:
-        carried = platform_wheels.Payload(mass=p.mass, x=p.x, y=p.y, height=p.height or 0.0, inertia=p.inertia)
-        whole = platform_wheels.loaded(whole, carried)
+        carried = on_wheels.Payload(mass=p.mass, x=p.x, y=p.y, height=p.height or 0.0, inertia=p.inertia)
+        whole = on_wheels.loaded(whole, carried)
     for number in dict.fromkeys(section.failed):
-        whole = platform_wheels.without_motor(whole, number, blocked=section.blocked)
+        whole = on_wheels.without_motor(whole, number, blocked=section.blocked)
     return whole
 
 

@@ -22,7 +22,7 @@ from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
 from drivesizer.physics.winding import housing_loss
-from drivesizer.platform import envelope, grip, stability
+from drivesizer.platform import envelope, stability
 from drivesizer.platform.dynamics import Dynamics, Ground, Moving, contact_loads, wheel_torques
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.trajectory import Trajectory
@@ -221,7 +221,7 @@ class PlatformOnFloor(NamedTuple):
     @property
     def directions(self) -> tuple[float | None, ...]:
         """Directions in which it gains speed [rad]; None is any."""
-        angles = grip.translations(self.d)
+        angles = stability.translations(self.d)
         return (None,) if len(angles) > 2 else tuple(float(a) for a in angles)
 
     def contact(self, number: int) -> str:
@@ -327,14 +327,14 @@ def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     lacking = _NO_FRICTION if s.load.friction_coefficient is None else "" if s.upright else _NO_CASTERS
     friction, columns = nan if lacking else float(s.load.friction_coefficient or 0.0), list[CheckColumn]()
     if s.steepest:
-        limit = nan if lacking else grip.grip_slope(s.d, friction)
+        limit = nan if lacking else stability.grip_slope(s.d, friction)
         columns.append(at_most("grip_slope", s.steepest, limit, needed=s.needed))
     if s.faster is not None:
         slope, ways = s.steepest, () if lacking else s.directions
-        limits = [grip.grip_acceleration(s.d, friction, way, slope=slope, gravity=s.gravity) for way in ways]
+        limits = [stability.grip_acceleration(s.d, friction, way, slope=slope, gravity=s.gravity) for way in ways]
         columns.append(at_most("grip_acceleration", s.faster, min(limits, default=nan), needed=s.needed))
     if s.trajectory is not None:
-        worst = grip.worst_friction(s.d, s.trajectory, s.ground)
+        worst = stability.worst_friction(s.d, s.trajectory, s.ground)
         note, time = s.contact(worst.contact), np.asarray(worst.time)
         columns.append(at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time))
     if lacking:
@@ -376,8 +376,8 @@ def platform_figures(s: PlatformOnFloor) -> tuple[Figure, ...]:
         slope = gains = nan
         if known:
             friction = s.load.friction_coefficient
-            slope = grip.grip_slope(s.d, friction)
-            gains = min(grip.grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.directions)
+            slope = stability.grip_slope(s.d, friction)
+            gains = min(stability.grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.directions)
         figure("grip_slope", "Slope that the floor's grip holds, worst direction", slope, "angle", "deg")
         title = "Acceleration that the floor transmits, level, worst direction"
         figure("grip_acceleration", title, gains, "acceleration", "m/s^2")

@@ -16,12 +16,12 @@ from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.machine.problem import quickest_winding, with_spec
 from drivesizer.multi_axis.common_bus import AxisPower
-from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, common_supply, place_of, toleranced
+from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, common_supply, place_of, supplied_axes, toleranced
 from drivesizer.results.check import Check, FigureSpread
 from drivesizer.results.check_columns import at_least
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.machine import MachinePower
+from drivesizer.results.machine import AxisSizing, MachinePower
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.probabilities import Over, over_samples, quantiles, reduced
@@ -173,16 +173,16 @@ _NOMINAL = (
 )
 
 
-def with_samples(
-    machine: MachineSpec,
-    shared: RobotSpec,
-    catalog: Catalog,
-    axes: Sequence[AxisPower],
-    power: MachinePower,
-    how: Sampling,
+def over_tolerances(
+    machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower, how: Sampling
 ) -> MachinePower:
-    """The power of a machine with the probability that no limit of its supply is exceeded."""
-    one = uncertain_machine(machine, _as_chosen(shared, power), axes)
+    """The power of a machine with the probability that it keeps the limits of its supply, over uncertain figures."""
+    supplied = supplied_axes(machine, axes)
+    if supplied is None or power.unknown:
+        said = "limits of the supply are judged at nominal figures: power over tolerances is unknown"
+        return replace(power, assumptions=(*power.assumptions, said))
+    shared, catalog, on_it = supplied
+    one = uncertain_machine(machine, _as_chosen(shared, power), on_it)
     drawn = sample(one.given, min(how.samples, _MOST), how.seed)
     found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn.values]
     names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in found for name in checks])

@@ -2,37 +2,348 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from math import fsum, inf, isnan
+from typing import Any, NamedTuple
 
-from drivesizer.errors import InputError
-from drivesizer.joints.mass_columns import joint_torques
-from drivesizer.multi_axis import axis_sizings, combinations
-from drivesizer.multi_axis.axis_sizings import AxisSizings
-from drivesizer.multi_axis.combinations import Choice, Combination
+import numpy as np
+
+from drivesizer.catalog import Catalog
+from drivesizer.errors import FieldError, InputError, nearest, quoted
+from drivesizer.joints.mass_columns import JointTorques, joint_torques
+from drivesizer.machine.budgets import riding_mass, riding_rows
+from drivesizer.machine.mass_budget import settle
+from drivesizer.multi_axis import combinations
+from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded, Masses, OfferedKinds
 from drivesizer.multi_axis.common_bus import waiting_times
-from drivesizer.multi_axis.common_supply import toleranced, without_effect
-from drivesizer.multi_axis.machine_power import budget_checks, machine_power, over_tolerances, with_choppers
-from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing
-from drivesizer.results.sizing import SizingResult
+from drivesizer.multi_axis.common_supply import (
+    budget_checks,
+    machine_power,
+    toleranced,
+    with_choppers,
+    without_effect,
+)
+from drivesizer.results.drive_set import DriveSet
+from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum
+from drivesizer.results.problem import Problem
+from drivesizer.results.sizing import SizingResult, unknown_parts
+from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import title_of
 from drivesizer.search.shortlist import load_parts
-from drivesizer.search.uncertainty.options import sampling_of
-from drivesizer.spec.drive import OBJECTIVES
+from drivesizer.search.uncertainty.options import Sampling, sampling_of
+from drivesizer.sizing import size
+from drivesizer.spec.drive import OBJECTIVES, Ranking
+from drivesizer.spec.machine import carrying, joint_axis, sizing_order
 from drivesizer.spec.machine_record import MachineSpec
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.units import show
+
+TorquesOf = Callable[[RobotSection, str, float], JointTorques]
+SamplingOf = Callable[[RobotSpec], Sampling | None]
+PartsOf = Callable[[RobotSpec], Catalog]
+_THRIFTY = ("energy", "peak_current")  # objectives by which drives load a supply least
+_FEW = 3
+_SAME = 1e-9  # kg: of drives out of a catalogue one is the same again, or another is heavier
+_ROUNDING = 1e-9  # of the largest torque
+_WORTH_SAYING = 0.005  # of it
+
+
+def with_joints(machine: MachineSpec, torques_of: TorquesOf = joint_torques) -> tuple[MachineSpec, JointTorques | None]:
+    """A machine with the joints of its robot among its axes, and their torques; None where it has no robot."""
+    if machine.robot is None:
+        return machine, None
+    try:
+        torques = torques_of(machine.robot, machine.file, machine.environment.gravity)
+    except FieldError as error:
+        raise InputError(f"{machine.where(error.field)}: {error}") from None
+    lost = next((axis.name for axis in machine.axes if axis.is_joint and axis.name not in torques.joints), None)
+    if lost is not None:
+        expected = f"{nearest(lost, torques.joints)}; expected one that does, or load and motion"
+        raise InputError(f"{machine.where(('axes', lost))}: no joint {quoted(lost)} moves{expected}")
+    others_on = {name: [one for one in torques.carried[name] if one != name] for name in torques.joints}
+    joints = tuple(joint_axis(machine, name, others_on[name]) for name in torques.joints)
+    others = tuple(axis for axis in machine.axes if not axis.is_joint)
+    return sizing_order(replace(machine, axes=(*joints, *others))), torques
+
+
+def rises(torques: JointTorques, joint: str, masses: Mapping[str, float]) -> bool:
+    """Whether more mass of the drives on a joint nowhere lessens its torque."""
+    for case in range(len(torques.cases)):
+        own = torques.load(joint, masses, case).cycle
+        for other in masses:
+            more = torques.load(joint, {**masses, other: masses[other] + 1.0}, case).cycle
+            if len(more.duration) != len(own.duration):  # cut elsewhere: it changes sign at another time
+                return False
+            against = (more.torque - own.torque) * np.sign(own.torque)
+            if (against < -_ROUNDING * np.abs(own.torque).max()).any():
+                return False
+    return True
+
+
+def joint_notes(torques: JointTorques, drives: Mapping[str, tuple[DriveSet, float]]) -> Iterator[str]:
+    """Sentences on chosen drives: heavier than the link that is said to hold them; rotors beyond a joint."""
+    robot, section = torques.robot, torques.section
+    quickest = np.abs(torques.cases[0].motion.acceleration).max(axis=(0, 1))
+    for joint in torques.joints:
+        place, mass = section.drives.get(joint, DrivePlace()), drives[joint][1] if joint in drives else 0.0
+        link = robot.links[place.link or robot.joints[joint].parent]
+        carried = place.on != "base" and any(one.name in torques.joints for one in robot.chain(link.name))
+        if section.masses == "with_drives" and carried and mass > link.mass:
+            both = show(mass, "kg", "mass"), show(link.mass, "kg", "mass")
+            heavier = f"{both[0]}, is heavier than its link {link.name}, {both[1]}"
+            yield f"the drive of {joint}, {heavier}, which is said to hold it (robot.masses)"
+        spun = fsum(
+            drives[one][0].total_ratio * drives[one][0].motor.rotor_inertia * quickest[n]
+            for n, one in enumerate(torques.joints)
+            if one in drives and any(moved.name == joint for moved in robot.chain(robot.joints[one].parent))
+        )
+        largest = float(np.abs(torques.load(joint, {}).cycle.torque).max())
+        if robot.joints[joint].turns and spun > _WORTH_SAYING * largest:
+            share = show(spun / largest, "%", "dimensionless", 2)
+            yield (
+                f"{joint}: rotors of drives beyond it add {show(spun, 'N*m', 'torque', 2)} at most, were their "
+                f"axes parallel to its own ({share} of its peak torque), which is left out"
+            )
+
+
+class Options(NamedTuple):
+    """Options of the sizing of all axes."""
+
+    top: int
+    objective: Ranking | None
+    pareto: tuple[str, ...]
+    progress: Progress | None
+    sampling: SamplingOf
+    brief: bool
+    parts: PartsOf
+    torques: TorquesOf
+
+
+class AxisSizings:
+    """Sizings of the axes with drives of some masses on them, each made once."""
+
+    def __init__(self, machine: MachineSpec, how: Options) -> None:
+        machine, self.torques = with_joints(machine, how.torques)
+        self.how, self.ranking = how, how.objective
+        self.price = machine.budget.price if machine.budget else None
+        self.made: dict[tuple[str, Masses], SizingResult] = {}
+        self.own: dict[tuple[str, Masses], float] = {}  # kg, of its drive on the link that a joint moves
+        self.uncertain = set[str]()  # axes of which drives lighter than their own load has may have been left out
+        self.kinds: OfferedKinds | None = None  # where common drives are preferred
+        self.catalogs: dict[tuple[Any, ...], Catalog] = {}
+        self.offered: dict[tuple[str, str], DriveSet] = {}  # by axis and label, drives beside the best
+        self.machine = with_choppers(machine, self._parts)
+        self.carried = {axis.name: tuple(self.machine.carried(axis.name)) for axis in self.machine.axes}
+        self.cycles = waiting_times(
+            self.machine, lambda axis: self._with_masses(axis, (0.0,) * len(self.carried[axis]))
+        )
+
+    def objective(self, axis: str) -> Ranking:
+        """Objective of the ranking of an axis' drives."""
+        own: Ranking = self.machine.axis(axis).spec.select.objective
+        return self.ranking or own
+
+    def moves_its_drive(self, axis: str) -> bool:
+        """Whether an axis is a joint whose drive is on a link that it moves."""
+        return self.torques is not None and axis in self.torques.carried.get(axis, ())
+
+    def masses(self, axis: str, chosen: Mapping[str, Choice]) -> Masses:
+        """Masses of the drives on an axis [kg]; none of an axis without a drive."""
+        return tuple(chosen[other].mass if other in chosen else 0.0 for other in self.carried[axis])
+
+    def fits(self, axis: str, masses: Masses, mass: float) -> bool:
+        """Whether a drive of this mass [kg] is no heavier than the axis' load has of its own drive, if any."""
+        return mass <= self.own.get((axis, masses), inf) + _SAME
+
+    def result(self, axis: str, masses: Masses) -> SizingResult:
+        """The sizing of an axis with carried drives of these masses [kg]."""
+        if (axis, masses) not in self.made:
+            own = self.moves_its_drive(axis)
+            self.made[axis, masses] = self._with_its_own(axis, masses) if own else self._in_full(axis, masses)
+        return self.made[axis, masses]
+
+    def _in_full(self, axis: str, masses: Masses) -> SizingResult:
+        spec, objective, front = self.laden(axis, masses), self.objective(axis), self.how.pareto
+        rides = any(axis in carried for carried in self.carried.values())
+        if rides and isinstance(objective, str) and objective in SUMMED:  # what counts for others: cost and mass
+            front = tuple(dict.fromkeys((*front, objective, "mass")))
+        return size(
+            spec, catalog=self._parts(spec), top=self.how.top, objective=self.ranking, pareto=front,
+            progress=self.how.progress, sampling=self.how.sampling(spec), brief=self.how.brief,
+        )  # fmt: skip
+
+    def _with_its_own(self, axis: str, masses: Masses) -> SizingResult:
+        """The sizing of a joint that moves its own drive: in rounds, and of drives no heavier than its load has.
+
+        Where the best drives run away or out, the lightest decide whether any carries itself: each round of these
+        begins at a mass that no drive which carries itself is below.
+        """
+        found: dict[float, SizingResult] = {}
+
+        def rounds(ranking: Ranking | None, own: float) -> float | None:
+            self.own[axis, masses] = own
+            if ranking is None:
+                result = found[own] = self._in_full(axis, masses)
+            else:
+                result = self._sized(self.laden(axis, masses), 1, ranking)
+            return next((riding_mass(result.problem, one) for one in result.sets[:1]), None)
+
+        def fitting(drives: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
+            return tuple(one for one in drives if self.fits(axis, masses, riding_mass(result.problem, one)))
+
+        settled = settle(partial(rounds, None), 0.0, tolerance=_SAME)
+        if not settled.carries_itself:
+            settled = settle(partial(rounds, "mass"), 0.0, tolerance=_SAME)
+        self.own[axis, masses] = own = settled.total
+        spec, result = self.laden(axis, masses), found[own] if own in found else self._in_full(axis, masses)
+        sets = fitting(result.sets)
+        if not sets and settled.carries_itself:
+            sets = tuple(self._ranked(spec, one) for one in self._sized(spec, 1, "mass").sets)
+        sets = tuple(replace(one, rank=n) for n, one in enumerate(sets, 1))
+        front, others = fitting(result.front), fitting(result.alternatives)
+        result = replace(result, sets=sets, front=front, alternatives=others)
+        first, last = (choices_of(one, self.objective(axis)) for one in (found[0.0], result))
+        if [one.name for one in first] != [one.name for one in last]:
+            self.uncertain.add(axis)
+        return result
+
+    def loaded(self, axis: str, masses: Masses) -> Loaded:
+        """An axis with carried drives of these masses [kg], for a search of few kinds."""
+        spec = self.laden(axis, masses)
+        spec = spec.with_select(spec.select.ranked_by(self.ranking))
+        return Loaded(spec, self._parts(spec), self.how.sampling(spec))
+
+    def chosen(self, axis: str, masses: Masses, label: str) -> SizingResult:
+        """The sizing of an axis with the drive of a label as its first."""
+        result = self.result(axis, masses)
+        one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
+        if one is None and self.kinds is not None:
+            problem, one = self.kinds.record(axis, masses, label)
+            result = replace(result, problem=replace(problem, catalog=result.problem.catalog))
+        if one is None:
+            one = self._ranked(self.laden(axis, masses), self.offered[axis, label])
+        if result.sets[0].label == label:
+            return result
+        others = [one for one in result.sets if one.label != label][: len(result.sets) - 1]
+        return replace(result, sets=tuple(replace(one, rank=n) for n, one in enumerate((one, *others), 1)))
+
+    def offers(self, axis: str, masses: Masses, first: Choice) -> list[Choice]:
+        """Drives that an axis may have, by cost: the one that was chosen, the next best, and those that draw least."""
+        result, spec = self.result(axis, masses), self.laden(axis, masses)
+        drives = {one.label: one for one in (*result.sets, *result.front, *result.alternatives)}
+        for objective in _THRIFTY if spec.method == "physics" else ():
+            for one in self._sized(spec, _FEW, objective).sets:
+                if one.label not in drives:
+                    drives[one.label] = self._ranked(spec, one)
+        self.offered |= {(axis, label): one for label, one in drives.items()}
+        ranking, motors = self.objective(axis), spec.load.motors
+        others = []
+        for label, one in drives.items():
+            mass = riding_mass(result.problem, one)
+            alike = label != first.name and one.status == result.sets[0].status
+            if alike and self.fits(axis, masses, mass):
+                others.append(Choice(label, _cost(one, ranking, motors, best=False), mass))
+        return [first, *sorted(others, key=lambda one: (one.cost, one.mass))]
+
+    def _ranked(self, spec: RobotSpec, one: DriveSet) -> DriveSet:
+        """A drive by its parts as the axis' own objective ranks it; a LookupError where it does not pass."""
+        found = self._sized(as_chosen(spec, one), _FEW, self.ranking).sets
+        return next((each for each in found if each.label == one.label), None) or found[0]
+
+    def _sized(self, spec: RobotSpec, top: int, objective: Ranking | None) -> SizingResult:
+        return size(
+            spec, catalog=self._parts(spec), top=top, objective=objective, progress=self.how.progress, brief=True
+        )
+
+    def _parts(self, spec: RobotSpec) -> Catalog:
+        """The catalogues of an axis, those of the same choice once."""
+        spec = spec.in_machine(self.price)
+        if spec.parts_key not in self.catalogs:
+            self.catalogs[spec.parts_key] = self.how.parts(spec)
+        return self.catalogs[spec.parts_key]
+
+    def laden(self, axis: str, masses: Masses) -> RobotSpec:
+        """The spec of an axis in the machine's cycle, with carried drives of these masses [kg]."""
+        if self.moves_its_drive(axis) and (axis, masses) not in self.own:
+            self.result(axis, masses)
+        return self._with_masses(axis, masses).waiting(self.cycles.get(axis, {}))
+
+    def _with_masses(self, axis: str, masses: Masses) -> RobotSpec:
+        """The spec of an axis with carried drives of these masses [kg] in its load; of a joint payloads as cases."""
+        spec, torques = self.machine.axis(axis).spec, self.torques
+        if torques is not None and axis in torques.joints:
+            on_it = dict(zip(self.carried[axis], masses, strict=True))
+            if self.moves_its_drive(axis):
+                on_it[axis] = self.own.get((axis, masses), 0.0)
+            loads = [torques.load(axis, on_it, case) for case in range(len(torques.cases))]
+            made = spec.changed(lambda one: one.model_copy(update={"load": loads[0]}))
+            further = zip(torques.cases[1:], loads[1:], strict=True)
+            return made.with_cases((case.name, made.alone(load=load)) for case, load in further)
+        if not any(masses):
+            return spec
+        at = list(zip(masses, self.machine.carried(axis).values(), strict=True))
+        return spec.changed(lambda one: one.model_copy(update={"load": carrying(one.load, at)}))
+
+
+def as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
+    """The spec with the choice of a drive that is not its own best, but that of the machine."""
+    select = spec.select
+    motor = select.motor.model_copy(update={"family": None, "part": [one.motor.part]})
+    gearhead = select.gearhead
+    if not one.actuator:
+        gearhead = gearhead.model_copy(update={"family": None, "part": [one.gearhead.part]})
+    select = select.model_copy(update={"motor": motor, "gearhead": gearhead})
+    return spec.changed(lambda case: case.model_copy(update={"select": select}))
+
+
+def choices_of(result: SizingResult, objective: Ranking) -> list[Choice]:
+    """Drives that count for others: the best, and those on the front of cost and mass that are as certain as it."""
+    if not result.sets:
+        return []
+    best, motors = result.sets[0], result.spec.load.motors
+    drives = {one.label: one for one in [*(one for one in result.front if one.status == best.status), best]}
+    choices = [
+        Choice(name, _cost(one, objective, motors, best=name == best.label), riding_mass(result.problem, one))
+        for name, one in drives.items()
+    ]
+
+    def beaten(one: Choice) -> bool:
+        """Whether a drive is no worse in cost and mass, and better in one of them."""
+        return any(
+            other.cost <= one.cost and other.mass <= one.mass and (other.cost < one.cost or other.mass < one.mass)
+            for other in choices
+        )
+
+    return sorted((one for one in choices if not beaten(one)), key=lambda one: (one.cost, one.mass))
+
+
+def _cost(one: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Cost:
+    """The objective of all drives of an axis; where it is no sum, the best one alone counts."""
+    if not isinstance(objective, str) or objective not in SUMMED:
+        return (0 if best else 1), 0.0
+    value, summed = one.objective, OBJECTIVES[objective].over
+    missing = len(unknown_parts(one, objective, one.objective_of)) if summed else int(isnan(value))
+    return missing, 0.0 if isnan(value) else objective_sum(objective, one, motors)
+
+
+def carried_mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
+    """Mass of an axis' drives that ride on another, and parts of unknown mass."""
+    return riding_mass(problem, one), tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
+
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
 
 
-def sized(machine: MachineSpec, how: axis_sizings.Options) -> MachineSizing:
+def sized(machine: MachineSpec, how: Options) -> MachineSizing:
     """Size all axes of a machine of several; where one has no drive, those that it would carry are still sized."""
     sizings = AxisSizings(machine, how)
     machine = sizings.machine
 
     def choices(axis: str, masses: tuple[float, ...]) -> list[Choice]:
-        return axis_sizings.choices_of(sizings.result(axis, masses), sizings.objective(axis))
+        return choices_of(sizings.result(axis, masses), sizings.objective(axis))
 
     if machine.whole:
         found = combinations.best_combination(machine.order, sizings.carried, choices, _PER_AXIS * len(machine.axes))
@@ -54,9 +365,9 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
         machine = with_choppers(machine, load_parts)
         cycles = waiting_times(machine, lambda name: machine.axis(name).spec)
         return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
-    how = axis_sizings.Options(5, None, (), None, sampling_of, False, load_parts, joint_torques)
+    how = Options(5, None, (), None, sampling_of, False, load_parts, joint_torques)
     found = sized(machine, how).axis(axis)
-    return axis_sizings.as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
+    return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
 
 
 def _machine_with_drives(sizings: AxisSizings, found: Combination) -> MachineSizing:
@@ -89,10 +400,10 @@ def _axis(sizings: AxisSizings, found: Combination, name: str) -> AxisSizing:
     riding = []
     for other, mass in zip(sizings.carried[name], masses, strict=True):
         drive = with_drive(other)
-        lacking = axis_sizings.carried_mass(drive.problem, drive.sets[0])[1] if drive else ()
+        lacking = carried_mass(drive.problem, drive.sets[0])[1] if drive else ()
         riding.append(CarriedMass(other, mass, distances[other], lacking))
     if name in found.chosen and (name, masses) in sizings.own:
-        lacking = axis_sizings.carried_mass(result.problem, result.sets[0])[1]
+        lacking = carried_mass(result.problem, result.sets[0])[1]
         riding.append(CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own.sets) and result.sets[0].label != own.sets[0].label
     return AxisSizing(name=name, result=result, carried=tuple(riding), for_all=for_all)
@@ -107,7 +418,7 @@ def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
     if torques is not None and axis in torques.joints and not found.missing:
         own = (axis,) if sizings.moves_its_drive(axis) else ()
         masses = {other: found.chosen[other].mass for other in (*carried, *own)}
-        return axis_sizings.rises(torques, axis, masses) and axis not in sizings.uncertain
+        return rises(torques, axis, masses) and axis not in sizings.uncertain
     return not carried or not (getattr(load, "counterweight", 0.0) > 0.0 or getattr(load, "springs", ()))
 
 
@@ -124,7 +435,7 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
     for axis in axes:
         own = next((one.mass for one in axis.carried if one.of == axis.name), None)
         if own is not None and axis.best:
-            drive, loaded = axis_sizings.carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
+            drive, loaded = carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
             heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
             said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
             yield f"{axis.name} moves its own drive, {said}"
@@ -132,9 +443,7 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
             yield f"{axis.name} moves its own drive, and no drive carries itself"
     if sizings.torques:
         chosen = {one.name: one.best for one in axes if one.best and one.name in found.chosen}
-        yield from axis_sizings.joint_notes(
-            sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()}
-        )
+        yield from joint_notes(sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()})
     currencies = {axis.name: axis.result.catalog.currency for axis in axes}
     if len(set(currencies.values())) > 1 and any(axis.result.spec.counts_price for axis in axes):
         said = ", ".join(f"{name} in {code}" for name, code in currencies.items())
@@ -162,7 +471,7 @@ def _within_limits(sizings: AxisSizings, found: Combination, best: MachineSizing
     return combinations.within_limits(best, offers, tried)
 
 
-def _over_tolerances(sizing: MachineSizing, sampling: axis_sizings.SamplingOf) -> MachineSizing:
+def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizing:
     """The machine with its supply's limits over tolerances, where any figure has one."""
     machine, power, first = sizing.machine, sizing.power, sizing.axes[0].spec
     lost = without_effect(machine)
@@ -173,6 +482,8 @@ def _over_tolerances(sizing: MachineSizing, sampling: axis_sizings.SamplingOf) -
         how = sampling_of(first, samples=first.tolerances.samples)
     if power is None or how is None:
         return replace(sizing, notes=notes)
+    from drivesizer.multi_axis.sampled_supply import over_tolerances  # where nothing is sampled it need not load
+
     power = over_tolerances(machine, sizing.axes, power, how)
     own = budget_checks(machine, sizing.axes, power)
     return replace(sizing, power=power, checks=(*power.checks, *own), notes=notes)

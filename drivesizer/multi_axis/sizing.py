@@ -65,8 +65,7 @@ def size_machine(
             sampling=sampling(axis.spec), brief=brief, choices=choices,
         ))  # fmt: skip
     from drivesizer.joints.mass_columns import joint_torques  # what one axis need not load
-    from drivesizer.multi_axis.axis_sizings import Options
-    from drivesizer.multi_axis.several import sized
+    from drivesizer.multi_axis.several import Options, sized
 
     return sized(machine, Options(top, objective, pareto, progress, sampling, brief, parts, torques or joint_torques))
 

@@ -15,7 +15,7 @@ from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.physics.load_cycle import end_times
 from drivesizer.platform.dynamics import Dynamics, motion, wheel_torques
-from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation, text
+from drivesizer.platform.equations import PLATFORM, Array, MatrixEquation, text
 from drivesizer.platform.robot_figures import (
     Instant,
     Numbers,

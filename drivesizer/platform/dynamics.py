@@ -13,10 +13,17 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.platform import equations as eq
-from drivesizer.platform.kinematics import Kinematics, check_allowed, columns, kinematics, map_columns, row_sizes
-from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.equations import Array
+from drivesizer.platform.kinematics import (
+    Kinematics,
+    Platform,
+    check_allowed,
+    columns,
+    kinematics,
+    map_columns,
+    row_sizes,
+)
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import Platform
 
 # -- Forces of the floor on a platform: its slope pulls, and its wheels share the weight.
 #
@@ -137,7 +144,7 @@ def contact_loads(
 
     Examples
     --------
-    >>> from drivesizer.platform.wheels import Wheel
+    >>> from drivesizer.platform.kinematics import Wheel
     >>> cart = Platform(wheels=tuple(Wheel(x=x, y=0.0, radius=0.1) for x in (-0.2, 0.3)), mass=50.0, inertia=1.0)
     >>> contact_loads(cart, ground=Ground(gravity=10.0))  # levers 0.3 and 0.2 of 0.5
     array([300., 200.])

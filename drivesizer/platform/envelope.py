@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.equations import Array
 from drivesizer.platform.trajectory import Trajectory, control_points, halves
 
 # -- Room that a platform needs: doors, corridors, turning on the spot, a corner between two corridors.

@@ -14,7 +14,7 @@ import numpy as np
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.csv_columns import CsvFile
 from drivesizer.physics.motion_curves import fastest_ramp
-from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.equations import Array
 from drivesizer.platform.trajectory import (
     Trajectory,
     joined,

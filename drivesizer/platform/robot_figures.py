@@ -12,7 +12,7 @@ import numpy as np
 
 from drivesizer.errors import InputError
 from drivesizer.physics.equation import Term
-from drivesizer.platform import equations, matrix_equation
+from drivesizer.platform import equations
 from drivesizer.platform.dynamics import (
     LEVEL,
     Dynamics,
@@ -24,8 +24,8 @@ from drivesizer.platform.dynamics import (
     resistance,
     weight_along,
 )
-from drivesizer.platform.matrix_equation import PLATFORM, Array, MatrixEquation, symbol
-from drivesizer.platform.wheels import Platform, table_wheel
+from drivesizer.platform.equations import PLATFORM, Array, MatrixEquation, symbol
+from drivesizer.platform.kinematics import Platform, table_wheel
 from drivesizer.units import registry
 
 # -- Figures of one robot at one instant, by the names of equations (21)-(59), and as labelled matrices with units.
@@ -440,10 +440,10 @@ def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
     found, left = finding(declared), declared.symbol
     note = [("note", declared.note)] if declared.note else []
     return [
-        ("as printed", f"{declared.printed_symbol or left} = {matrix_equation.text(declared.printed)}"),
+        ("as printed", f"{declared.printed_symbol or left} = {equations.text(declared.printed)}"),
         ("unit check", f"fails: {found.units}" if found.units else "passes"),
         ("value check", f"fails: {found.values}" if found.values else "passes"),
-        ("as computed", f"{left} = {matrix_equation.text(declared.computed)}"),
+        ("as computed", f"{left} = {equations.text(declared.computed)}"),
         *note, ("result", meaning(declared.result)),
-        *((matrix_equation.symbol(t.name), meaning(t)) for t in declared.terms), ("source", SOURCE),
+        *((symbol(t.name), meaning(t)) for t in declared.terms), ("source", SOURCE),
     ]  # fmt: skip

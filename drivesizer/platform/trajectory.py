@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motion_curves import local_parabola
+from drivesizer.platform.equations import Array
 from drivesizer.platform.kinematics import to_robot
-from drivesizer.platform.matrix_equation import Array
 
 # -- Motion of a platform through the world, as pieces of time.
 

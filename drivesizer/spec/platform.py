@@ -10,8 +10,8 @@ from pydantic import Field, model_validator
 
 from drivesizer.files import fields
 from drivesizer.platform.envelope import Passage, Size
-from drivesizer.platform.wheels import Misjudged, Payload, Wheel, table_wheel
-from drivesizer.platform.wheels import Platform as Record
+from drivesizer.platform.kinematics import Misjudged, Payload, Wheel, table_wheel
+from drivesizer.platform.kinematics import Platform as Record
 
 # -- Section of a spec on the wheels of a platform: one by one, or by a layout.
 #

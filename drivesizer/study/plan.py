@@ -373,7 +373,7 @@ def _axes(spec: YamlSource) -> list[str]:
     """Names of the axes, with those of a robot's joints that move."""
     if "robot" not in spec.data:
         return list(spec.data["axes"] or ())
-    from drivesizer.multi_axis.axis_sizings import with_joints  # what computes joints is loaded where there are any
+    from drivesizer.multi_axis.several import with_joints  # what computes joints is loaded where there are any
 
     machine, _ = with_joints(read_machine(spec))
     return [axis.name for axis in machine.axes]

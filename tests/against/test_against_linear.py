@@ -17,7 +17,7 @@ from textbook_machine import PERIOD, on_slope, slower, task_of
 from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.engine import Drive, Supply, Task, simulate
 from drivesizer.control.gains import design
-from drivesizer.control.loop_models import (
+from drivesizer.control.loop_design import (
     dc_motor,
     from_error,
     position_open_loop,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.platform.dynamics import Moving, dynamics, wheel_torques
-from drivesizer.platform.wheels import Caster, Platform, Wheel
+from drivesizer.platform.kinematics import Caster, Platform, Wheel
 
 mujoco = pytest.importorskip("mujoco", "3.7", reason="MuJoCo is not installed")
 

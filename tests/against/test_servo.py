@@ -9,8 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from drivesizer.control.closed_loop import run as closed_loop_run
-from drivesizer.control.closed_loop import run as set_up
+from drivesizer.control import closed_loop
 from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.validation import Cascade, Validation
@@ -104,7 +103,7 @@ def test_two_masses_swing_at_their_resonance():
     """f = sqrt(c (1/(e K^2 J_M)... at the load: 1/J_L and the motor's own through K^2 with the gears' share) / 2 pi."""
     spec = spec_of(SOFT, "plant: {model: two_mass, stiffness: 3000 N*m/rad, damping_ratio: 0.1, backlash: 0.2 deg}")
     found = proof(spec)
-    case = closed_loop_run.run(spec, found.drive_set, _profile(spec))
+    case = closed_loop.run(spec, found.drive_set, _profile(spec))
     train = case.train
     braking = train.efficiency / train.ratio  # the share of the shaft's torque that the motor feels
     own = 3000.0 * (1 / train.load_inertia + braking / (train.ratio * train.motor_inertia))
@@ -126,7 +125,7 @@ def test_without_feedforward_the_error_at_the_ramps_start_is_that_of_a_second_or
     )
     spec = spec_of(bare)
     found = proof(spec)
-    train = closed_loop_run.run(spec, found.drive_set, _profile(spec)).train
+    train = closed_loop.run(spec, found.drive_set, _profile(spec)).train
     mode, z = modes(train)[Regime.FORWARD_DRIVING], math.sqrt(0.5)
     gains = found.gains
     assert isinstance(gains, Cascade)
@@ -193,7 +192,7 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
     spec = spec_of()
     one = chosen(spec)
     one = replace(one, motor=replace(one.motor, winding_time_constant=math.nan))
-    case, motor = closed_loop_run.run(spec, one, motion_of(spec)), one.motor
+    case, motor = closed_loop.run(spec, one, motion_of(spec)), one.motor
     assert not case.periodic and spec.supply.resistance is None
     current, R = float(case.out.figures["current"][0]), case.train.resistance
     R_th, heat = motor.thermal_resistance_winding + motor.thermal_resistance_housing, R * current**2
@@ -227,10 +226,10 @@ def test_a_profile_with_more_samples_than_are_simulated_is_simulated_by_the_velo
 
     spec, corners = spec_of(), tuple(np.linspace(0.0, 16.0, 41).tolist())
     long = Profile(name="long", time=corners, speed=tuple(1.0 + 0.6 * math.sin(n * n) for n in range(41)))
-    full = closed_loop_run.run(spec, chosen(spec), long)
+    full = closed_loop.run(spec, chosen(spec), long)
     steps = full.figure("steps")
-    monkeypatch.setattr(closed_loop_run, "LONGEST", int(0.5 * steps))
-    found = closed_loop_run.run(spec, chosen(spec), long)
+    monkeypatch.setattr(closed_loop, "LONGEST", int(0.5 * steps))
+    found = closed_loop.run(spec, chosen(spec), long)
     assert found.figure("steps") < 0.5 * steps
     assert any(said.startswith("the motion is too long for the current loop's") for said in found.assumptions)
     assert found.figure("rms_current") == pytest.approx(full.figure("rms_current"), rel=0.02)
@@ -244,7 +243,7 @@ def test_a_profile_with_more_samples_than_are_simulated_is_simulated_by_the_velo
         controller = replace(found.drive_set.controller, peak_current=most * peak)
         tight = found._replace(drive_set=replace(found.drive_set, controller=controller))
         assert status("controller_peak_current", tight) == decided
-    monkeypatch.setattr(closed_loop_run, "LONGEST", 1000)
+    monkeypatch.setattr(closed_loop, "LONGEST", 1000)
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):
         validate(spec, chosen(spec), profile=long)
 
@@ -255,7 +254,7 @@ def test_iron_warms_as_friction_brakes():
 
     spec, catalog = spec_of(), load()
     motor = catalog.motors.record(catalog.motors.rows["309756"])  # EC-4pole 30
-    heat, said = set_up.motor_heat(spec, replace(chosen(spec), motor=motor))
+    heat, said = closed_loop.motor_heat(spec, replace(chosen(spec), motor=motor))
     assert heat and not said
     dry, per_speed = 0.37, 0.63 / motor.no_load_speed  # of a winding without slots
     assert heat.loss_viscous / heat.loss_torque == pytest.approx(per_speed / dry, rel=1e-9)
@@ -267,7 +266,7 @@ def test_iron_warms_as_friction_brakes():
     assert iron > 0.1 * copper
 
     unknown = replace(motor, nominal_speed=float("nan"))
-    heat, said = set_up.motor_heat(spec, replace(chosen(spec), motor=unknown))
+    heat, said = closed_loop.motor_heat(spec, replace(chosen(spec), motor=unknown))
     friction = motor.torque_constant * motor.no_load_current
     assert heat and heat.loss_torque == pytest.approx(0.37 * friction, rel=1e-9) and not said
     assert heat.loss_viscous == pytest.approx(0.63 * friction / motor.no_load_speed, rel=1e-9)

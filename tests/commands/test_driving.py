@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.cli import main
-from drivesizer.control.path_following.runs import FollowingRun, follow_case
+from drivesizer.control.path_following import FollowingRun, follow_case
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.of_machine import load_cases

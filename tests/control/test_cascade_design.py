@@ -27,11 +27,13 @@ from drivesizer.control.gains import (
     spread_of,
     symmetrical_optimum,
 )
-from drivesizer.control.loop_design import analyse, frequency_response, loop_of
-from drivesizer.control.loop_models import (
+from drivesizer.control.loop_design import (
+    analyse,
     current_open_loop,
     dc_motor,
+    frequency_response,
     from_error,
+    loop_of,
     resonance,
     velocity_open_loop,
     voltage_open_loop,

@@ -8,9 +8,9 @@ import sys
 import numpy as np
 import pytest
 
+from drivesizer.control import open_loop
 from drivesizer.control.engine import Task
 from drivesizer.control.open_loop import kernel as stepper
-from drivesizer.control.open_loop import run
 from drivesizer.files import machine_code
 from drivesizer.files.machine_code import SlowWarning, all_kernels
 
@@ -25,11 +25,11 @@ def kernel(request):
 
 def moved():
     """Figures of a stepper's short move."""
-    one = run.Stepper(
+    one = open_loop.Stepper(
         teeth=50.0, torque=np.array([0.5, 0.3, 0.1]), top_speed=90.0, microsteps=3.0, damping_ratio=0.1,
         motor_inertia=3e-6,
     )  # fmt: skip
-    return run.simulate(one, MOTION).figures
+    return open_loop.simulate(one, MOTION).figures
 
 
 def test_every_kernel_is_translated_as_its_sources_are(kernel):
@@ -50,7 +50,7 @@ def test_without_machine_code_it_is_the_same_and_said_to_be_slow(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.warns(SlowWarning, match="a stepper runs some hundred times slower, for there is no machine code"):
         plain = machine_code.machine_code.__wrapped__(stepper.KERNEL)
-    monkeypatch.setattr(run, "machine_code", lambda _: plain)
+    monkeypatch.setattr(open_loop, "machine_code", lambda _: plain)
     assert moved() == pytest.approx(by_machine_code, rel=1e-9)
 
 
@@ -61,5 +61,5 @@ def test_what_has_changed_is_translated_anew(tmp_path, monkeypatch):
     monkeypatch.setattr(machine_code.Kernel, "library", library)
     by_machine_code, anew = moved(), machine_code.machine_code.__wrapped__(stepper.KERNEL)
     assert list(tmp_path.iterdir()) == [library]
-    monkeypatch.setattr(run, "machine_code", lambda _: anew)
+    monkeypatch.setattr(open_loop, "machine_code", lambda _: anew)
     assert moved() == by_machine_code

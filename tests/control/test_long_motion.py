@@ -9,7 +9,7 @@ import pytest
 from engine_tasks import MOTOR, SERVO, figure, machine
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.closed_loop.run import slower
+from drivesizer.control.closed_loop import slower
 from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Supply, Task, simulate
 
 SET = machine(friction=1e-3, forward_torque=0.15, backward_torque=-0.15, load_inertia=1e-5)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drivesizer.control import open_loop
 from drivesizer.control.engine import Task
-from drivesizer.control.open_loop import run
-from drivesizer.control.open_loop.run import Stepper, least_share, simulate
+from drivesizer.control.open_loop import Stepper, least_share, simulate
 from drivesizer.errors import InputError
 from drivesizer.physics.stepper import start_speed
 
@@ -166,6 +166,6 @@ def test_scipy_s_integrator_on_the_same_equations(microsteps: int) -> None:
 
 
 def test_a_motion_of_days_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "_MOST", 1000)
+    monkeypatch.setattr(open_loop, "_MOST", 1000)
     with pytest.raises(InputError, match="more than 1000 steps of a stepper's simulation; expected a shorter one by"):
         simulate(stepper(), Task(time=(0.0, 1e9), speed=(70.0, 70.0)))

@@ -10,8 +10,7 @@ from following_paths import AHEAD, CURVED, STIFF, robot
 from routes import route
 
 from drivesizer import explain, size
-from drivesizer.control.path_following.following import deviation, extremes, follow, sampled
-from drivesizer.control.path_following.runs import wheel_drive
+from drivesizer.control.path_following import deviation, extremes, follow, sampled, wheel_drive
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import driving, platform_of, with_trajectory
 from drivesizer.output.report.figures.machine import path_and_errors

@@ -10,7 +10,7 @@ from following_paths import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
 from platforms import MASS, RADIUS, WHEEL, car, mecanum
 from routes import route
 
-from drivesizer.control.path_following.following import (
+from drivesizer.control.path_following import (
     Contact,
     SpeedLoop,
     deviation,
@@ -21,9 +21,8 @@ from drivesizer.control.path_following.following import (
 )
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Ground, dynamics
-from drivesizer.platform.kinematics import kinematics
+from drivesizer.platform.kinematics import EXACT, Misjudged, actual, kinematics, without_motor
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import EXACT, Misjudged, actual, without_motor
 
 
 def worst(found):

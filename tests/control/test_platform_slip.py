@@ -9,12 +9,11 @@ from following_paths import drive
 from platforms import MASS, RADIUS, WHEEL, acceleration, differential, mecanum, omni_three
 from scipy.integrate import solve_ivp
 
-from drivesizer.control.path_following.following import Contact
+from drivesizer.control.path_following import Contact
 from drivesizer.control.path_following.kernel import grip, grip_slope
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Ground, contact_loads, dynamics
-from drivesizer.platform.kinematics import wheel_speeds
-from drivesizer.platform.wheels import Caster, Platform, without_motor
+from drivesizer.platform.kinematics import Caster, Platform, wheel_speeds, without_motor
 
 G = 9.80665
 STIFF = Contact(slip_speed=1e-6)

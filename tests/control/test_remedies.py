@@ -10,13 +10,12 @@ import yaml
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.control.remedies import rounded_ramps
 from drivesizer.control.validation import Validation
 from drivesizer.load_cases.profile import profile_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.records import text_of
 from drivesizer.output.document.summary import outcome_texts
-from drivesizer.simulate import validate, with_remedies
+from drivesizer.simulate import rounded_ramps, validate, with_remedies
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
 

@@ -7,8 +7,8 @@ from docs_pages import bare, signs
 
 from drivesizer.output import derivation
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
-from drivesizer.platform import matrix_equation
-from drivesizer.platform.matrix_equation import PLATFORM
+from drivesizer.platform.equations import PLATFORM
+from drivesizer.platform.equations import text as form_text
 
 mathematics = pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
 latex = pytest.importorskip("latex")
@@ -35,7 +35,7 @@ def test_an_equation_of_the_platform_on_the_page_is_the_one_at_the_terminal(decl
     for side, form in ((left, declared.printed), (declared.symbol, declared.computed)):
         made = mathematics.mathml(matrices.equation(side, form), "block")
         side, _, vector = side.partition("] / ")  # what stands on the left as divided by a vector is multiplied by it
-        right = matrix_equation.text(form)
+        right = form_text(form)
         if form.startswith("array") and " / " in form.rsplit(")", 1)[-1]:  # and a matrix by one over what divides it
             whole, _, below = right.rpartition(" / ")
             right = f"1 / {below} {whole}"

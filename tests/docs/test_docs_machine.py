@@ -9,7 +9,7 @@ import pytest
 from docs_pages import page, rows
 
 from drivesizer.platform import robot_figures
-from drivesizer.platform.matrix_equation import PLATFORM
+from drivesizer.platform.equations import PLATFORM
 from drivesizer.results.check_kinds import CHECKS
 
 pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")

@@ -20,7 +20,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output import derivation
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.platform import robot_figures
-from drivesizer.platform.matrix_equation import PLATFORM
+from drivesizer.platform.equations import PLATFORM
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.spec.robot import RobotSpec, read_spec
 

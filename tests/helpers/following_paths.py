@@ -6,8 +6,7 @@ import numpy as np
 from platforms import ALPHA, LENGTH, differential, mecanum
 from routes import route
 
-from drivesizer.control.path_following import kernel as at
-from drivesizer.control.path_following.following import (
+from drivesizer.control.path_following import (
     Contact,
     Planned,
     SpeedLoop,
@@ -15,9 +14,10 @@ from drivesizer.control.path_following.following import (
     first_state,
     simulated,
 )
+from drivesizer.control.path_following import kernel as at
 from drivesizer.platform.dynamics import LEVEL, dynamics
+from drivesizer.platform.kinematics import EXACT
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import EXACT
 
 
 def unicycle(speed, turning, seconds, pieces=4000):

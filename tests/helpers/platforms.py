@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from drivesizer.platform.dynamics import LEVEL, Moving, required_force
-from drivesizer.platform.wheels import Platform, Wheel, table_wheel
+from drivesizer.platform.kinematics import Platform, Wheel, table_wheel
 
 ALPHA, LENGTH, RADIUS = math.radians(29.5), 0.27406, 0.0762  # of Table 1
 MASS, INERTIA, WHEEL = 45.0, 2.34, 3.2e-3  # kg, kg*m^2: 45 kg as a plate of 707 x 350 mm; one wheel

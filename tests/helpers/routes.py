@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.equations import Array
 from drivesizer.platform.trajectory import Trajectory
 
 __all__ = ["route"]

@@ -9,7 +9,7 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from drivesizer.platform.wheels import Wheel
+from drivesizer.platform.kinematics import Wheel
 
 figure, turn = st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi)
 

@@ -11,7 +11,7 @@ import pytest
 
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.supply_power import DrivePower, regenerated_of
-from drivesizer.multi_axis.phases import (
+from drivesizer.multi_axis.common_bus import (
     AtAnyPhase,
     exchanged,
     from_start,

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.multi_axis.axis_sizings import as_chosen
-from drivesizer.multi_axis.several import laden
+from drivesizer.multi_axis.several import as_chosen, laden
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.sizing import size

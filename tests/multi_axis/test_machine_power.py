@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.multi_axis.common_supply import shared_sections
-from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.common_supply import machine_power, shared_sections
 from drivesizer.multi_axis.several import laden
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.json.documents import as_text

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.machine_power import machine_power, over_tolerances
+from drivesizer.multi_axis.common_supply import machine_power
+from drivesizer.multi_axis.sampled_supply import over_tolerances
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.search.uncertainty.options import Sampling

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.multi_axis.combinations import Choice, cheapest_first
-from drivesizer.multi_axis.machine_power import machine_power
+from drivesizer.multi_axis.common_supply import machine_power
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.machine import load_machine

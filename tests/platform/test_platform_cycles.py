@@ -24,10 +24,10 @@ from drivesizer.platform.dynamics import (
     motion,
     wheel_torques,
 )  # fmt: skip
-from drivesizer.platform.grip import effective_inertia, floor_forces, wheel_cycles
+from drivesizer.platform.kinematics import Caster, Platform
 from drivesizer.platform.planner import Limits, Waypoint, plan
+from drivesizer.platform.stability import effective_inertia, floor_forces, wheel_cycles
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.platform.wheels import Caster, Platform
 from drivesizer.spec.robot import read_spec
 
 G = 9.80665

@@ -25,8 +25,7 @@ from drivesizer.platform.dynamics import (
     wheel_space,
     wheel_torques,
 )
-from drivesizer.platform.kinematics import kinematics, to_world, velocity, wheel_speeds
-from drivesizer.platform.wheels import Caster, Platform, without_motor
+from drivesizer.platform.kinematics import Caster, Platform, kinematics, to_world, velocity, wheel_speeds, without_motor
 
 G = 9.80665
 NULL = np.array([1.0, 1.0, -1.0, -1.0])

@@ -13,9 +13,18 @@ from wheel_sets import contact_row, figure, turn, wheel_sets
 from drivesizer.errors import InputError
 from drivesizer.platform import equations, robot_figures
 from drivesizer.platform.dynamics import dynamics
-from drivesizer.platform.kinematics import kinematics, to_robot, to_world, velocity, wheel_speeds
-from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
-from drivesizer.platform.wheels import Caster, Wheel, table_wheel, without_motor
+from drivesizer.platform.equations import PLATFORM, MatrixEquation
+from drivesizer.platform.kinematics import (
+    Caster,
+    Wheel,
+    kinematics,
+    table_wheel,
+    to_robot,
+    to_world,
+    velocity,
+    wheel_speeds,
+    without_motor,
+)
 
 LEVER = 0.3735  # m, l1 + l2 of the paper's robot, by hand: 274.06 mm (cos 29.5° + sin 29.5°)
 

@@ -12,16 +12,12 @@ from trajectories import joined, piece, straight, turning
 
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Ground, Moving, contact_loads, dynamics
-from drivesizer.platform.grip import (
+from drivesizer.platform.kinematics import Caster, Platform, Wheel, kinematics, without_motor
+from drivesizer.platform.stability import (
+    edge_distances,
     floor_forces,
     grip_acceleration,
     grip_slope,
-    translations,
-    worst_friction,
-)
-from drivesizer.platform.kinematics import kinematics
-from drivesizer.platform.stability import (
-    edge_distances,
     least_load,
     least_margin,
     lift_off_acceleration,
@@ -30,9 +26,10 @@ from drivesizer.platform.stability import (
     tipping_acceleration,
     tipping_edges,
     tipping_slope,
+    translations,
+    worst_friction,
     zero_moment_point,
 )
-from drivesizer.platform.wheels import Caster, Platform, Wheel, without_motor
 
 G = 9.80665
 coordinate = st.floats(-0.8, 0.8)

@@ -10,8 +10,8 @@ from platforms import differential, mecanum
 
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import dynamics
-from drivesizer.platform.grip import wheel_cycles
 from drivesizer.platform.planner import Limits, Waypoint, plan, read_track
+from drivesizer.platform.stability import wheel_cycles
 from drivesizer.platform.trajectory import spline
 
 LIMITS = Limits(speed=1.0, acceleration=0.8, jerk=2.0, turning_speed=1.5, turning_acceleration=2.0, turning_jerk=6.0)

@@ -10,8 +10,8 @@ from pydantic import ValidationError
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import platform_of
 from drivesizer.platform.dynamics import Moving, dynamics, wheel_torques
-from drivesizer.platform.grip import floor_forces
 from drivesizer.platform.kinematics import wheel_speeds
+from drivesizer.platform.stability import floor_forces
 from drivesizer.spec.platform import Platform
 
 G, RADIUS = 9.80665, 0.0762

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog.view.mounted import rating_gain
-from drivesizer.control.closed_loop.run import motor_heat
+from drivesizer.control.closed_loop import motor_heat
 from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.physics.drive_train import friction

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivesizer.control.closed_loop.run import run
+from drivesizer.control.closed_loop import run
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases.platform import motion_of
 from drivesizer.results.drive_set import DriveSet

@@ -12,7 +12,7 @@ import yourdfpy
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.multi_axis.axis_sizings import with_joints
+from drivesizer.multi_axis.several import with_joints
 from drivesizer.output.export import export_of, one_axis, write
 from drivesizer.sizing import size
 from drivesizer.spec.description import read_urdf

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Controller, Encoder
-from drivesizer.control.closed_loop.run import FOLLOWS, ClosedLoop
+from drivesizer.control.closed_loop import FOLLOWS, ClosedLoop
 from drivesizer.control.loop_design import stated_margin
 from drivesizer.control.validation import Gains
 from drivesizer.load_cases import load_cycle

@@ -1,6 +1,6 @@
 r"""PID and DC motor in python-control along the profile: the textbook's answer beside the engine's.
 
-The model is that of ``loop_models``: a DC motor with the load's inertia where the motor drives it, a sampled controller
+The model is that of ``loop_design``: a DC motor with the load's inertia where the motor drives it, a sampled controller
 that computes for a period, the speed fed back. Its inputs are the reference speed and the load torque that the load
 cycle has at that moment: friction and weight with the gears' efficiency by the direction of power. It starts in
 equilibrium. Of a long stretch in which nothing changes as much is simulated as the loop takes to settle, of a motion of
@@ -17,10 +17,10 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.control.closed_loop import ClosedLoop
 from drivesizer.control.closed_loop.checks import loop_figures
-from drivesizer.control.closed_loop.run import ClosedLoop
 from drivesizer.control.drive_train import Regime, modes
-from drivesizer.control.loop_models import (
+from drivesizer.control.loop_design import (
     OUTPUTS,
     closed,
     position_open_loop,

@@ -84,7 +84,7 @@ def gear_torque(p: Array, code: int, i: float, w: float, f: float, v: float, l: 
 
 
 def matrix_of(p: Array, code: int) -> int:
-    """Number of a mode's matrix in ``linear_modes.generators``."""
+    """Number of a mode's matrix in ``drive_train.generators``."""
     side, load, c = code % 3 - 1, code // 3 % 3 - 1, code // 9 - 1
     drives = 1 if c * side >= 0 else 2
     if p[at.TWO] == 0.0:

@@ -1,7 +1,7 @@
 """Layout of the arrays of the compiled simulation.
 
 ``p`` parameters, ``s`` state and ``g`` tallies of one drive have a place for every figure, named here and read as
-``p[at.K_T]``. ``M`` holds the matrices of ``linear_modes.discretised`` by node of temperature, mode and level (the last
+``p[at.K_T]``. ``M`` holds the matrices of ``drive_train.discretised`` by node of temperature, mode and level (the last
 is a whole period), ``work`` those at the winding's present temperature, ``stamp`` the temperatures of ``work``. ``z``
 is scratch: a step's state is in its second half. ``mind`` keeps figures of the last sample to detect a steady state.
 ``ring`` holds the counts of the last velocity periods. ``rows`` is the time series; ``kept`` marks the rows that are

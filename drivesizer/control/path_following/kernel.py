@@ -30,7 +30,7 @@ import math
 import sys
 
 from drivesizer.files.machine_code import Kernel, defined_in
-from drivesizer.platform.matrix_equation import Array
+from drivesizer.platform.equations import Array
 
 GAMMA = 1.0 - 0.5**0.5  # of the Rosenbrock step: order 2 and L-stable
 FASTEST = 1e6  # m/s and rad/s: faster diverges

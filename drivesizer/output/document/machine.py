@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from math import isinf, isnan, radians
 
-from drivesizer.control.path_following.following import Followed
+from drivesizer.control.path_following import Followed
 from drivesizer.load_cases.platform import Driving
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.document import records as doc
@@ -150,8 +150,7 @@ def followed(content: Content) -> Iterator[doc.Block]:
 
 def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Followed]) -> Iterator[doc.Block]:
     """Largest deviations of each run, below those that were measured."""
-    from drivesizer.control.path_following.following import extremes
-    from drivesizer.control.path_following.runs import assumed
+    from drivesizer.control.path_following import assumed, extremes
 
     keys = ("position", "heading", "slip", "torque of a wheel", "use of the floor's grip")
     head = "model, speed loops, poses, what the model knows" if len(runs) > 4 else "run"

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT
 from drivesizer.control.drive_train import DriveTrain, Mechanics, drive_train, within_reach
 from drivesizer.control.loop_design import designed
-from drivesizer.control.open_loop.run import Stepper, prepared
+from drivesizer.control.open_loop import Stepper, prepared
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError, quoted
 from drivesizer.load_cases import load_springs

@@ -23,8 +23,7 @@ from drivesizer.output.export.common import LEAST_INERTIA, PROGRAM, Export, brie
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.platform.dynamics import Ground, contact_loads, motion, own_rolling
 from drivesizer.platform.envelope import Size
-from drivesizer.platform.kinematics import Kinematics
-from drivesizer.platform.wheels import Platform
+from drivesizer.platform.kinematics import Kinematics, Platform
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.description_record import Body
 from drivesizer.spec.platform import Limits

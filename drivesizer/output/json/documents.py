@@ -31,7 +31,7 @@ from drivesizer.units import KINDS
 from drivesizer.version import __version__
 
 if TYPE_CHECKING:
-    from drivesizer.control.path_following.following import Extreme, Followed
+    from drivesizer.control.path_following import Extreme, Followed
     from drivesizer.load_cases.platform import Driving
     from drivesizer.machine.platform_budget import PermittedSpeeds
     from drivesizer.output.platform import PlatformNumbers
@@ -250,7 +250,7 @@ def series(proof: Validation) -> Columns:
 
 def on_path(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, Followed]) -> OnPath:
     """Permitted speeds, and simulated path following beside measured errors."""
-    from drivesizer.control.path_following.following import extremes
+    from drivesizer.control.path_following import extremes
 
     measured = spec.platform.following.measured if spec.platform else []
     errors = [MeasuredErrors(one.name, one.position, one.heading) for one in measured]

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 import numpy as np
 
 from drivesizer.catalog import PARTS, columns_of
-from drivesizer.control.path_following.following import Extreme
+from drivesizer.control.path_following import Extreme
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.json.documents import SCHEMA, Report, ReportedAxis, keys, made
 from drivesizer.output.platform import PlatformNumbers

@@ -14,7 +14,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.writing import check_targets, write_files
 
 if TYPE_CHECKING:
-    from drivesizer.control.path_following.following import Followed
+    from drivesizer.control.path_following import Followed
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
     from drivesizer.results.machine import MachineSizing

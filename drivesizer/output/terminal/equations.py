@@ -18,8 +18,9 @@ from drivesizer.output.platform import EquationNumbers, Printed, cell, printed
 from drivesizer.output.terminal import tables
 from drivesizer.output.terminal.render import blocks
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
-from drivesizer.platform import matrix_equation, robot_figures
-from drivesizer.platform.matrix_equation import PLATFORM, MatrixEquation
+from drivesizer.platform import equations as platform_equations
+from drivesizer.platform import robot_figures
+from drivesizer.platform.equations import PLATFORM, MatrixEquation
 from drivesizer.platform.robot_figures import Numbers
 from drivesizer.results.drive_set import Requirement
 from drivesizer.units import label
@@ -36,7 +37,7 @@ def equations() -> None:
         rows.append((number, declared.title, computed, label(declared.shown)))
     for _, matrix in sorted(PLATFORM.items()):
         mark = " *" if any(robot_figures.finding(matrix)) else ""
-        computed = f"{matrix.symbol} = {matrix_equation.text(matrix.computed)}{mark}"
+        computed = f"{matrix.symbol} = {platform_equations.text(matrix.computed)}{mark}"
         rows.append((f"({matrix.number})", matrix.title, computed, _unit(matrix.result.unit)))
     blocks(console, [listed((("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left")), rows)])
     console.print("* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why.")

@@ -26,7 +26,7 @@ from drivesizer.results.sizing import Explanation, SizingResult
 from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.control.path_following.following import Followed
+    from drivesizer.control.path_following import Followed
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
     from drivesizer.machine.platform_budget import PermittedSpeeds

@@ -15,8 +15,8 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.control.closed_loop import ClosedLoop, as_warm, prepared, run, simulated, without_limits
 from drivesizer.control.closed_loop.checks import checks
-from drivesizer.control.closed_loop.run import ClosedLoop, as_warm, prepared, run, simulated, without_limits
 from drivesizer.control.engine import Drive, Task
 from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.results.check import Check, LoopShare

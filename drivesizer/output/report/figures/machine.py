@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.control.path_following.following import Followed, deviation
+from drivesizer.control.path_following import Followed, deviation
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.machine.battery import charge_over_mission

@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from math import fsum, isfinite, isnan, sqrt
 
-from drivesizer.control.path_following.following import Followed
-from drivesizer.control.path_following.runs import drawn as shown_runs
-from drivesizer.control.path_following.runs import follow_runs
+from drivesizer.control.path_following import Followed, follow_runs
+from drivesizer.control.path_following import drawn as shown_runs
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import Driving, WheelLoad, driving, with_trajectory
 from drivesizer.loads.motions import Track, Waypoints
