@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -213,15 +214,32 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True, defer_build=True)
 
+    def _contradictions(self) -> Iterator[str]:
+        """What its fields say against one another, of which the first is reported."""
+        yield from ()
 
-def exactly_one(section: BaseModel, *names: str) -> None:
-    """Refuse a section that gives none or several of some fields."""
+    @model_validator(mode="after")
+    def _agreeing(self) -> Self:
+        for said in self._contradictions():
+            raise ValueError(said)
+        return self
+
+
+def exactly_one(section: BaseModel, *names: str) -> Iterator[str]:
+    """What is said of a section that gives none or several of some fields."""
     given = [name for name in names if getattr(section, name) is not None]
     if len(given) != 1:
         found = "neither is given" if not given and len(names) == 2 else "none is given" if not given else (
             "both are given" if len(names) == 2 else f"{'both ' * (len(given) == 2)}{' and '.join(given)} are given"
         )  # fmt: skip
-        raise ValueError(f"give {' or '.join(names)}, exactly one of them; {found}")
+        yield f"give {' or '.join(names)}, exactly one of them; {found}"
+
+
+def apart(named: Iterable[Any], what: str) -> Iterator[str]:
+    """What is said of sections of which two have the same name."""
+    names = [one.name for one in named]
+    if len(set(names)) != len(names):
+        yield f"expected {what} with names of their own"
 
 
 # -- Moment of inertia in a spec: a figure, or a body with its dimensions, or several that turn together.
@@ -273,21 +291,19 @@ class Solid(Section):
     offset: Thickness = default("0 mm", "of its centre from the axis that it turns about")
     count: Annotated[int, Field(ge=1, le=1000)] = default(1, "bodies alike")
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         for name in _OTHERS[self.shape]:
             if getattr(self, name) is not None:
-                raise ValueError(f"expected shape: {self.shape} without {name}")
-        exactly_one(self, "material", "density", "mass")
+                yield f"expected shape: {self.shape} without {name}"
+        yield from exactly_one(self, "material", "density", "mass")
         needs = _NEEDS[self.shape] + (() if self.mass is not None else (_ALONG[self.shape],))
         missing = [name for name in needs if not getattr(self, name)]
         if missing:
-            raise ValueError(f"give {missing[0]} of the {self.shape}, e.g. {missing[0]}: 40 mm")
+            yield f"give {missing[0]} of the {self.shape}, e.g. {missing[0]}: 40 mm"
         if self.diameter is None and self.inner_diameter:
-            raise ValueError(f"expected shape: {self.shape} without inner_diameter")
+            yield f"expected shape: {self.shape} without inner_diameter"
         if self.diameter is not None and not self.inner_diameter < self.diameter:
-            raise ValueError("inner_diameter must be below diameter")
-        return self
+            yield "inner_diameter must be below diameter"
 
     @property
     def moment(self) -> float:

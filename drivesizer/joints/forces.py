@@ -20,7 +20,7 @@ from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.files.csv_columns import columns
 from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion, force_torques
 from drivesizer.joints.places import file_of, joint_of
-from drivesizer.loads.springs import BalanceMass, check_springs, spring_force
+from drivesizer.loads.springs import BalanceMass, spring_force, unfit_springs
 from drivesizer.spec.description_record import Robot
 from drivesizer.spec.robot_section import RobotSection
 
@@ -37,10 +37,8 @@ def check_joint_springs(section: RobotSection, robot: Robot, joints: Sequence[st
             raise FieldError(field, f"{quoted(name)} does not move; leave its springs out")
         if any(isinstance(one, BalanceMass) for one in springs):
             raise FieldError(field, "a counterweight of a joint is mass of its link; expected it in the description")
-        try:
-            check_springs(springs, turns=joint.turns, levels=False)
-        except ValueError as error:
-            raise FieldError(field, str(error).removeprefix("springs: ")) from None
+        for said in unfit_springs(springs, turns=joint.turns, levels=False):
+            raise FieldError(field, said.removeprefix("springs: "))
 
 
 def forces_in_files(section: RobotSection, spec_file: str, total: float) -> dict[int, Rows]:

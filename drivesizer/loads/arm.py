@@ -11,14 +11,14 @@ shoulder with 7.0 · 9.8 · 0.50 = 34 N·m level and 24 N·m at 45° below (Knig
 rotation of a rigid body, exercise on the athlete with a steel ball).
 """
 
-from typing import ClassVar, Literal, Self
+from collections.abc import Iterator
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import Lever, check_inertia, weight_on_lever
+from drivesizer.loads.lever import Lever, too_light, weight_on_lever
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 
@@ -37,11 +37,10 @@ class Arm(SharedLoad):
     tilt: fields.Incline = fields.default("0 deg", "of the joint's axis from level; 90 deg feels no gravity")
     friction_torque: fields.Torque = fields.default("0 N*m", "of the joint, against the motion")
 
-    @model_validator(mode="after")
-    def _heavy_enough(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
         if self.inertia is not None:
-            check_inertia(self.inertia, self.mass, self.length, "length")
-        return self
+            yield from too_light(self.inertia, self.mass, self.length, "length")
 
     @property
     def lever(self) -> Lever:

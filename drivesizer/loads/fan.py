@@ -13,10 +13,10 @@ to rest in 5.0 minutes by a friction of 1.0 N·m: on that ramp its shaft takes n
 Physics, rotational mechanics).
 """
 
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
@@ -38,13 +38,12 @@ class Fan(SharedLoad):
     exponent: fields.Exponent = fields.default(2, "2 for fans and pumps, 1 for an eddy current brake")
     friction_torque: fields.Torque = fields.default("0 N*m", "at any speed, against the motion")
 
-    @model_validator(mode="after")
-    def _rated(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
         if self.rated_torque and self.rated_speed is None:
-            raise ValueError("give rated_speed beside rated_torque")
+            yield "give rated_speed beside rated_torque"
         if self.exponent < 1.0:
-            raise ValueError("exponent must be at least 1; torque that is the same at any speed is friction_torque")
-        return self
+            yield "exponent must be at least 1; torque that is the same at any speed is friction_torque"
 
 
 def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:

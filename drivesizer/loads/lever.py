@@ -10,6 +10,7 @@ No cycle is cut into more than some 10 000 pieces: beyond 13 turns they grow lon
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -38,28 +39,11 @@ class Lever(NamedTuple):
         return self.mass * gravity * self.length * np.where(np.abs(self.share) > _LEVEL, self.share, 0.0)
 
 
-def check_inertia(inertia: float, mass: float, length: float, name: str) -> None:
-    """Refuse an inertia below that of all the mass in its centre, 2 % apart for rounded figures.
-
-    Parameters
-    ----------
-    inertia
-        About the axis [kg*m^2].
-    mass
-        That turns about it [kg].
-    length
-        From the axis to its centre [m].
-    name
-        Of the field that gives the length.
-
-    Raises
-    ------
-    ValueError
-        When no such mass has so small an inertia.
-    """
+def too_light(inertia: float, mass: float, length: float, name: str) -> Iterator[str]:
+    """What is said of an inertia below that of all the mass in its centre, 2 % apart for rounded figures."""
     least = mass * length * length
     if inertia < 0.98 * least:
-        raise ValueError(f"inertia must be at least mass times {name} squared, {least:.4g} kg·m²")
+        yield f"inertia must be at least mass times {name} squared, {least:.4g} kg·m²"
 
 
 def capped(pieces: NDArray[np.float64]) -> NDArray[np.int64]:

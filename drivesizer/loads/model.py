@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Self
+from collections.abc import Iterator
+from typing import Annotated, ClassVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drivesizer.files.fields import Axis, Section, default, no_entries
 from drivesizer.loads.lever import Lever
-from drivesizer.loads.springs import Springs, check_springs
+from drivesizer.loads.springs import Springs, unfit_springs
 
 Count = Annotated[int, Field(ge=1, le=100)]
 
@@ -40,12 +41,10 @@ class SharedLoad(LoadModel):
     motors: Count = default(1, "drives that share the load equally; all figures are of the whole")
     springs: Springs = no_entries("springs and counterweights beside the drives")
 
-    @model_validator(mode="after")
-    def _sprung(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.springs:
             turns, lever = self.axis == "rotary", self.lever
-            check_springs(self.springs, turns=turns, levels=lever is not None)
-        return self
+            yield from unfit_springs(self.springs, turns=turns, levels=lever is not None)
 
     @property
     def alike(self) -> int:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files import fields
@@ -83,11 +83,9 @@ class _Repeated(fields.Section):
     payload: fields.Counterweight = fields.default("0 kg", "added to the load's mass, on the way out and in its rest")
     payload_back: fields.Counterweight | None = fields.optional("on the way back; payload where not given")
 
-    @model_validator(mode="after")
-    def _back(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.payload_back is not None and not self.there_and_back:
-            raise ValueError("give there_and_back: true beside payload_back")
-        return self
+            yield "give there_and_back: true beside payload_back"
 
     @property
     def carries(self) -> bool:
@@ -108,18 +106,17 @@ class Trapezoid(_Repeated):
     distance: fields.Distance | None = fields.optional("of the whole move, with acceleration in place of the times")
     acceleration: fields.Acceleration | None = fields.optional("and deceleration, with distance")
 
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
         times = (self.acceleration_time, self.cruise_time)
         if self.distance is None and self.acceleration is None:
             if None in times:
                 lacking = "acceleration_time" if times[0] is None else "cruise_time"
-                raise ValueError(f"give {lacking}, or distance and acceleration in place of the times")
+                yield f"give {lacking}, or distance and acceleration in place of the times"
         elif any(time is not None for time in (*times, self.deceleration_time)):
-            raise ValueError("give distance and acceleration, or acceleration_time and cruise_time, not both")
+            yield "give distance and acceleration, or acceleration_time and cruise_time, not both"
         elif self.distance is None or self.acceleration is None:
-            raise ValueError(f"give {'distance' if self.distance is None else 'acceleration'} as well, or the times")
-        return self
+            yield f"give {'distance' if self.distance is None else 'acceleration'} as well, or the times"
 
     @property
     def phases(self) -> tuple[Alike, Alike, Alike, Alike]:
@@ -184,12 +181,10 @@ class Segments(fields.Section):
     profile: Literal["segments"]
     segments: Annotated[list[Segment], Field(min_length=1, max_length=10_000)]
 
-    @model_validator(mode="after")
-    def _ends_at_rest(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         speeds = [s.to for s in self.segments if s.to is not None]
         if speeds and speeds[-1] != 0.0:
-            raise ValueError("expected the last speed to be 0: a cycle starts and ends at standstill")
-        return self
+            yield "expected the last speed to be 0: a cycle starts and ends at standstill"
 
     @property
     def carries(self) -> bool:
@@ -393,13 +388,12 @@ class Move(_Repeated):
     )
     deceleration_time: fields.Duration | None = fields.optional("acceleration_time where not given")
 
-    @model_validator(mode="after")
-    def _shaped(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
         if self.law != "trapezoid" and (self.acceleration_time or self.deceleration_time):
-            raise ValueError("expected acceleration_time and deceleration_time with law: trapezoid only")
+            yield "expected acceleration_time and deceleration_time with law: trapezoid only"
         if sum(self.ramps) > self.time * (1.0 + _ROUNDING):
-            raise ValueError("expected acceleration_time and deceleration_time of no more than time together")
-        return self
+            yield "expected acceleration_time and deceleration_time of no more than time together"
 
     @property
     def ramps(self) -> tuple[float, float]:

@@ -11,14 +11,14 @@ Worked example: a merry-go-round as a disc of 50.0 kg and 1.50 m radius (56.25 k
 rotational motion).
 """
 
-from typing import ClassVar, Literal, Self
+from collections.abc import Iterator
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import Lever, check_inertia, weight_on_lever
+from drivesizer.loads.lever import Lever, too_light, weight_on_lever
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 
@@ -36,10 +36,9 @@ class RotaryTable(SharedLoad):
     tilt: fields.Incline = fields.default("0 deg", "of the axis from the vertical; 90 deg lies level")
     start_angle: fields.Bearing = fields.default("0 deg", "of the centre from the level line, when the cycle starts")
 
-    @model_validator(mode="after")
-    def _heavy_enough(self) -> Self:
-        check_inertia(self.inertia, self.mass, self.eccentricity, "eccentricity")
-        return self
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
+        yield from too_light(self.inertia, self.mass, self.eccentricity, "eccentricity")
 
     @property
     def lever(self) -> Lever:

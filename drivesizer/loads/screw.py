@@ -26,11 +26,11 @@ technical reference, motor sizing: ball screw).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
-from pydantic import model_validator
 
 from drivesizer.errors import FieldError
 from drivesizer.files import fields
@@ -59,13 +59,11 @@ class ScrewChoice(fields.Section):
     lead_max: fields.Length | None = None
     play_max: fields.Thickness | None = fields.optional("axial; then a screw of unknown play is left out")
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         for name in ("diameter", "lead"):
             least, most = getattr(self, f"{name}_min"), getattr(self, f"{name}_max")
             if least is not None and most is not None and least > most:
-                raise ValueError(f"expected {name}_min <= {name}_max")
-        return self
+                yield f"expected {name}_min <= {name}_max"
 
 
 _OF_CATALOGUE = ("lead", "diameter", "root_diameter", "ball_diameter", "pitch_diameter", "shaft_diameter",
@@ -133,42 +131,32 @@ class Screw(SharedLoad):
     static_safety: fields.Ratio = fields.default(2, "static_load over the largest axial load, at least")
     dn_max: fields.Ratio | None = fields.optional("ball_diameter times speed that the nut permits, in mm rpm")
 
-    @model_validator(mode="after")
-    def _complete(self) -> Self:
-        fields.exactly_one(self, "lead", "screw")
-        if self.screw is not None:
-            return self._left_open()
-        fields.exactly_one(self, "efficiency", "thread_friction")
-        if self.thread_friction is not None and (self.diameter is None or self.root_diameter is None):
-            raise ValueError("give diameter and root_diameter beside thread_friction")
-        if self.thread_friction is not None and self.back_efficiency is not None:
-            raise ValueError("back_efficiency follows from thread_friction; leave one of them out")
-        if self.inertia is None and (self.diameter is None or self.overall is None):
-            raise ValueError("give inertia, or diameter and length of a steel screw")
-        return self
-
-    def _left_open(self) -> Self:
-        """Refuse figures of the screw beside a choice of it, and a choice without a length."""
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
+        yield from fields.exactly_one(self, "lead", "screw")
         given = [name for name in _OF_CATALOGUE if getattr(self, name) is not None]
-        if given:
-            raise ValueError(f"expected screw without {given[0]}, which is that of the screw that is chosen")
-        if self.length is None or self.ends is None:
-            raise ValueError("give length and ends beside screw")
-        if self.efficiency is not None and self.thread_friction is not None:
-            raise ValueError("give efficiency or thread_friction, not both")
-        return self
-
-    @model_validator(mode="after")
-    def _dimensions(self) -> Self:
+        if self.screw is not None and given:
+            yield f"expected screw without {given[0]}, which is that of the screw that is chosen"
+        if self.screw is not None and (self.length is None or self.ends is None):
+            yield "give length and ends beside screw"
+        if self.screw is not None and self.efficiency is not None and self.thread_friction is not None:
+            yield "give efficiency or thread_friction, not both"
+        if self.screw is None:
+            yield from fields.exactly_one(self, "efficiency", "thread_friction")
+        if self.thread_friction is not None and self.screw is None and None in (self.diameter, self.root_diameter):
+            yield "give diameter and root_diameter beside thread_friction"
+        if self.thread_friction is not None and self.screw is None and self.back_efficiency is not None:
+            yield "back_efficiency follows from thread_friction; leave one of them out"
+        if self.inertia is None and self.screw is None and None in (self.diameter, self.overall):
+            yield "give inertia, or diameter and length of a steel screw"
         if self.diameter and self.root_diameter and not self.root_diameter < self.diameter:
-            raise ValueError("root_diameter must be below diameter")
+            yield "root_diameter must be below diameter"
         if self.ends and self.length is None:
-            raise ValueError("give length beside ends")
+            yield "give length beside ends"
         if self.length and self.screw_length and self.screw_length < self.length:
-            raise ValueError("screw_length must not be below length")
+            yield "screw_length must not be below length"
         if self.nut_diameter is None and self.screw is None and (self.dn_max or self.preload):
-            raise ValueError("give diameter beside dn_max and preload")
-        return self
+            yield "give diameter beside dn_max and preload"
 
     @property
     def travel_per_turn(self) -> float:

@@ -27,7 +27,7 @@ is half in.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -116,45 +116,30 @@ Spring = Annotated[AnySpring, Field(discriminator="kind")]
 Springs = Annotated[list[Spring], Field(max_length=20)]
 
 
-def check_springs(springs: Sequence[AnySpring], *, turns: bool, levels: bool) -> None:
-    """Refuse springs that do not fit the axis that they act on.
-
-    Parameters
-    ----------
-    springs
-        Beside one axis.
-    turns
-        Whether the load turns; else it moves along a line.
-    levels
-        Whether gravity's direction across the axis is known, for a counterweight.
-
-    Raises
-    ------
-    ValueError
-        Of the first that does not fit, with the nearest that does.
-    """
+def unfit_springs(springs: Sequence[AnySpring], *, turns: bool, levels: bool) -> Iterator[str]:
+    """What is said of springs that do not fit an axis that turns, or across which gravity's direction is known."""
     for one in springs:
         of_torque = isinstance(one, TorsionSpring) or getattr(one, "torque", None) is not None
         ends = getattr(one, "ends", None)
         if isinstance(one, ConstantSpring) and (one.force is None) == (one.torque is None):
-            raise ValueError("springs: a constant one has one of force and torque")
+            yield "springs: a constant one has one of force and torque"
         if isinstance(one, GasSpring) and np.any(np.greater(one.pressed, one.stroke)):
-            raise ValueError("springs: expected pressed of no more than stroke")
+            yield "springs: expected pressed of no more than stroke"
         if isinstance(one, BalanceMass):
             if turns and not levels:
-                raise ValueError("springs: nothing says how gravity acts on a counterweight here; expected kind: arm")
+                yield "springs: nothing says how gravity acts on a counterweight here; expected kind: arm"
             if turns != (one.length is not None) or (one.angle is not None and not turns):
                 words = "needs its length" if turns else "along a line hangs on its rope: leave length and angle out"
-                raise ValueError(f"springs: a counterweight {words}")
+                yield f"springs: a counterweight {words}"
         elif not turns and (of_torque or ends):
-            raise ValueError("springs: the load moves along a line; expected kind: linear, or a force without ends")
+            yield "springs: the load moves along a line; expected kind: linear, or a force without ends"
         elif turns and not of_torque and ends is None:
-            raise ValueError(
+            yield (
                 "springs: a force about an axis needs ends, e.g. {radius: 50 mm, anchor: 200 mm, angle: 30 deg}; "
                 "or kind: torsion"
             )
         elif of_torque and ends is not None:
-            raise ValueError("springs: a torque has no ends; leave them out")
+            yield "springs: a torque has no ends; leave them out"
 
 
 def spring_force(one: Any, travel: Figure, direction: Figure) -> Any:

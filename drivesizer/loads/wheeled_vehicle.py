@@ -14,10 +14,10 @@ Worked example: 45 kg on 4 wheels of 152.4 mm, C_rr 0.02, level, at 1.5 m/s: 0.0
 """
 
 import math
-from typing import ClassVar, Literal, Self
+from collections.abc import Iterator
+from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from drivesizer import equations as eq
 from drivesizer.files import fields
@@ -38,11 +38,9 @@ class Cylinder(fields.Section):
     inner_diameter: fields.Thickness = fields.default("0 mm", "0 when solid")
     width: fields.Length
 
-    @model_validator(mode="after")
-    def _hollow(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if not self.inner_diameter < self.outer_diameter:
-            raise ValueError("inner_diameter must be below outer_diameter")
-        return self
+            yield "inner_diameter must be below outer_diameter"
 
 
 class Cylinders(fields.Section):
@@ -81,13 +79,11 @@ class WheeledVehicle(LoadModel):
     cylinders: Cylinders | None = fields.optional("wheel and shaft; or give inertia")
     inertia: fields.Inertia | None = fields.optional("of one wheel with its shaft; or give cylinders")
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
-        fields.exactly_one(self, "rolling_resistance", "sinkage")
-        fields.exactly_one(self, "cylinders", "inertia")
+    def _contradictions(self) -> Iterator[str]:
+        yield from fields.exactly_one(self, "rolling_resistance", "sinkage")
+        yield from fields.exactly_one(self, "cylinders", "inertia")
         if self.sinkage is not None and self.sinkage >= self.wheel_diameter:
-            raise ValueError("sinkage must be below wheel_diameter")
-        return self
+            yield "sinkage must be below wheel_diameter"
 
     @property
     def motors(self) -> int:

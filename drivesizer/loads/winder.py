@@ -18,10 +18,10 @@ Worked example: paper of 1 mm onto a core of 140 mm at 100 m/min: 227 rpm, and 2
 """
 
 import math
-from typing import Any, ClassVar, Literal, Self
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import model_validator
 
 from drivesizer.errors import FieldError
 from drivesizer.files import fields
@@ -52,13 +52,12 @@ class Winder(SharedLoad):
     friction_torque: fields.Torque = fields.default("0 N*m", "of the roll's bearings, against the motion")
     inertia: fields.Inertia = fields.default("0 kg*m^2", "of the core and its shaft")
 
-    @model_validator(mode="after")
-    def _on_its_core(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
+        yield from super()._contradictions()
         if self.start_diameter is not None and self.start_diameter < self.core_diameter:
-            raise ValueError("expected start_diameter of no less than core_diameter")
+            yield "expected start_diameter of no less than core_diameter"
         if self.springs:
-            raise ValueError("springs: a web is pulled by its tension; leave them out")
-        return self
+            yield "springs: a web is pulled by its tension; leave them out"
 
     def radius(self, travel: Any) -> Any:
         """Radius of the roll after a length of web [m].

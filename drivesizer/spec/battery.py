@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -23,11 +24,9 @@ class Run(fields.Section):
     power: fields.Power | None = None
     time: fields.Duration = fields.required(example="1 h")
 
-    @model_validator(mode="after")
-    def _one_held(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if (self.current is None) == (self.power is None):
-            raise ValueError("give current or power, exactly one of them")
-        return self
+            yield "give current or power, exactly one of them"
 
 
 class OpenCircuit(fields.Section):
@@ -36,11 +35,9 @@ class OpenCircuit(fields.Section):
     full: fields.Voltage = fields.required(example="4.2 V")
     empty: fields.Voltage = fields.required(example="3.2 V")
 
-    @model_validator(mode="after")
-    def _falling(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.empty > self.full:
-            raise ValueError("expected empty <= full")
-        return self
+            yield "expected empty <= full"
 
 
 class Polarisation(fields.Section):
@@ -88,19 +85,17 @@ class Battery(fields.Section):
     range: fields.Length | None = fields.optional("that is required, of a vehicle", example="20 km")
     reserve: fields.Allowance = fields.default(0, "by which autonomy and range must exceed what is required")
 
-    @model_validator(mode="after")
-    def _known(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         lacking = [n for n in ("nominal_voltage", "capacity") if getattr(self, n) is None]
         if self.part is None and lacking:
-            raise ValueError(f"give a part of a catalogue, or {' and '.join(lacking)} as well")
+            yield f"give a part of a catalogue, or {' and '.join(lacking)} as well"
         if len({run.power is None for run in self.discharge or ()}) > 1:
-            raise ValueError("give currents or powers in discharge, not both")
+            yield "give currents or powers in discharge, not both"
         nominal, charge = self.nominal_voltage, self.charge_voltage
         if nominal is not None and charge is not None and charge < nominal:
-            raise ValueError("expected charge_voltage >= nominal_voltage; both are of one cell or block")
+            yield "expected charge_voltage >= nominal_voltage; both are of one cell or block"
         if self.start + self.usable <= 1.0:
-            raise ValueError("expected start above the share that may not be drawn, 1 - usable")
-        return self
+            yield "expected start above the share that may not be drawn, 1 - usable"
 
 
 class Consumer(fields.Section):
@@ -117,13 +112,11 @@ class Consumer(fields.Section):
     efficiency: fields.Share = fields.default(1, "of the converter that supplies it")
     assumed: bool = fields.default(False, "whether its figures are assumed, and reported so")
 
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.duty is not None and self.time is not None:
-            raise ValueError("give duty or time, not both")
+            yield "give duty or time, not both"
         if self.peak_power is not None and self.peak_power < self.power:
-            raise ValueError("expected peak_power >= power")
-        return self
+            yield "expected peak_power >= power"
 
     def share(self, mission: float | None) -> float:
         """Share of a mission's time [s] for which it is on [1]."""
@@ -184,17 +177,15 @@ class BrakeResistor(fields.Section):
     def _any(cls, given: Any) -> Any:
         return {} if given == _ANY else given
 
-    @model_validator(mode="after")
-    def _complete(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.resistance is None:
             lone = [name for name in _OWN[1:] if getattr(self, name) is not None]
             if lone:
-                raise ValueError(f"give {lone[0]} with the resistance of a resistor of your own; a part has its own")
-            return self
+                yield f"give {lone[0]} with the resistance of a resistor of your own; a part has its own"
+            return
         if self.family or self.part:
-            raise ValueError("give family or part of a catalogue, or resistance, not both")
+            yield "give family or part of a catalogue, or resistance, not both"
         if self.chopper_voltage is None:
-            raise ValueError("give chopper_voltage with resistance: at which the chopper switches it on")
+            yield "give chopper_voltage with resistance: at which the chopper switches it on"
         if self.power and self.peak_power and self.peak_power < self.power:
-            raise ValueError("expected peak_power >= power")
-        return self
+            yield "expected peak_power >= power"

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from drivesizer.catalog.parts import columns_of
 from drivesizer.catalog.prices import factors
@@ -45,11 +45,9 @@ class Pulleys(fields.Section):
     centre_distance: fields.Length | None = fields.optional("of the shafts; any where not given", example="200 mm")
     adjustable: fields.Thickness = fields.default("3 mm", "by how much the shafts may be moved, either way")
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if not self.ratio_min <= self.ratio_max:
-            raise ValueError("expected ratio_min <= ratio_max")
-        return self
+            yield "expected ratio_min <= ratio_max"
 
 
 class BeltStage(fields.Section):
@@ -72,14 +70,12 @@ class BeltStage(fields.Section):
     )
     max_speed: fields.Speed | None = fields.optional("permitted belt speed, with a known pulley", example="20 m/s")
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
-        fields.exactly_one(self, "ratio", "ratios", "pulleys")
+    def _contradictions(self) -> Iterator[str]:
+        yield from fields.exactly_one(self, "ratio", "ratios", "pulleys")
         if self.pulleys is not None and self.pulley_diameter is not None:
-            raise ValueError("give pulleys or pulley_diameter, not both: diameters of pulleys follow from their teeth")
+            yield "give pulleys or pulley_diameter, not both: diameters of pulleys follow from their teeth"
         if self.pulleys is None and self.pulley_diameter is None and (self.max_tension or self.max_speed):
-            raise ValueError("give pulley_diameter beside max_tension and max_speed")
-        return self
+            yield "give pulley_diameter beside max_tension and max_speed"
 
     @property
     def to_search(self) -> list[float]:
@@ -107,11 +103,9 @@ class GearStage(fields.Section):
     backlash: fields.Angle | None = fields.optional("at its output shaft; unknown where not given", example="5 arcmin")
     mass: fields.Mass | None = fields.optional("of the whole stage; unknown where not given")
 
-    @model_validator(mode="after")
-    def _forces(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.kind == "worm" and self.pinion_diameter is not None:
-            raise ValueError("forces of a worm are not computed; leave pinion_diameter out, see needs.radial_load")
-        return self
+            yield "forces of a worm are not computed; leave pinion_diameter out, see needs.radial_load"
 
     def fixed_gear(self, behind: float = 1.0) -> FixedGear:
         """Its figures, with inertia and friction as seen where a belt of a ratio is behind it."""
@@ -456,20 +450,18 @@ class Control(fields.Section):
     )
     damping_ratio: fields.Part | None = fields.optional("of the swings of a stepper's rotor; 0.1 where not given")
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.kp is None and (self.ki or self.kd):
-            raise ValueError("ki and kd need kp")
+            yield "ki and kd need kp"
         if self.count_time is not None and self.speed_from == "exact":
-            raise ValueError("count_time belongs to speed_from: counts")
+            yield "count_time belongs to speed_from: counts"
         if self.kp is not None and self.bandwidth is not None:
-            raise ValueError("give kp or bandwidth, not both")
+            yield "give kp or bandwidth, not both"
         own = {"current", "velocity", "position", "feedforward"} & self.model_fields_set
         if self.structure == "voltage_pid" and own:
-            raise ValueError(f"{min(own)} belongs to structure: cascade")
+            yield f"{min(own)} belongs to structure: cascade"
         if self.structure == "cascade" and {"kp", "ki", "kd", "bandwidth"} & self.model_fields_set:
-            raise ValueError("kp, ki, kd and bandwidth belong under current or velocity in structure: cascade")
-        return self
+            yield "kp, ki, kd and bandwidth belong under current or velocity in structure: cascade"
 
 
 class Plant(fields.Section):
@@ -481,8 +473,6 @@ class Plant(fields.Section):
     backlash: fields.Angle | None = fields.optional("at the load; else the gearhead's")
     warming: bool = fields.default(True, "whether the winding warms along the run")
 
-    @model_validator(mode="after")
-    def _of_two_masses(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.model == "rigid" and {"stiffness", "damping_ratio", "backlash"} & self.model_fields_set:
-            raise ValueError("stiffness, damping_ratio and backlash belong to model: two_mass")
-        return self
+            yield "stiffness, damping_ratio and backlash belong to model: two_mass"

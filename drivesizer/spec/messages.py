@@ -368,14 +368,13 @@ _MOST_SHARED = 0.999  # of the time, that load cases may take of the machine as 
 _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw", "ball_screw")
 
 
-def refuse_contradictions(spec: Any) -> None:
-    """Raise the first contradiction between sections of a ``RobotSpec`` as a ValueError that names the field."""
-    for contradictions in (
+def contradictions(spec: Any) -> Iterator[str]:
+    """What sections of a ``RobotSpec`` say against one another, each with the name of the field."""
+    for rules in (
         _chained, _moved, _motor_kind_conflicts, _wheel_conflicts, _burning, _overhung, _lasting, _equipped,
         _alternating, _paid,
     ):  # fmt: skip
-        if (message := next(contradictions(spec), None)) is not None:
-            raise ValueError(message)
+        yield from rules(spec)
 
 
 def _chained(spec: Any) -> Iterator[str]:

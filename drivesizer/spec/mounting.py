@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drivesizer.files import fields
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
@@ -120,17 +121,15 @@ class Mounting(fields.Section):
     )
     gear_loss_share: fields.Part = fields.default(0, "of the gearhead's loss that heats the motor's housing")
 
-    @model_validator(mode="after")
-    def _one_figure(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if (self.kind == "plate") != (self.plate_resistance is not None):
-            raise ValueError("give plate_resistance with kind: plate, e.g. 2 K/W, and with no other")
+            yield "give plate_resistance with kind: plate, e.g. 2 K/W, and with no other"
         if self.housing_resistance is not None and self.kind != "as_printed":
-            raise ValueError(f"give kind: {self.kind} or housing_resistance, not both")
+            yield f"give kind: {self.kind} or housing_resistance, not both"
         if (self.low is not None or self.high is not None) and self.housing_resistance is None:
-            raise ValueError("give housing_resistance with low and high, e.g. 0.6")
+            yield "give housing_resistance with low and high, e.g. 0.6"
         if self.housing_resistance is not None and not self.share.low <= self.share.value <= self.share.high:
-            raise ValueError("expected low <= housing_resistance <= high")
-        return self
+            yield "expected low <= housing_resistance <= high"
 
     @property
     def share(self) -> Share:
@@ -245,11 +244,9 @@ class OwnBrake(fields.Section):
     total_energy: fields.Energy | None = fields.optional("of all emergency stops in its life", example="10 kJ")
     emergency_stops: Annotated[int, Field(ge=1)] | None = fields.optional("permitted in its life")
 
-    @model_validator(mode="after")
-    def _one_in_all(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.total_energy is not None and not self.total_energy >= (self.energy_per_stop or 0.0):
-            raise ValueError("total_energy: expected at least energy_per_stop, as it is that of all stops")
-        return self
+            yield "total_energy: expected at least energy_per_stop, as it is that of all stops"
 
     @property
     def figures(self) -> dict[str, Any]:

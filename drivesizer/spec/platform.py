@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from drivesizer.files import fields
 from drivesizer.platform.envelope import Passage, Size
@@ -38,15 +38,13 @@ class WheelPlace(fields.Section):
     roller_angle: RollerAngle | None = fields.optional("γ, of a mecanum wheel", example="45 deg")
     driven: bool = True
 
-    @model_validator(mode="after")
-    def _placed(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         by_table, by_place = (self.distance, self.alpha, self.beta), (self.x, self.y, self.heading)
         given = (by_place, by_table) if self.distance is None else (by_table, by_place)
         if given[0][0] is None or given[0][1] is None or any(v is not None for v in given[1]):
-            raise ValueError("give x and y with heading, or distance and alpha with beta, one of both")
+            yield "give x and y with heading, or distance and alpha with beta, one of both"
         if (self.roller_angle is not None) != (self.kind == "mecanum"):
-            raise ValueError("give roller_angle for a mecanum wheel, such as 45 deg or -45 deg, and for no other")
-        return self
+            yield "give roller_angle for a mecanum wheel, such as 45 deg or -45 deg, and for no other"
 
     def record(self, radius: float, **more: float) -> Wheel:
         """The wheel of a radius [m], with further figures of all wheels."""
@@ -79,11 +77,9 @@ class Mecanum(fields.Section):
         corners = ((x, -y, gamma), (x, y, -gamma), (-x, y, gamma), (-x, -y, -gamma))
         return [_place("mecanum", *corner) for corner in corners]
 
-    @model_validator(mode="after")
-    def _crossed(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.roller_angle <= 0.0:
-            raise ValueError("expected roller_angle above 0: other rollers hold the platform badly in turning")
-        return self
+            yield "expected roller_angle above 0: other rollers hold the platform badly in turning"
 
 
 class Differential(fields.Section):
@@ -227,13 +223,11 @@ class Following(fields.Section):
     )
     measured: Annotated[list[Measured], Field(max_length=20)] = fields.no_entries()
 
-    @model_validator(mode="after")
-    def _of_its_loop(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.speed_loop == "P" and self.speed_integral is not None and not self.compare:
-            raise ValueError("speed_integral: a speed_loop P has none; leave it out, or take PI")
+            yield "speed_integral: a speed_loop P has none; leave it out, or take PI"
         if self.pose_period < self.period:
-            raise ValueError("pose_period: expected no less than period, that of the speed loops")
-        return self
+            yield "pose_period: expected no less than period, that of the speed loops"
 
 
 # -- Sections of a spec on its platform, the passages it must fit through, and its mass budget.
@@ -304,11 +298,9 @@ class PassageSection(fields.Section):
     y: fields.Place | None = fields.optional(example="0 m")
     direction: fields.Bearing = fields.default("0 deg", "of passage, in the world")
 
-    @model_validator(mode="after")
-    def _somewhere(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if (self.x is None) != (self.y is None):
-            raise ValueError("give both x and y, or none")
-        return self
+            yield "give both x and y, or none"
 
     @property
     def record(self) -> Passage:
@@ -329,11 +321,6 @@ class Limits(fields.Section):
 
 
 # --- the sections -----------------------------------------------------------------------------------------------------
-
-
-def _distinct(names: Sequence[str], what: str) -> None:
-    if len(set(names)) != len(names):
-        raise ValueError(f"expected {what} with names of their own")
 
 
 class Platform(fields.Section):
@@ -368,37 +355,31 @@ class Platform(fields.Section):
     misjudged: Unknown = fields.all_defaults("for `drivesizer drive --follow`")
     following: Following = fields.all_defaults("for `drivesizer drive --follow`")
 
-    @model_validator(mode="after")
-    def _moves(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if (self.wheels is None) == (self.layout is None):
-            raise ValueError("give wheels or layout, exactly one of them")
+            yield "give wheels or layout, exactly one of them"
         if self.inertia is None and self.size is None:
-            raise ValueError("give inertia, or size: a homogeneous box of it is taken then")
+            yield "give inertia, or size: a homogeneous box of it is taken then"
         if self.passages and self.size is None:
-            raise ValueError("give size for the passages")
+            yield "give size for the passages"
         wrong = [number for number in self.failed if number > len(self.places)]
         if wrong:
-            raise ValueError(f"expected failed wheels of {len(self.places)}, there is no wheel {wrong[0]}")
+            yield f"expected failed wheels of {len(self.places)}, there is no wheel {wrong[0]}"
         skids = any(place.kind == "skid" for place in self.places)
         if skids != (self.sliding_friction is not None):
             needed = "give sliding_friction of the skid wheels, e.g. 0.6" if skids else (
                 "sliding_friction: it is of skid wheels; leave it out, or layout: {kind: skid}"
             )  # fmt: skip
-            raise ValueError(needed)
-        _distinct([passage.name for passage in self.passages], "passages")
-        _distinct([payload.name for payload in self.payloads], "payloads")
-        return self
-
-    @model_validator(mode="after")
-    def _held(self) -> Self:
-        """Two wheels in one place, and wheels that do not hold the robot, are known before its mass is."""
+            yield needed
+        yield from fields.apart(self.passages, "passages")
+        yield from fields.apart(self.payloads, "payloads")
         from drivesizer.platform.kinematics import kinematics  # a spec without a platform does not wait for it
 
+        # two wheels in one place, and wheels that do not hold the robot, are known before its mass is
         wheels = tuple(place.record(0.1) for place in self.places)
         casters = tuple(WheelPlace.model_construct(kind="omni", x=c.x, y=c.y).record(0.1) for c in self.casters)
         Record(wheels=(*wheels, *casters), mass=1.0, inertia=1.0)
         kinematics(wheels)
-        return self
 
     @property
     def places(self) -> list[WheelPlace]:
@@ -435,9 +416,7 @@ class Budget(fields.Section):
         """Whether masses are summed: not where the price alone is limited."""
         return self.model_fields_set != {"price"}
 
-    @model_validator(mode="after")
-    def _summed(self) -> Self:
-        _distinct([item.name for item in self.others], "others")
+    def _contradictions(self) -> Iterator[str]:
+        yield from fields.apart(self.others, "others")
         if self.drive_counts and self.structure is None:
-            raise ValueError("give structure where drive_counts: the mass without the drive must be known")
-        return self
+            yield "give structure where drive_counts: the mass without the drive must be known"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Hashable, Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from functools import lru_cache
 from math import nan
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr, ValidationError, field_validator, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, field_validator
 
 from drivesizer.catalog import Brake, Controller
 from drivesizer.catalog.typed import Typed
@@ -28,7 +28,7 @@ from drivesizer.physics.power_stage import PowerStage as StageFigures
 from drivesizer.spec import drive, sections
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.design import Design
-from drivesizer.spec.messages import explained, refuse_contradictions
+from drivesizer.spec.messages import contradictions, explained
 from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
@@ -122,10 +122,8 @@ class RobotSpec(fields.Section, OfFile):
         """The file that it was read from; an empty one where there is none."""
         return self._source
 
-    @model_validator(mode="after")
-    def _agreeing(self) -> RobotSpec:
-        refuse_contradictions(self)
-        return self
+    def _contradictions(self) -> Iterator[str]:
+        yield from contradictions(self)
 
     @field_validator("cases")
     @classmethod

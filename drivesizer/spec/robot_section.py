@@ -5,10 +5,11 @@ description, so that the reader takes either and keeps its kind.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 from pydantic_core import core_schema
 
 from drivesizer.errors import InputError
@@ -141,15 +142,13 @@ class DrivePlace(fields.Section):
 
     motors: Count = fields.default(1, "drives that share the joint equally")
 
-    @model_validator(mode="after")
-    def _somewhere(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if (self.link is not None) != (self.on == "link"):
-            raise ValueError("give link with on: link, and with no other")
+            yield "give link with on: link, and with no other"
         if self.belt_passes and self.on == "link_before":
-            raise ValueError("belt_passes: at its joint a drive has none between; expected on: base, or on: link")
+            yield "belt_passes: at its joint a drive has none between; expected on: base, or on: link"
         if self.at is not None and self.on == "base":
-            raise ValueError("at: no joint carries a drive on the base; leave it out")
-        return self
+            yield "at: no joint carries a drive on the base; leave it out"
 
 
 class Coupling(fields.Section):
@@ -176,10 +175,8 @@ class LinkForce(fields.Section):
         "CSV over the trajectory: columns time, x, y, z; then a row of units", min_length=1
     )
 
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        fields.exactly_one(self, "force", "file")
-        return self
+    def _contradictions(self) -> Iterator[str]:
+        yield from fields.exactly_one(self, "force", "file")
 
 
 class RobotSection(fields.Section):
@@ -226,16 +223,12 @@ class RobotSection(fields.Section):
         """A mass as text stands for a payload at the origin of the last link."""
         return {"mass": value} if isinstance(value, str) else value
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
-        fields.exactly_one(self, "trajectory", "waypoints")
+    def _contradictions(self) -> Iterator[str]:
+        yield from fields.exactly_one(self, "trajectory", "waypoints")
         if self.payloads and self.payload is None:
-            raise ValueError("payloads: they hang where payload does; expected payload with its link")
+            yield "payloads: they hang where payload does; expected payload with its link"
         if self.payload is None and any(hold.payload is not None for hold in self.holds):
-            raise ValueError("holds: a payload hangs where that of the robot does; expected payload with its link")
-        names = [case.name for case in self.payloads] + [hold.name for hold in self.holds]
-        if len(set(names)) != len(names):
-            raise ValueError("expected payloads and holds with names of their own")
+            yield "holds: a payload hangs where that of the robot does; expected payload with its link"
+        yield from fields.apart([*self.payloads, *self.holds], "payloads and holds")
         if self.trajectory is None and self.smoothing:
-            raise ValueError("smoothing: it is of a recorded trajectory; leave it out")
-        return self
+            yield "smoothing: it is of a recorded trajectory; leave it out"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 
@@ -25,11 +26,9 @@ class Lives(fields.Section):
         "of the gearhead's output, under section shaft", example="20000 h"
     )
 
-    @model_validator(mode="after")
-    def _some(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.screw is self.gearhead is self.output_bearing is None:
-            raise ValueError("give screw, gearhead or output_bearing, or one time for all, e.g. life: 20000 h")
-        return self
+            yield "give screw, gearhead or output_bearing, or one time for all, e.g. life: 20000 h"
 
 
 Life = Annotated[
@@ -68,13 +67,11 @@ class Requirements(fields.Section):
         fields.no_entries("that it must carry: names of `equipment`, of `others` of `budget` or of payloads")
     )
 
-    @model_validator(mode="after")
-    def _something(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.travel is None and self.speed is None and not self.devices:
-            raise ValueError("give travel, speed or devices, e.g. travel: {distance: 7 km, within: 80 min}")
+            yield "give travel, speed or devices, e.g. travel: {distance: 7 km, within: 80 min}"
         if len(set(self.devices)) != len(self.devices):
-            raise ValueError("expected devices with names of their own")
-        return self
+            yield "expected devices with names of their own"
 
 
 # -- The sections of robot.yaml that are not load, motion, transmission, loop, choice, battery or platform.
@@ -130,39 +127,29 @@ class Supply(fields.Section):
         "brakes of another voltage have a supply of their own, of no more than this one's voltage or 24 V"
     )
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):
             low, high = (None if one is None else f"{one:g} V" for one in (self.min, self.max))
             given = [("min", low), ("nominal", f"{self.nominal:g} V"), ("max", high)]
             found = ", ".join(f"{name} {text}" for name, text in given if text)
-            raise ValueError(f'"{found}": expected min <= nominal <= max')
-        return self
-
-    @model_validator(mode="after")
-    def _of_one_kind(self) -> Self:
+            yield f'"{found}": expected min <= nominal <= max'
         if self.stalled and self.current is None and self.part is None:
-            raise ValueError("give current with stalled: that the supply can deliver")
+            yield "give current with stalled: that the supply can deliver"
         if self.kind == "power_supply" and (self.regeneration or self.accepts == "all"):
-            raise ValueError("a power_supply takes nothing back; leave regeneration and accepts out, or another kind")
+            yield "a power_supply takes nothing back; leave regeneration and accepts out, or another kind"
         if self.kind == "battery" and self.accepts == "share":
-            raise ValueError("a battery takes all that is regenerated; leave accepts out, or another kind")
+            yield "a battery takes all that is regenerated; leave accepts out, or another kind"
         if self.part is not None and self.kind not in (None, "power_supply"):
-            raise ValueError(f"give part for kind: power_supply, not for a {self.kind}")
-        return self
-
-    @model_validator(mode="after")
-    def _peaks(self) -> Self:
+            yield f"give part for kind: power_supply, not for a {self.kind}"
         if self.peak_time is not None and self.peak_current is None and self.part is None:
-            raise ValueError("give peak_current with peak_time")
+            yield "give peak_current with peak_time"
         if self.peak_current is not None:
             if self.current is None and self.part is None:
-                raise ValueError("give current with peak_current: the continuous one")
+                yield "give current with peak_current: the continuous one"
             if self.current is not None and self.peak_current < self.current:
-                raise ValueError("expected peak_current >= current")
+                yield "expected peak_current >= current"
         if self.overvoltage_trip is not None and self.overvoltage_trip <= self.highest:
-            raise ValueError("expected overvoltage_trip above the highest voltage, max or nominal")
-        return self
+            yield "expected overvoltage_trip above the highest voltage, max or nominal"
 
     @property
     def lowest(self) -> float:
@@ -305,25 +292,21 @@ class Needs(fields.Section):
     mass: fields.Mass | None = fields.optional("of motor, gearhead and brake together, at most")
     price: fields.Price | None = fields.optional("of motor, gearhead and brake together, at most")
 
-    @model_validator(mode="after")
-    def _held(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.holding_friction == "counted" and not self.hold_unpowered:
-            raise ValueError("give hold_unpowered: true with holding_friction: counted")
-        return self
+            yield "give hold_unpowered: true with holding_friction: counted"
 
 
 class Case(fields.Section):
     """Changes of a further load case; everything else is as in the spec."""
 
-    @model_validator(mode="after")
-    def _shared(self) -> Self:
+    def _contradictions(self) -> Iterator[str]:
         if self.lasting is not None and self.share is None:
-            raise ValueError("lasting: it is of a case with a share of the time; expected share, e.g. 10 %")
+            yield "lasting: it is of a case with a share of the time; expected share, e.g. 10 %"
         if self.share is not None and self.once:
-            raise ValueError("once: a case that alternates with others repeats; expected once without share")
+            yield "once: a case that alternates with others repeats; expected once without share"
         if self.share is not None and (self.supply or self.environment):
-            raise ValueError("share: a case that alternates with others keeps supply and environment; leave it out")
-        return self
+            yield "share: a case that alternates with others keeps supply and environment; leave it out"
 
     name: str = Field(min_length=1, max_length=60)
     share: Annotated[float, fields.Quantity("dimensionless", above=0.0, most=0.99)] | None = fields.optional(

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate, pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import Expression, Limit, expression, limit
@@ -115,16 +115,14 @@ class StudyFile(Section):
         default=None, description="figures of which it is said what field decides them"
     )
 
-    @model_validator(mode="after")
-    def _one_source(self) -> Self:
-        exactly_one(self, "spec", "specs")
+    def _contradictions(self) -> Iterator[str]:
+        yield from exactly_one(self, "spec", "specs")
         if self.specs and self.vary:
-            raise ValueError("vary: expected spec, the one that is varied, not specs")
+            yield "vary: expected spec, the one that is varied, not specs"
         if isinstance(self.sampling, Hypercube) and not self.vary:
-            raise ValueError("sampling: expected fields under vary that the Latin hypercube samples")
+            yield "sampling: expected fields under vary that the Latin hypercube samples"
         if isinstance(self.sampling, Hypercube) and self.refine:
-            raise ValueError("refine: a Latin hypercube has no steps to halve; expected sampling: grid, or no refine")
-        return self
+            yield "refine: a Latin hypercube has no steps to halve; expected sampling: grid, or no refine"
 
 
 # -- Axes of a study: a field of the spec and its values.
