@@ -25,11 +25,10 @@ from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Stepping, Validation
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases import load_cycle, profile_of
+from drivesizer.load_cases import profile as named
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
 from drivesizer.load_cases.platform import WheelLoad, motion_of
-from drivesizer.load_cases.profile import profile as named
-from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
 from drivesizer.loads.motions import SPEED, Move, SCurve, Trapezoid, Triangle

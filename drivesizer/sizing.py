@@ -8,7 +8,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.prices import uncompared
-from drivesizer.load_cases.requirements import requirements, screw_requirements
+from drivesizer.load_cases import requirements, screw_requirements
 from drivesizer.loads.recorded import computed_load
 from drivesizer.machine.budgets import check_battery, machine_requirements
 from drivesizer.physics.load_cycle import LoadCycle

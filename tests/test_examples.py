@@ -12,7 +12,7 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.output.export import FORMATS, export_of, files, one_axis
 from drivesizer.sizing import size
-from drivesizer.spec.any_spec import load_any
+from drivesizer.spec.machine import load_any
 from drivesizer.spec.robot import load_spec
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -17,10 +17,10 @@ from drivesizer.files.yaml_edit import Edit, edited
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.ranking import COUNTED
-from drivesizer.spec.any_spec import is_machine
-from drivesizer.spec.design import EXPRESSION, FREE, Design, open_figures
 from drivesizer.spec.drive import OBJECTIVES, Select
+from drivesizer.spec.machine import is_machine
 from drivesizer.spec.messages import explained
+from drivesizer.spec.sections import EXPRESSION, FREE, Design, open_figures
 from drivesizer.study.fields import changed, kind_of
 from drivesizer.study.figures import NAMED, SpecFigures, at, columns_for, derived_fields, kind_of_figure
 from drivesizer.study.plan import Axis, Job, Place, Plan, StudyFile, axis_of, machine_job

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from drivesizer.files.yaml_source import YamlSource
     from drivesizer.results.drive_set import DriveSet
     from drivesizer.results.machine import MachineSizing
-    from drivesizer.spec.machine_record import MachineSpec
+    from drivesizer.spec.machine import MachineSpec
     from drivesizer.spec.robot import RobotSpec
 
 
@@ -233,7 +233,7 @@ def load(
     """
     from drivesizer.catalog import path_of, shipped
     from drivesizer.multi_axis.sizing import alone
-    from drivesizer.spec.any_spec import is_machine, load_any
+    from drivesizer.spec.machine import is_machine, load_any
 
     if path == DEFAULT and not path.exists():
         raise InputError("robot.yaml: there is no such file here; `drivesizer init` writes one to start from")

@@ -15,7 +15,7 @@ from drivesizer.errors import InputError, NoLoopError, quoted
 if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
     from drivesizer.results.drive_set import DriveSet
-    from drivesizer.spec.machine_record import MachineSpec
+    from drivesizer.spec.machine import MachineSpec
     from drivesizer.spec.robot import RobotSpec
 
 
@@ -208,7 +208,7 @@ def _drive_on_path(robot: Any, on_path: Any, chosen: list[str] | None) -> Any:
     """The drive with its checks on the path: named by its parts, or the best for the spec's own motion; or None."""
     from drivesizer.catalog.view.mounted import OWN
     from drivesizer.sizing import explain
-    from drivesizer.spec.machine_record import machine_of
+    from drivesizer.spec.machine import machine_of
 
     if chosen:
         return common.with_drives(machine_of(on_path), chosen)[0][0][2]

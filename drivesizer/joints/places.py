@@ -12,7 +12,7 @@ import numpy as np
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.files.text import missing
 from drivesizer.joints.inverse_dynamics import Array, Attached
-from drivesizer.spec.description_record import Joint, Robot, placed
+from drivesizer.spec.description import Joint, Robot, placed
 from drivesizer.spec.robot_section import DrivePlace, JointFigure, RobotSection
 
 # -- Joints that a machine moves and those that it holds, out of a description.

@@ -18,7 +18,7 @@ from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of,
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
 from drivesizer.platform import trajectory as curves
-from drivesizer.spec.description_record import Joint, Robot
+from drivesizer.spec.description import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
 from drivesizer.units.kinds import RANGES
 

@@ -26,7 +26,7 @@ from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import mass_text, objective_figure
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explained
-from drivesizer.spec.any_spec import read_any
+from drivesizer.spec.machine import read_any
 from drivesizer.spec.robot import read_spec
 from drivesizer.units import show
 

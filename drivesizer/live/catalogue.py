@@ -19,8 +19,8 @@ from drivesizer.output.document import part as sheets
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import Words
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns
-from drivesizer.spec.any_spec import named_catalogs
 from drivesizer.spec.drive import Select
+from drivesizer.spec.machine import named_catalogs
 from drivesizer.units import label
 
 PAGE = 200  # rows that are sent at once

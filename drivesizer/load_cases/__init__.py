@@ -1,4 +1,4 @@
-"""From the spec to the load cycles of its load cases: motion profiles, load cycles, wheels of a platform.
+"""From the spec to the load cycles of its load cases, and what these require of a drive.
 
 May import: files, physics, equations, platform, loads, spec, results.
 """
@@ -6,24 +6,159 @@ May import: files, physics, equations, platform, loads, spec, results.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import reduce
+from itertools import pairwise
 from math import nan
 from typing import Any
 
 import numpy as np
 
+from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import path_from_spec
-from drivesizer.load_cases.profile import located, profile_of, static_torque, with_rest
+from drivesizer.loads import motions
 from drivesizer.loads.course import Course, Profile, course
-from drivesizer.loads.kinds import LAWS
-from drivesizer.loads.lever import Lever
-from drivesizer.loads.springs import spring_force, with_springs
-from drivesizer.loads.stage_losses import through_gear
-from drivesizer.physics.load_cycle import LoadCycle, OwnLimit
+from drivesizer.loads.kinds import LAWS, MODULES
+from drivesizer.loads.screw import screw_life
+from drivesizer.loads.springs import Lever, spring_force, with_springs
+from drivesizer.loads.stage_losses import force_along, through_gear
+from drivesizer.physics.figures import Alike, Figure
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, mean_product, rms
+from drivesizer.results.drive_set import Requirement
 from drivesizer.spec.drive import BeltStage
 from drivesizer.spec.robot import RobotSpec
+
+# -- An axis that waits at rest, its motion done, until the cycle of its machine is over: the rest at the end of its
+# own.
+#
+# A load with a motion is held as its law says of a rest; a recording, or a load that comes with its cycle, by the
+# torque of the rest that ends it, or by what its last moment leaves without the torque that decelerates it, friction
+# included.
+
+
+_NO_TIME = 1e-9  # of the cycle
+
+
+def static_torque(cycle: LoadCycle) -> Alike:
+    """Torque that holds a load at the end of its motion [N*m]; NaN where an inertia that decelerates is unknown."""
+    torque, acceleration = cycle.torque[-1, 1], cycle.acceleration[-1, 1]
+    slowing = np.where(acceleration == 0.0, 0.0, cycle.inertia * acceleration)
+    return float(torque - slowing) if cycle.duration.ndim == 1 else torque - slowing
+
+
+def with_rest(cycle: LoadCycle, until: float | None, held: Figure) -> LoadCycle:
+    """A load cycle with a rest at its end."""
+    rest = rest_left(cycle.total, until)
+    if not np.any(rest) or np.any(np.isnan(held)):
+        return cycle
+    still = np.zeros_like(cycle.speed[:1])
+    return replace(
+        cycle,
+        duration=np.concatenate([cycle.duration, np.reshape(rest, cycle.duration[:1].shape)]),
+        speed=np.concatenate([cycle.speed, still]),
+        acceleration=np.concatenate([cycle.acceleration, np.zeros_like(cycle.acceleration[:1])]),
+        torque=np.concatenate([cycle.torque, np.zeros_like(cycle.torque[:1]) + held]),
+    )
+
+
+def resting(profile: Profile, until: float | None) -> Profile:
+    """A motion with a rest at its end, the payload still that of its last piece.
+
+    >>> resting(Profile("x", (0.0, 1.0, 3.0), (0.0, 2.0, 0.0)), 5.0)
+    Profile(name='x', time=(0.0, 1.0, 3.0, 5.0), speed=(0.0, 2.0, 0.0, 0.0), acceleration=None, payload=None, ends=None)
+    """
+    rest = rest_left(profile.duration, until)
+    if until is None or not np.any(rest):
+        return profile
+    end = profile.time[0] + until
+    ends, slope = profile.ends, profile.acceleration
+    if ends is None and slope is not None:
+        ends = tuple(pairwise(slope))
+    return replace(
+        profile,
+        time=(*profile.time, np.maximum(end, profile.time[-1]) if np.ndim(rest) else end),
+        speed=(*profile.speed, 0.0),
+        acceleration=None,
+        ends=None if ends is None else (*ends, (0.0, 0.0)),
+        payload=None if profile.payload is None else (*profile.payload, profile.payload[-1]),
+    )
+
+
+def rest_left(total: Figure, until: float | None) -> Alike:
+    """Time that an axis waits."""
+    if until is None:
+        return 0.0
+    rest = np.where(until - total <= _NO_TIME * until, 0.0, until - total)
+    return rest if rest.ndim else float(rest)
+
+
+def profile_of(spec: RobotSpec) -> Profile:
+    """The spec's motion as a profile, with the rest in which it waits for other axes of its machine."""
+    motion = spec.motion
+    if motion is None:
+        raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
+    with located(spec):
+        if isinstance(motion, motions.Csv | motions.Cam):
+            path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
+            if isinstance(motion, motions.Csv):
+                made = motions.from_csv(path, motions.SPEED[spec.load.axis][0])
+            else:
+                made = motions.cam(path, motion, "angle" if spec.load.axis == "rotary" else "length")
+            made = replace(made, name=motion.file)
+        else:
+            made = motions.over_time(motion)
+    return resting(made, spec.waits_until)
+
+
+@contextmanager
+def located(spec: RobotSpec, *path: str | int) -> Iterator[None]:
+    """Say of what is wrong inside where the spec has it: the field that it names itself, else that of the path."""
+    try:
+        yield
+    except InputError as error:
+        field = error.field if isinstance(error, FieldError) else path
+        if not field:
+            raise
+        raise InputError(f"{spec.where(field)}: {str(error).removeprefix(f'{field[-1]}: ')}") from None
+
+
+def profile(spec: RobotSpec, name_or_file: str) -> Profile:
+    """The profile that a name or a file stands for.
+
+    Parameters
+    ----------
+    spec
+        What is moved, and its motion.
+    name_or_file
+        The kind of the spec's motion, such as ``trapezoid``; ``s-curve`` also for a trapezoid, which then
+        has rounded ramps; or a file that ends in ``.csv``.
+
+    Returns
+    -------
+    Profile
+        Speed of the load over one cycle.
+
+    Raises
+    ------
+    InputError
+        When it is none of them, or the file is wrong.
+    """
+    names = [kind.replace("_", "-") for kind in motions.MADE]
+    own = (spec.motion.profile if spec.motion else spec.load.kind).replace("_", "-")
+    if name_or_file.lower().endswith(".csv"):
+        return motions.from_csv(name_or_file, motions.SPEED[spec.load.axis][0])
+    if name_or_file not in names:
+        raise InputError(
+            f"profile {quoted(name_or_file)} is not known; expected {', '.join(names)} or a file that ends in .csv"
+        )
+    if name_or_file == own:
+        return profile_of(spec)
+    if name_or_file == "s-curve" and isinstance(spec.motion, motions.Trapezoid):
+        with located(spec):
+            return resting(motions.carrying(motions.rounded(spec.motion), spec.motion), spec.waits_until)
+    raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool = False) -> LoadCycle:
@@ -156,3 +291,82 @@ def _with_belt(cycle: LoadCycle, belt: BeltStage | None) -> LoadCycle:
     torque = cycle.torque + belt.inertia * cycle.acceleration
     torque = torque + belt.friction_torque * cycle.direction
     return replace(cycle, torque=torque, inertia=cycle.inertia + belt.inertia).split()
+
+
+# -- Requirements of loads that the paper does not treat: its quantities, by its names, from the load cycle.
+
+
+_SPEED, _TORQUE, _POWER = ("rotary_speed", "rpm"), ("torque", "N*m"), ("power", "W")
+
+
+def requirements(cycles: Sequence[LoadCycle]) -> list[Requirement]:
+    """Figures of the load at the driven shaft of one drive, in the worst of its load cases' cycles."""
+    found = []
+    for cycle in cycles:
+        power, duration = cycle.power, cycle.duration
+        torque, speed = (float(np.abs(column).max()) for column in (cycle.torque, cycle.speed))
+        mean = float(duration @ mean_product(cycle.torque, cycle.speed)) / cycle.total
+        powers = {"maximum": float(power.max()), "returned": -float(power.min()), "mean": mean}
+        least = _ROUNDING * torque * speed
+        seen = {name: x if (abs(x) if name == "mean" else x) > least else 0.0 for name, x in powers.items()}
+        found.append({
+            "nominal_speed": speed, "rms_speed": rms(duration, cycle.speed),
+            "maximum_torque_per_motor": torque, "rms_torque_per_motor": rms(duration, cycle.torque),
+            **{f"{name}_power_per_motor": x for name, x in seen.items()},
+            "load_inertia_per_motor": cycle.inertia, "cycle_time": cycle.total,
+        })  # fmt: skip
+    note = "in the worst load case" if len(found) > 1 else ""
+    return [
+        Requirement(
+            name=name,
+            title=title,
+            symbol=symbol,
+            value=max((one[name] for one in found), key=abs),
+            kind=kind,
+            unit=unit,
+            note=note,
+        )
+        for name, title, symbol, (kind, unit) in _FIGURES
+    ]
+
+
+_ROUNDING = 1e-12  # of the largest torque times the highest speed: a smaller power is none
+_FIGURES = (
+    ("nominal_speed", "Largest speed of the load's shaft", "n_nom", _SPEED),
+    ("rms_speed", "RMS speed", "n_rms", _SPEED),
+    ("maximum_torque_per_motor", "Largest torque", "M_max/m", _TORQUE),
+    ("rms_torque_per_motor", "RMS torque", "M_rms/m", _TORQUE),
+    ("maximum_power_per_motor", "Largest power to the load", "P_max/m", _POWER),
+    ("returned_power_per_motor", "Largest power from the load", "P_ret/m", _POWER),
+    ("mean_power_per_motor", "Mean power to the load", "P_mean/m", _POWER),
+    ("load_inertia_per_motor", "Inertia of the load at its shaft", "J_load/m", ("inertia", "kg*m^2")),
+    ("cycle_time", "Length of the cycle", "t_cycle", ("time", "s")),
+)
+
+
+# -- Mean load and nominal life of a ball screw over its load cases, as figures: whether a life is required or not.
+
+
+def screw_requirements(cases: Sequence[RobotSpec]) -> list[Requirement]:
+    """Figures of the life of a ball screw in the load case in which it is shortest; none without a dynamic rating."""
+    lives = []
+    for spec in cases:
+        load: Any = spec.load
+        if MODULES[load.kind] == "screw" and load.dynamic_load is not None:
+            moved = sprung(spec, course(profile_of(spec)))
+            force = force_along(moved, load, spec.environment.gravity, load.mass) / load.motors
+            lives.append(screw_life(load, moved, force))
+    if not lives:
+        return []
+    worst = min(lives, key=lambda one: one.time)
+    figures = (
+        ("screw_mean_load", "Mean axial load of the screw", "F_m", max(worst.mean), ("force", "N")),
+        ("screw_life_turns", "Nominal life of the screw in turns", "L_10", worst.turns, ("dimensionless", "1")),
+        ("screw_life_distance", "Nominal life of the screw in distance", "L_s", worst.distance, ("length", "km")),
+        ("screw_life_time", "Nominal life of the screw, rests included", "L_h", worst.time, ("time", "h")),
+    )
+    note = "in the worst load case" if len(lives) > 1 else ""
+    return [
+        Requirement(name=name, title=title, symbol=symbol, value=float(x), kind=kind, unit=unit, note=note)
+        for name, title, symbol, x, (kind, unit) in figures
+    ]

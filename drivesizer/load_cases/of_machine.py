@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle, load_springs
-from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases import load_cycle, load_springs, profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.load_cycle import CYCLE_COLUMNS, LoadCycle, OwnLimit, middle

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError
 from drivesizer.files.csv_columns import path_from_spec
 from drivesizer.files.text import missing
-from drivesizer.load_cases import cycle_of_course, driven_shaft_cycle, load_cycle
-from drivesizer.load_cases.profile import located, profile_of
-from drivesizer.load_cases.requirements import requirements
+from drivesizer.load_cases import cycle_of_course, driven_shaft_cycle, load_cycle, located, profile_of, requirements
 from drivesizer.loads.course import Course, Profile
 from drivesizer.loads.hoist import Hoist
 from drivesizer.loads.motions import Track, Waypoints

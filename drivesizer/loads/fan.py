@@ -20,8 +20,8 @@ import numpy as np
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import capped
 from drivesizer.loads.model import SharedLoad
+from drivesizer.loads.springs import capped
 from drivesizer.physics.load_cycle import LoadCycle
 
 _PIECES = 128  # of a ramp from standstill to top speed

@@ -8,8 +8,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from drivesizer.files.fields import Axis, Section, default, no_entries
-from drivesizer.loads.lever import Lever
-from drivesizer.loads.springs import Springs, unfit_springs
+from drivesizer.loads.springs import Lever, Springs, unfit_springs
 
 Count = Annotated[int, Field(ge=1, le=100)]
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import Lever, too_light, weight_on_lever
 from drivesizer.loads.model import SharedLoad
+from drivesizer.loads.springs import Lever, too_light, weight_on_lever
 from drivesizer.physics.load_cycle import LoadCycle
 
 

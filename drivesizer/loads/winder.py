@@ -26,8 +26,8 @@ import numpy as np
 from drivesizer.errors import FieldError
 from drivesizer.files import fields
 from drivesizer.loads.course import Course
-from drivesizer.loads.lever import capped
 from drivesizer.loads.model import SharedLoad
+from drivesizer.loads.springs import capped
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.units import show
 

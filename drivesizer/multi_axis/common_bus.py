@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, quoted
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases import load_cycle, rest_left, static_torque, with_rest
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import motion_of
-from drivesizer.load_cases.profile import rest_left, static_torque, with_rest
 from drivesizer.machine.problem import load_case, quickest_winding
 from drivesizer.machine.supply_power import (
     Burnt,
@@ -34,7 +33,7 @@ from drivesizer.physics.power_stage import Feed, of_the_source
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.machine import Exceeded
 from drivesizer.results.problem import LoadCase, Problem
-from drivesizer.spec.machine_record import MachineSpec
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.units import show
 

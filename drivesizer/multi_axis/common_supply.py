@@ -23,8 +23,7 @@ from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.drive_set import BrakingBudget, Consumption, EnergyBudget, loss_assumptions
 from drivesizer.results.machine import AxisSizing, MachinePower
-from drivesizer.spec.machine import with_common_bus
-from drivesizer.spec.machine_record import MachineSpec
+from drivesizer.spec.machine import MachineSpec, with_common_bus
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
 from drivesizer.spec.tolerances import Toleranced, split_tolerances
 from drivesizer.units import show

@@ -35,7 +35,7 @@ from drivesizer.search.uncertainty.uncertain_figures import (
     of_a_class,
     of_the_file,
 )
-from drivesizer.spec.machine_record import MachineSpec
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.spec.robot import RobotSpec
 
 # -- Uncertain figures of a machine: those of its file and of the parts of its drives, and the machine of one sample.

@@ -35,8 +35,7 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.sizing import size
 from drivesizer.spec.drive import OBJECTIVES, Ranking
-from drivesizer.spec.machine import carrying, joint_axis, sizing_order
-from drivesizer.spec.machine_record import MachineSpec
+from drivesizer.spec.machine import MachineSpec, carrying, joint_axis, sizing_order
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 from drivesizer.units import show

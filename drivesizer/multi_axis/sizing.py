@@ -12,7 +12,7 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling, sampling_of
 from drivesizer.sizing import size
 from drivesizer.spec.drive import Ranking
-from drivesizer.spec.machine_record import MachineSpec, machine_of
+from drivesizer.spec.machine import MachineSpec, machine_of
 from drivesizer.spec.robot import RobotSpec
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from drivesizer.output.words import likely
 from drivesizer.results.check import Reliability, sentence_case
 from drivesizer.results.machine import MachinePower, MachineSizing
-from drivesizer.spec.machine_record import MachineSpec
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.units import show
 
 

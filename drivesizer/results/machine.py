@@ -13,7 +13,7 @@ from drivesizer.results.check import Check, Figure, Reliability, Status, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.drive import OBJECTIVES
-from drivesizer.spec.machine_record import MachineSpec, axis_of, machine_of
+from drivesizer.spec.machine import MachineSpec, axis_of, machine_of
 from drivesizer.spec.robot import RobotSpec
 
 # -- Power of all axes of a machine on one supply over its cycle, as a record.

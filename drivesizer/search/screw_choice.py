@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import Screw as Part
 from drivesizer.errors import InputError
-from drivesizer.load_cases import sprung
-from drivesizer.load_cases.profile import located, profile_of
+from drivesizer.load_cases import located, profile_of, sprung
 from drivesizer.loads.course import Course, course
 from drivesizer.loads.screw import Screw, own_limits
 from drivesizer.loads.stage_losses import force_along

@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.spec.description import plain_tree, read_description, read_urdf, urdf_of
-from drivesizer.spec.description_record import Joint, Robot
+from drivesizer.spec.description import Joint, Robot, plain_tree, read_description, read_urdf, urdf_of
 
 Array = NDArray[np.float64]
 _ALIKE = 0.01  # share by which wheels that are driven alike may differ

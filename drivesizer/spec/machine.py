@@ -1,35 +1,163 @@
-"""machine.yaml to typed data: named axes on one supply, and which of them ride on one another."""
+"""machine.yaml to typed data: named axes on one supply, and which of them ride on one another.
+
+A plain spec is a machine of one axis.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import reduce
 from graphlib import CycleError, TopologicalSorter
 from math import fsum
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple, Protocol, TypeVar
 
 from pydantic import Field, ValidationError, field_validator
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import Path_, YamlSource, overlay, source_of
+from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, overlay, read, source_of
 from drivesizer.loads.arm import Arm
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.motions import Cam, Harmonic
 from drivesizer.loads.rotary_table import RotaryTable
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
-from drivesizer.spec.design import Design
-from drivesizer.spec.machine_record import AxisSpec, Carried, MachineSpec
+from drivesizer.spec.drive import Select
 from drivesizer.spec.messages import explained
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.robot_section import RobotSection
-from drivesizer.spec.sections import Environment, Margins, Mission, Supply, TitleBlock
+from drivesizer.spec.sections import Design, Environment, Margins, Mission, Supply, TitleBlock
 from drivesizer.spec.tolerances import split_tolerances
+
+
+class Carried(NamedTuple):
+    """An axis whose drives ride on another one."""
+
+    name: str
+    distance: float | None  # m, from the carrying axis; None along a line
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisSpec:
+    """An axis of a machine."""
+
+    name: str
+    spec: RobotSpec  # it alone, all shared sections in it
+    carries: tuple[Carried, ...] = ()
+    start: float = 0.0  # s, of its motion in the machine's cycle
+    repeats: bool | None = None  # its motion, at once; None: where it is not at rest at both ends of it
+    own_supply: bool = False  # whether it is not on the machine's
+    is_joint: bool = False  # of the robot, whose description gives its load
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MachineSpec(OfFile):
+    """A machine.yaml: named axes, and what they share."""
+
+    name: str
+    axes: tuple[AxisSpec, ...]  # in the order of the file
+    order: tuple[str, ...]  # names, carried axes before those that carry them
+    synchronised: bool = True
+    cycle_time: float | None = None  # s
+    whole: bool = True  # whether carried drives are chosen for the best sum
+    few_kinds: float | None = None  # share of that sum that common drives may cost more; None: none are preferred
+    supply: Supply
+    environment: Environment
+    margins: Margins
+    mission: Mission | None
+    battery: Battery | None
+    equipment: Sequence[Consumer]
+    budget: Budget | None
+    brake_resistor: BrakeResistor | None
+    report: TitleBlock
+    robot: RobotSection | None = None  # whose joints are axes as well
+    source: YamlSource
+    changes: tuple[Callable[[RobotSpec], RobotSpec], ...] = ()  # that joints have yet to undergo
+
+    def axis(self, name: str) -> AxisSpec:
+        """The axis of a name."""
+        return axis_of(self.axes, name)
+
+    def carried(self, name: str) -> dict[str, float | None]:
+        """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one."""
+        direct = {one.name: one.distance for one in self.axis(name).carries}
+        found = dict(direct)
+        for other, distance in direct.items():
+            for further, beyond in self.carried(other).items():
+                found.setdefault(further, None if distance is None else distance + (beyond or 0.0))
+        return found
+
+    def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> MachineSpec:
+        """The machine with the same change in the specs of all its axes."""
+        axes = tuple(replace(axis, spec=axis.spec.changed(change)) for axis in self.axes)
+        return replace(self, axes=axes, changes=(*self.changes, change))
+
+    @property
+    def is_several(self) -> bool:
+        """Whether there is more than one axis, or a robot with joints."""
+        return len(self.axes) > 1 or self.robot is not None
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+Axis = TypeVar("Axis", bound=_Named)
+
+
+def axis_of(axes: Sequence[Axis], name: str) -> Axis:
+    """The axis of a name, of a machine's spec or of its sizing."""
+    found = next((axis for axis in axes if axis.name == name), None)
+    if found is None:
+        names = [axis.name for axis in axes]
+        listed = f"{', '.join(names)}{nearest(name, names)}"
+        raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
+    return found
+
+
+# sections that a machine has as it is given, and a plain spec too
+_SHARED = ("name", "supply", "environment", "margins", "mission", "battery", "equipment", "budget", "brake_resistor",
+           "report")  # fmt: skip
+
+
+def machine_of(spec: RobotSpec) -> MachineSpec:
+    """A plain spec as a machine of one axis."""
+    shared: dict[str, Any] = {name: getattr(spec, name) for name in _SHARED}
+    return MachineSpec(axes=(AxisSpec(name=spec.name, spec=spec),), order=(spec.name,), source=spec.source, **shared)
+
+
+def is_machine(source: YamlSource) -> bool:
+    """Whether a document has axes or joints, and is no spec of a single one."""
+    return isinstance(source.data, dict) and ("axes" in source.data or "robot" in source.data)
+
+
+def load_any(path: str | Path, change: Callable[[YamlSource], YamlSource] | None = None) -> MachineSpec:
+    """The machine of a file, whose text may be changed first."""
+    source = read(Path(path))
+    return read_any(change(source) if change else source)
+
+
+def read_any(source: YamlSource) -> MachineSpec:
+    """The machine of YAML source; a plain spec is one of a single axis."""
+    return read_machine(source) if is_machine(source) else machine_of(read_spec(source))
+
+
+def named_catalogs(data: Any) -> list[str]:
+    """Catalogues that a document names for all its axes; the default ones where it has none or a field is malformed."""
+    axes, found = data.get("axes") if isinstance(data, dict) else None, list[list[str]]()
+    for section in (data, *(axes.values() if isinstance(axes, dict) else ())):
+        select = section.get("select") if isinstance(section, dict) else None
+        given = select.get("catalogs") if isinstance(select, dict) else None
+        names = given if isinstance(given, list) else [given]
+        found.append([str(name) for name in names if isinstance(name, str | int)])
+    every = [name for names in found for name in names]
+    return list(dict.fromkeys(every if found[0] else [*Select().catalogs, *every]))
+
 
 # -- Loads with the drives of other axes on them.
 #
@@ -211,18 +339,9 @@ def read_machine(source: YamlSource) -> MachineSpec:
             sections["load"] = _COMPUTED
         read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
         axes = tuple(with_common_bus(axis, head.brake_resistor) for axis in axes)
-    as_given = ("name", "cycle_time", "few_kinds", "supply", "environment", "margins", "mission", "battery", "budget",
-                "brake_resistor", "report", "robot")  # fmt: skip
-    fields_of_head: dict[str, Any] = {name: getattr(head, name) for name in as_given}
-    machine = MachineSpec(
-        axes=axes,
-        order=(),
-        synchronised=head.timing == "synchronised",
-        whole=head.total == "best",
-        equipment=tuple(head.equipment),
-        source=source,
-        **fields_of_head,
-    )
+    given = {name: getattr(head, name) for name in (*_SHARED, "cycle_time", "few_kinds", "robot")}
+    synchronised, whole = head.timing == "synchronised", head.total == "best"
+    machine = MachineSpec(axes=axes, order=(), synchronised=synchronised, whole=whole, source=source, **given)
     return machine if head.robot else sizing_order(machine)
 
 

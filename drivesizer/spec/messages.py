@@ -16,9 +16,8 @@ from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.spec.design import FREE, open_figures
 from drivesizer.spec.drive import DIRECT, DirectStage, GearheadStage
-from drivesizer.spec.sections import Lives
+from drivesizer.spec.sections import FREE, Lives, open_figures
 from drivesizer.units import KINDS, noun
 
 # -- Keys of a spec: those that are known at a place, and which one an unknown key stands for.

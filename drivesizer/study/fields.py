@@ -12,8 +12,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource, overlay
 from drivesizer.loads.kinds import AXES
-from drivesizer.spec.any_spec import is_machine
-from drivesizer.spec.machine import WHOLE, AxisFields, MachineFields
+from drivesizer.spec.machine import WHOLE, AxisFields, MachineFields, is_machine
 from drivesizer.spec.messages import has_names, known_keys, models_at
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import Either

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import Expression, expression
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.spec.any_spec import is_machine
+from drivesizer.spec.machine import is_machine
 from drivesizer.spec.tolerances import has_tolerance, tolerance
 from drivesizer.study.fields import changed, kind_of, path_of, unknown_field
 from drivesizer.units import KINDS, to_si

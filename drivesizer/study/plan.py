@@ -21,8 +21,7 @@ from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.ranking import objective_of, title_of
-from drivesizer.spec.any_spec import is_machine
-from drivesizer.spec.machine import read_machine
+from drivesizer.spec.machine import is_machine, read_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.tolerances import has_tolerance, tolerance
 from drivesizer.study.fields import kind_of, path_of, unknown_field

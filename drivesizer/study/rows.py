@@ -26,8 +26,8 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts, objective_figure, unknown_parts
 from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.search.shortlist import load_parts, shortlist
-from drivesizer.spec.any_spec import is_machine, read_any
 from drivesizer.spec.drive import Ranking
+from drivesizer.spec.machine import is_machine, read_any
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.study.fields import changed
 from drivesizer.study.figures import SpecFigures, row_figures

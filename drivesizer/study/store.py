@@ -37,7 +37,7 @@ from drivesizer.files.text import read_bytes
 from drivesizer.files.writing import ready, remove_files, write_files
 from drivesizer.files.yaml_source import YamlSource, texts_in
 from drivesizer.output.words import csv_cell
-from drivesizer.spec.any_spec import named_catalogs
+from drivesizer.spec.machine import named_catalogs
 from drivesizer.study.plan import Plan
 from drivesizer.study.rows import Column, Part, Row
 from drivesizer.version import __version__

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from drivesizer.units.reader import tabulate
+from drivesizer.units import tabulate
 
 if __name__ == "__main__":
     lines = (f"{json.dumps(kind)}: {json.dumps(units)}" for kind, units in tabulate().items())

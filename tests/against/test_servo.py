@@ -112,7 +112,7 @@ def test_two_masses_swing_at_their_resonance():
 
 
 def _profile(spec: RobotSpec):
-    from drivesizer.load_cases.profile import profile_of
+    from drivesizer.load_cases import profile_of
 
     return profile_of(spec)
 

@@ -107,7 +107,7 @@ def test_a_fault_of_the_program_is_found(tmp_path, monkeypatch):
     def broken(*_: object) -> None:
         raise ZeroDivisionError("by chance")
 
-    monkeypatch.setattr("drivesizer.spec.any_spec.load_any", broken)
+    monkeypatch.setattr("drivesizer.spec.machine.load_any", broken)
     ((find,),) = (judged(Case({"robot.yaml": SPEC.encode()}, [SIZE]), tmp_path)[2],)
     assert find.kind.startswith("commands/common.py:") and find.kind.endswith(" load ZeroDivisionError")
     assert find.seen == "by chance"

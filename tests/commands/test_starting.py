@@ -10,7 +10,7 @@ from drivesizer.cli import app
 from drivesizer.commands import setup, sizing
 from drivesizer.commands import setup as starting
 from drivesizer.commands.setup import KINDS
-from drivesizer.spec.any_spec import load_any
+from drivesizer.spec.machine import load_any
 from drivesizer.spec.robot import load_spec
 
 

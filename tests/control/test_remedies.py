@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from drivesizer.cli import app
 from drivesizer.control.validation import Validation
-from drivesizer.load_cases.profile import profile_of
+from drivesizer.load_cases import profile_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.records import text_of
 from drivesizer.output.document.summary import outcome_texts

@@ -13,8 +13,7 @@ from motor_logs import motor_log
 
 from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.spec.any_spec import is_machine
-from drivesizer.spec.machine import read_machine
+from drivesizer.spec.machine import is_machine, read_machine
 from drivesizer.spec.robot import read_spec
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -18,8 +18,7 @@ from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
 from drivesizer.search.shortlist import load_parts
-from drivesizer.spec.machine import carrying, load_machine
-from drivesizer.spec.machine_record import MachineSpec
+from drivesizer.spec.machine import MachineSpec, carrying, load_machine
 
 JOINTS = ("shoulder", "elbow", "wrist")
 _CATALOG = """

@@ -13,8 +13,7 @@ import pytest
 from drivesizer.errors import FieldError, InputError
 from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.joints.trajectory import motion_of, moves_of
-from drivesizer.spec.description import read_description
-from drivesizer.spec.description_record import Robot
+from drivesizer.spec.description import Robot, read_description
 from drivesizer.spec.robot_section import RobotSection
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'

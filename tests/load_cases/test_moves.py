@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases import load_cycle, profile_of
 from drivesizer.load_cases.of_machine import starts_farther_on
-from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.motions import LAWS
 from drivesizer.physics.load_cycle import rms

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from rows import hold
 
 from drivesizer.errors import FieldError, InputError
-from drivesizer.load_cases.profile import profile, profile_of
+from drivesizer.load_cases import profile, profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.motions import (
     Harmonic,

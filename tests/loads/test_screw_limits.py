@@ -8,8 +8,7 @@ import pytest
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases import load_cycle
-from drivesizer.load_cases.requirements import screw_requirements
+from drivesizer.load_cases import load_cycle, screw_requirements
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.search.columns.limits import load_limits
 from drivesizer.spec.robot import load_spec, read_spec

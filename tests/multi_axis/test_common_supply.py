@@ -12,7 +12,7 @@ from kernel_cycles import motor_power
 from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.load_cases.profile import static_torque
+from drivesizer.load_cases import static_torque
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.multi_axis.common_bus import AxisPower

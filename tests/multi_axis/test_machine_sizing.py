@@ -22,8 +22,7 @@ from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explain, size
-from drivesizer.spec.machine import load_machine
-from drivesizer.spec.machine_record import MachineSpec, machine_of
+from drivesizer.spec.machine import MachineSpec, load_machine, machine_of
 from drivesizer.spec.robot import load_spec
 from drivesizer.units import show
 

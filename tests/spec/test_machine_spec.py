@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.spec.any_spec import load_any
-from drivesizer.spec.machine import carrying, load_machine
+from drivesizer.spec.machine import carrying, load_any, load_machine
 from drivesizer.spec.robot import load_spec
 
 TEXT = """\

@@ -13,8 +13,7 @@ from drivesizer.catalog import shipped
 from drivesizer.catalog.schema import catalog_schema
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import read
-from drivesizer.spec.any_spec import is_machine
-from drivesizer.spec.machine import machine_schema
+from drivesizer.spec.machine import is_machine, machine_schema
 from drivesizer.spec.robot import RobotSpec, load_spec
 from drivesizer.study.plan import StudyFile
 

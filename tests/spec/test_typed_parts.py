@@ -13,7 +13,7 @@ from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_source import written
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.sizing import size
-from drivesizer.spec.any_spec import read_any
+from drivesizer.spec.machine import read_any
 from drivesizer.spec.robot import RobotSpec, load_spec
 
 WINCH: dict[str, Any] = {

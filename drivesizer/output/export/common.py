@@ -24,7 +24,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.load_cases import load_springs
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
-from drivesizer.loads.lever import Lever
+from drivesizer.loads.springs import Lever
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.physics.at_voltage import Winding, operating_point

@@ -25,8 +25,7 @@ from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.platform import PlatformExport, platform_export
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import AxisSizing, MachineSizing
-from drivesizer.spec.description import read_description, rotation
-from drivesizer.spec.description_record import Robot, about
+from drivesizer.spec.description import Robot, about, read_description, rotation
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 

@@ -25,7 +25,7 @@ from drivesizer.platform.dynamics import Ground, contact_loads, motion, own_roll
 from drivesizer.platform.envelope import Size
 from drivesizer.platform.kinematics import Kinematics, Platform
 from drivesizer.results.drive_set import DriveSet
-from drivesizer.spec.description_record import Body
+from drivesizer.spec.description import Body
 from drivesizer.spec.platform import Limits
 from drivesizer.spec.robot import RobotSpec
 

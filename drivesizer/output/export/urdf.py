@@ -3,7 +3,7 @@ r"""URDF, and SDFormat of axes: joints with the limits, friction and inertia of 
 URDF requires both effort and velocity: an unknown one is refused. It has no armature, nor rollers: remarks have them.
 
 A drive on a link is a point mass m at p of it; mass, centre and inertia about the common centre c of both by the
-parallel-axis theorem, as ``spec.description_record.together``:
+parallel-axis theorem, as ``spec.description.together``:
 
 .. math:: J = \sum_k J_k + m_k \left( |c_k - c|^2 E - (c_k - c)(c_k - c)^T \right)
 
@@ -28,7 +28,7 @@ from drivesizer.output.export.common import brief, identifier, number, remark, v
 from drivesizer.output.export.machine import MachineExport, RobotExport, free_name, head, in_urdf
 from drivesizer.output.export.platform import BASE as PLATFORM_BASE
 from drivesizer.output.export.platform import PlatformExport, wheel_name
-from drivesizer.spec.description_record import Body, together
+from drivesizer.spec.description import Body, together
 
 FOOTPRINT = "base_footprint"
 BASE = "base"

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.validation import Validation
-from drivesizer.load_cases import load_cycle
+from drivesizer.load_cases import load_cycle, profile_of
 from drivesizer.load_cases.platform import trajectory_of
-from drivesizer.load_cases.profile import profile_of
 from drivesizer.loads.motions import SPEED, Track, Trapezoid, Waypoints
 from drivesizer.machine.set_cycle import SetCycle, WarmUp
 from drivesizer.machine.supply_power import EnergyFlow
