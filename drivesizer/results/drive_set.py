@@ -323,14 +323,14 @@ class DriveParts:
     @property
     def steps(self) -> bool:
         """Whether the motor is a stepper, which runs without an encoder."""
-        return self.motor.kind == "stepper"
+        return bool(self.motor.kind == "stepper")
 
     @property
     def brake_inertia(self) -> float:
         """Inertia of its brake as the motor's shaft feels it [kg*m^2]; 0 without one, NaN unknown."""
         if self.brake is None:
             return 0.0
-        return self.brake.inertia / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
+        return float(self.brake.inertia) / (self.total_ratio**2 if self.brake.shaft == "load" else 1.0)
 
     @property
     def at_motor(self) -> MotorAndGears[float]:

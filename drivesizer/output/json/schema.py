@@ -84,9 +84,10 @@ def _object(of: dict[str, Any]) -> dict[str, Any]:
 def properties(record: type, defs: Definitions) -> dict[str, Any]:
     """The keys of a record, each with its type and what it is; the records in it are put among the definitions."""
     own = made(record)
-    types, said = get_type_hints(record, localns=_NAMES), _comments(record)
     section = next((name for name, part in PARTS.items() if part is record), None)
     columns = columns_of(section) if section else {}
+    types, said = get_type_hints(record, localns=_NAMES), _comments(record)
+    said |= {name: column.remark for name, column in columns.items()}
     found = {}
     for key in keys(record):
         kind = get_type_hints(own[key], localns=_NAMES)["return"] if key in own else types[key]
