@@ -10,13 +10,14 @@ from typing import Any
 
 from drivesizer.codesign.machines import Machine, Machines, Values, machines
 from drivesizer.codesign.result import Answer, Flat
-from drivesizer.codesign.search import Progress, best_of, every_machine, evolved, front_of, nearest_of
-from drivesizer.codesign.task import Free, Task, read_task
+from drivesizer.codesign.search import best_of, every_machine, evolved, front_of, nearest_of
+from drivesizer.codesign.task import Task, read_task
 from drivesizer.files.yaml_source import source_of
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
+from drivesizer.study.plan import Axis
 from drivesizer.study.rows import forget_files
-from drivesizer.study.workers import cores, workers
+from drivesizer.study.workers import Progress, cores, workers
 
 FLAT = 0.01  # share by which a figure may be worse where an optimum is called flat
 _HALVINGS = 12  # of the range on either side
@@ -146,7 +147,7 @@ class _Side:
     end: float
     why: str = ""
 
-    def next(self, free: Free) -> float | None:
+    def next(self, free: Axis) -> float | None:
         """The next coordinate to try; None where the end is known well enough."""
         if self.bad is None:
             return None if self.end == self.good else self.end
@@ -186,7 +187,7 @@ def _flatness(of: Machines, best: Machine) -> list[Flat]:
     return flats
 
 
-def _with(free: tuple[Free, ...], values: Values, place: int, coordinate: float) -> Values:
+def _with(free: tuple[Axis, ...], values: Values, place: int, coordinate: float) -> Values:
     return (*values[:place], free[place].value(coordinate), *values[place + 1 :])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
@@ -17,7 +17,7 @@ from drivesizer.results.sizing import used_share
 from drivesizer.study import store as folders
 from drivesizer.study.figures import NAMED, row_figures
 from drivesizer.study.plan import Variant
-from drivesizer.study.rows import Part, Row, document_of
+from drivesizer.study.rows import Row, spec_figures
 from drivesizer.study.workers import Workers, computed
 
 Values = tuple[Any, ...]  # of the free figures, as they go into the spec
@@ -65,7 +65,7 @@ class Machines:
         self.task, self.on, self.store = task, on, store
         self.known: dict[Values, Machine] = {}
         self.sized = 0  # by a search for a drive, here or in an earlier run
-        self._kept = {row[0]: rows for rows in _rows_in(store) for row in rows[:1]} if store else {}
+        self._kept = _by_number(store.every_row() if store else ())
 
     def at(self, points: Iterable[Values]) -> list[Machine]:
         """Machines of some values, of which those are sized that are not known yet."""
@@ -76,18 +76,18 @@ class Machines:
                 number = len(self.known) + len(new) + 1
                 new[values] = self._variant(number, values)
         found = dict(self._outside(new))
-        kept = {values: self._kept[one.number] for values, one in new.items() if self._is_kept(one)}
-        rest = [one for values, one in new.items() if values not in found and values not in kept]
-        rows = {one.values: self._kept[one.number] for values, one in new.items() if values in kept}
-        for part in computed(self.task.job, self._tasks(rest), self.on):
+        rows = {one.number: self._kept[one.number] for one in new.values() if self._is_kept(one)}
+        rest = [one for values, one in new.items() if values not in found and one.number not in rows]
+        each = max(1, len(rest) // (2 * self.on.ahead)) if self.on else 1
+        for part in computed(self.task.job, (rest[n : n + each] for n in range(0, len(rest), each)), self.on):
             if self.store:
                 self.store.keep(part)
-            rows |= _by_number(part, {one.number: one.values for one in rest})
+            rows |= _by_number(part.rows)
         self.sized += len(rows)
         if rows and self.sized == len(rows) and all(some[0][-1] for some in rows.values()):  # the first of all
             raise InputError(next(iter(rows.values()))[0][-1])
         for values, one in new.items():
-            self.known[values] = found.get(values) or self._machine(one, rows[values])
+            self.known[values] = found.get(values) or self._machine(one, rows[one.number])
         return [self.known[values] for values in wanted]
 
     @property
@@ -96,7 +96,7 @@ class Machines:
         return [one for one in self.known.values() if one.choices]
 
     def _variant(self, number: int, values: Values) -> Variant:
-        shown = [one.axis.table_value(value) for one, value in zip(self.task.free, values, strict=True)]
+        shown = [one.table_value(value) for one, value in zip(self.task.free, values, strict=True)]
         return Variant(number, 0, values, 0, 0, [number, *shown])
 
     def _is_kept(self, one: Variant) -> bool:
@@ -104,20 +104,9 @@ class Machines:
         rows = self._kept.get(one.number)
         return rows is not None and rows[0][: len(one.head)] == one.head
 
-    def _tasks(self, some: Sequence[Variant]) -> Iterator[list[Variant]]:
-        each = max(1, len(some) // (2 * self.on.ahead)) if self.on else 1
-        return (list(some[n : n + each]) for n in range(0, len(some), each))
-
     def figures_of_spec(self, values: Values) -> Callable[[str], float]:
-        """Figures of a machine's spec by name, which is made when the first is wanted."""
-        made: list[Any] = []
-
-        def figure(name: str) -> float:
-            if not made:
-                made.append(document_of(self.task.job, self._variant(0, values)).data)
-            return self.task.figures.value(name, made[0])
-
-        return figure
+        """Figures of a machine's spec by name."""
+        return spec_figures(self.task.job, self._variant(0, values))
 
     def _outside(self, new: dict[Values, Variant]) -> Iterator[tuple[Values, Machine]]:
         """Machines that the spec alone puts beyond a limit, so that no drive need be looked for."""
@@ -161,17 +150,9 @@ class Machines:
         return Machine(number=one.number, values=one.values, choices=(), excess=by, why=why, row=row)
 
 
-def _rows_in(store: folders.Store) -> Iterator[list[Row]]:
-    """Rows of each machine that a folder has."""
-    with store.path.open("rb") as file:
-        for place in store.places.tolist():
-            if place >= 0:
-                file.seek(place)
-                yield json.loads(file.readline()[9:])[1:]
-
-
-def _by_number(part: Part, values: dict[int, Values]) -> dict[Values, list[Row]]:
-    return {values[number]: list(rows) for number, rows in groupby(part.rows, key=lambda row: int(row[0]))}
+def _by_number(rows: Iterable[Row]) -> dict[int, list[Row]]:
+    """Rows of each machine by its number."""
+    return {number: list(some) for number, some in groupby(rows, key=lambda row: int(row[0]))}
 
 
 @contextmanager

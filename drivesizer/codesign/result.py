@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import isinf, isnan
 from typing import Any
 
 from drivesizer.codesign.machines import Choice, Machine
 from drivesizer.codesign.search import Pair
-from drivesizer.codesign.task import Free, Task
+from drivesizer.codesign.task import Task
 from drivesizer.files.arithmetic import Expression
-from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.words import number_of
 from drivesizer.results.check import sentence_case
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.study.figures import NAMED, kind_of_figure, row_figures
+from drivesizer.study.plan import Axis, Variant
+from drivesizer.study.rows import spec_figures
 from drivesizer.units import KINDS, show
 
 _SHOWN = ("mass", "price", "energy", "time", "autonomy", "range")
@@ -26,7 +27,7 @@ _FRONT = 12  # machines of the front that are listed
 class Flat:
     """A free figure near the optimum, the others as they are: how far it may go for a hundredth of the goal."""
 
-    free: Free
+    free: Axis
     low: Any  # values as they go into the spec
     high: Any
     below: str  # what ends it there
@@ -51,7 +52,7 @@ class Answer:
     @property
     def values(self) -> dict[str, Any]:
         """The free figures of the best machine, as they go into the spec; empty where there is none."""
-        names = [one.axis.name for one in self.task.free]
+        names = [one.name for one in self.task.free]
         return dict(zip(names, self.best.values, strict=True)) if self.best else {}
 
     def filled(self, *, rounded: bool = False) -> str:
@@ -61,21 +62,18 @@ class Answer:
         return self.task.filled(one.values)
 
     def __str__(self) -> str:
-        return text_of(self)
-
-
-def text_of(answer: Answer) -> str:
-    """The whole answer, line by line."""
-    return "\n".join(_lines(answer))
+        return "\n".join(_lines(self))
 
 
 def _lines(answer: Answer) -> Iterator[str]:
     task, best, choice = answer.task, answer.best, answer.choice
     yield _searched(answer)
-    if best is None or choice is None:
-        yield from _none(answer)
-        return
     yield ""
+    if best is None or choice is None:
+        yield "  No machine is within all limits."
+        if answer.nearest is not None:
+            yield f"  Closest: {_values(answer, answer.nearest)}; it fails on {_why(answer.nearest.why)}."
+        return
     yield f"  {_title(task.minimise)}: {_figure(answer, task.minimise, choice.goals[0])}"
     yield ""
     yield from _table(_free(answer))
@@ -85,7 +83,7 @@ def _lines(answer: Answer) -> Iterator[str]:
         yield ""
         one = answer.rounded.choice()
         assert one is not None
-        figures = ", ".join(f"{f.axis.name} {v}" for f, v in zip(task.free, answer.rounded.values, strict=True))
+        figures = _values(answer, answer.rounded)
         yield f"  Rounded: {figures}: {_figure(answer, task.minimise, one.goals[0])}"
     if answer.front:
         yield ""
@@ -110,16 +108,9 @@ def _searched(answer: Answer) -> str:
     )
 
 
-def _none(answer: Answer) -> Iterator[str]:
-    yield ""
-    yield "  No machine is within all limits."
-    if answer.nearest is not None:
-        figures = ", ".join(_pairs(answer, answer.nearest))
-        yield f"  Closest: {figures}; it fails on {_why(answer.nearest.why)}."
-
-
-def _pairs(answer: Answer, one: Machine) -> Iterator[str]:
-    return (f"{f.axis.name} {value}" for f, value in zip(answer.task.free, one.values, strict=True))
+def _values(answer: Answer, one: Machine) -> str:
+    """The free figures of a machine."""
+    return ", ".join(f"{free.name} {value}" for free, value in zip(answer.task.free, one.values, strict=True))
 
 
 def _free(answer: Answer) -> list[tuple[str, ...]]:
@@ -129,19 +120,21 @@ def _free(answer: Answer) -> list[tuple[str, ...]]:
     for flat, value in zip(answer.flat, answer.best.values, strict=True):
         same = flat.low == flat.high
         span = "only this" if same else f"{flat.low} .. {flat.high}"
-        rows.append((flat.free.axis.name, str(value), span, _why(flat.below), _why(flat.above)))
+        rows.append((flat.free.name, str(value), span, _why(flat.below), _why(flat.above)))
     return rows
 
 
 def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
     """The drive with what it costs, and the limits that it is closest to."""
+    assert answer.best is not None
     heads, task = answer.task.heads, answer.task
     row = dict(zip(heads, choice.row, strict=True))
     sets = {head.removesuffix("set").rstrip("."): value for head, value in row.items() if head.endswith("set")}
     for name, label in sets.items():
         number = f"{row['drives']} of " if not name and row.get("drives", 1) != 1 else ""
         yield f"  {name or 'drive'}: {number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
-    figure = row_figures(heads, choice.row, _of_spec(answer))
+    of_spec = spec_figures(task.job, Variant(0, 0, answer.best.values, 0, 0, []))
+    figure = row_figures(heads, choice.row, of_spec)
     shown = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
     lacks = {name: row.get(f"{name}_lacks") for name in ("mass", "price")}
 
@@ -157,18 +150,10 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
         yield f"  {limit.text}: {_figure(answer, limit.of, limit.of.value(figure))}{least(limit.of.names)}"
 
 
-def _of_spec(answer: Answer) -> Callable[[str], float]:
-    """Figures of the best machine's spec by name."""
-    best, task = answer.best, answer.task
-    assert best is not None
-    data = YamlSource(task.filled(best.values), task.source.name).data
-    return lambda name: task.figures.value(name, data)
-
-
 def _front(answer: Answer) -> list[tuple[str, ...]]:
     """The front, thinned to a dozen machines."""
     task = answer.task
-    heads = (*(_title(one) for one in task.goals), *(one.axis.name for one in task.free), "drive")
+    heads = (*(_title(one) for one in task.goals), *(one.name for one in task.free), "drive")
     step = max(1, -(-len(answer.front) // _FRONT))
     few = [*answer.front[::step], *([answer.front[-1]] if (len(answer.front) - 1) % step else [])]
     rows = [heads]

@@ -27,13 +27,14 @@ from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from drivesizer.codesign.machines import Choice, Machine, Machines, Values
+from drivesizer.files.arithmetic import names_in
 from drivesizer.physics.extremes import undominated
 from drivesizer.study.figures import NAMED
+from drivesizer.study.workers import Progress
 
 Array = NDArray[np.float64]
 Score = Callable[[Machine], float]
 Pair = tuple[Machine, Choice]
-Progress = Callable[[int, int], None]  # machines that are done, machines in all
 _CHUNK = 64  # machines of a grid that are sized at once
 _COARSE = 0.35  # share of the evaluations for a coarse grid before all else
 _BOXES = ((1.0, 0.35), (0.15, 0.2), (0.02, 0.1))  # share of each range round the best, share of the evaluations
@@ -44,22 +45,16 @@ _WEIGHTS = 5  # directions of a front beside its ends
 def every_machine(of: Machines, progress: Progress) -> None:
     """Size a grid; where the spec alone says how good a machine is, only until none that is left could win."""
     task = of.task
-    every: Iterator[Values] = product(*(one.axis.values for one in task.free))
-    order = list(every)
-    known = not {name for one in task.goals for name in one.names} & {*NAMED, "merit"}
+    order: list[Values] = [*product(*(one.values for one in task.free))]
+    known = not {*names_in(task.goals)} & {*NAMED, "merit"}
     if known and len(task.goals) == 1:
-        value = {values: _of_spec_alone(of, values) for values in order}
+        value = {values: task.minimise.value(of.figures_of_spec(values)) for values in order}
         order.sort(key=value.__getitem__)
     for start in range(0, len(order), _CHUNK):
         found = of.at(order[start : start + _CHUNK])
         progress(min(start + _CHUNK, len(order)), len(order))
         if known and len(task.goals) == 1 and any(one.choices for one in found):
             return
-
-
-def _of_spec_alone(of: Machines, values: Values) -> float:
-    """The goal of a machine of which no figure of a drive is part."""
-    return of.task.minimise.value(of.figures_of_spec(values))
 
 
 def evolved(of: Machines, progress: Progress) -> None:
@@ -81,8 +76,7 @@ def _directions(goals: int) -> Iterator[Array]:
         for share in np.linspace(0.0, 1.0, _WEIGHTS + 2)[1:-1].tolist():
             yield np.array([share, 1.0 - share])
         return
-    points = qmc.Halton(goals, scramble=False).random(_WEIGHTS + 1)[1:]
-    for point in points:
+    for point in qmc.Halton(goals, scramble=False).random(_WEIGHTS + 1)[1:]:
         weight = -np.log(np.maximum(point, 1e-9))
         yield weight / weight.sum()
 

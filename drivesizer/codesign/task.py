@@ -12,9 +12,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.arithmetic import Expression, Limit, expression, limit
+from drivesizer.files.arithmetic import Expression, Limit, names_in
 from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource, field_name
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.ranking import COUNTED
 from drivesizer.spec.drive import OBJECTIVES, Select
@@ -22,47 +22,18 @@ from drivesizer.spec.machine import is_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.sections import EXPRESSION, FREE, Design, open_figures
 from drivesizer.study.fields import changed, kind_of
-from drivesizer.study.figures import NAMED, SpecFigures, at, columns_for, derived_fields, kind_of_figure
-from drivesizer.study.plan import Axis, Job, Place, Plan, StudyFile, axis_of, machine_job
-from drivesizer.study.rows import result_columns
-from drivesizer.units import number, scale, to_si
+from drivesizer.study.figures import NAMED, SpecFigures, at, columns_for, derived_fields
+from drivesizer.study.plan import Axis, Expressions, Job, Place, Plan, StudyFile, axis_of, machine_job
+from drivesizer.study.rows import columns_of, result_columns
+from drivesizer.units import scale, to_si
 
 _RANGE = re.compile(r"\s*(?P<low>.+?)\s*\.\.\s*(?P<high>.+?)\s*")
 _EXAMPLE = "e.g. {free: 120 mm .. 250 mm, step: 10 mm}, or a choice, {free: [2, 4]}"
-_DIGITS = 5  # of a figure inside a range without steps
 _MERIT = "merit"
 _OF_BATTERY = {
     "autonomy": "s",
     "range": "m",
 }  # limits that the battery's section can say, so that drives are held to it
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Free:
-    """A free figure: a range, with steps or without, or a choice."""
-
-    axis: Axis
-
-    @property
-    def continuous(self) -> bool:
-        """Whether it may be any figure of its range."""
-        return not self.axis.values
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Ends of its coordinate: of the figure itself, else of the place in its list."""
-        return (self.axis.span or (0.0, 0.0)) if self.continuous else (0.0, len(self.axis.values) - 1.0)
-
-    def value(self, coordinate: float) -> Any:
-        """The value at a coordinate, as it goes into the spec."""
-        if not self.continuous:
-            return self.axis.values[round(coordinate)]
-        low, high = self.bounds
-        return _text(min(max(float(f"{coordinate:.{_DIGITS}g}"), low), high), self.axis.unit)
-
-    def coordinate(self, value: Any) -> float:
-        """The coordinate of a value."""
-        return number(value)[0] if self.continuous else float(self.axis.values.index(value))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +42,7 @@ class Task:
 
     source: YamlSource  # as it is written
     plan: Plan  # of the study that its machines are variants of
-    free: tuple[Free, ...]
+    free: tuple[Axis, ...]
     minimise: Expression
     pareto: tuple[Expression, ...]
     limits: tuple[Limit, ...]
@@ -93,7 +64,7 @@ class Task:
     @property
     def combinations(self) -> float:
         """Number of machines there are; infinite where a range has no steps."""
-        return inf if any(one.continuous for one in self.free) else prod(float(len(f.axis.values)) for f in self.free)
+        return inf if any(one.continuous for one in self.free) else prod(float(len(one.values)) for one in self.free)
 
     @cached_property
     def figures(self) -> SpecFigures:
@@ -102,19 +73,18 @@ class Task:
         return SpecFigures(YamlSource(text, name))
 
     @cached_property
-    def heads(self) -> tuple[str, ...]:
+    def heads(self) -> list[str]:
         """Columns of a machine's row."""
-        varied = (one.axis.head for one in self.free)
-        return ("variant", *varied, *(column.head for column in result_columns(self.job)))
+        return [column.head for column in columns_of(self.plan)]
 
     def filled(self, values: Sequence[Any]) -> str:
         """The spec's text with its free figures filled in, and what follows from them."""
         data = self.figures.source.data
         for one, value in zip(self.free, values, strict=True):
-            data = changed(data, one.axis.path, value)
+            data = changed(data, one.path, value)
         for derived in self.job.derived:
             data = derived.entered(data, self.figures)
-        places = [*(one.axis.path for one in self.free), *(one.path for one in self.job.derived)]
+        places = [*(one.path for one in self.free), *(one.path for one in self.job.derived)]
         edits = [*(Edit(path, at(data, path)) for path in places), *self.own_limits]
         if self.job.objectives[0] is not None and not is_machine(self.source):
             edits.append(Edit(("select", "objective"), self.job.objectives[0]))
@@ -151,14 +121,13 @@ def read_task(
         raise InputError(f"{source.name}: no figure is free; expected one or more, {_EXAMPLE}")
     figures = SpecFigures(plain)
     derived = derived_fields(
-        figures, {_name(path): text for path, text in texts.items()},
+        figures, {field_name(path): text for path, text in texts.items()},
         lambda name, error: InputError(f"{source.where(figures.place(name)[0])}: {error}"),
     )  # fmt: skip
     for one in derived:
         data = one.entered(data, figures)
     edits = [Edit(path, at(data, path)) for path in (*spaces, *texts)]
-    where = Place(source, ("design",))
-    minimise, pareto, limits = _goals(source, section, figures, where, merit is not None)
+    minimise, pareto, limits = _goals(source, section, figures, merit is not None)
     own, limits = _own_limits(data, limits)
     base = YamlSource(edited(source.text, [*edits, *own], source.name), source.name)
     of_machine = machine_job(source, StudyFile(spec=source.name), [base])
@@ -166,13 +135,12 @@ def read_task(
         data, [minimise, *pareto], limits, bool(of_machine.get("members")), merit is not None
     )
     job = Job(
-        specs=((source.name, base.text),), axes=tuple(one.axis for one in axes), catalogs=(None,),
+        specs=((source.name, base.text),), axes=axes, catalogs=(None,),
         objectives=(objective,), top=10 if merit else 1, derived=derived, pareto=front, merit=merit,
         **of_machine,
     )  # fmt: skip
-    names = [name for one in (minimise, *pareto, *(each.of for each in limits)) for name in one.names]
-    heads = [column.head for column in result_columns(job)]
-    job = replace(job, columns=columns_for([*names, "time", "autonomy", "range"], heads))
+    names = [*names_in((minimise, *pareto, *limits)), "time", "autonomy", "range"]
+    job = replace(job, columns=columns_for(names, [column.head for column in result_columns(job)]))
     plan = Plan(source=source, names=(source.name,), job=job, catalogs=("",), shares=None)
     return Task(
         source=source, plan=plan, free=axes, minimise=minimise, pareto=pareto, limits=limits, own_limits=own,
@@ -218,21 +186,13 @@ def _first(given: Any) -> Any:
     return match["low"] if match else given
 
 
-def _text(figure: float, unit: str) -> str:
-    return f"{figure:.12g} {unit}".rstrip()
-
-
-def _name(path: Path_) -> str:
-    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
-
-
-def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -> Free:
-    """A free figure of its range or choice."""
-    name, space = _name(path), given[FREE]
+def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -> Axis:
+    """A free figure with its range, with steps or without, or its choice."""
+    name, space = field_name(path), given[FREE]
     if isinstance(space, list):
         if "step" in given:
             raise place.error("a choice has no steps; expected a range with it", "step")
-        return Free(axis=axis_of(place, plain, name, space, True))
+        return axis_of(place, plain, name, space, True)
     match = _RANGE.fullmatch(space) if isinstance(space, str) else None
     if match is None:
         raise place.error(f"{quoted(space)} is no range; expected {_EXAMPLE}", FREE)
@@ -245,55 +205,32 @@ def _free(place: Place, plain: YamlSource, path: Path_, given: dict[str, Any]) -
         raise place.error(error, FREE) from None
     if not low < high:
         raise place.error(f"{quoted(space)}: the first is not below the second; expected {_EXAMPLE}", FREE)
-    first, unit = number(match["low"])
-    factor, offset = scale(unit, kind) if unit else (1.0, 0.0)
-    axis = Axis(name=name, path=path, kind=kind, unit=unit, span=(first, float(f"{(high - offset) / factor:.12g}")))
+    axis = Axis(name=name, path=path, kind=kind).between(match["low"], match["high"])
     if "step" not in given:
-        return Free(axis=axis)
+        return axis
     try:
-        step = to_si(given["step"], kind) / factor
+        step = to_si(given["step"], kind) / (scale(axis.unit, kind)[0] if axis.unit else 1.0)
     except InputError as error:
         raise place.error(error, "step") from None
-    count = (axis.span or (0.0, 0.0))[1] - first
-    if not 0.0 < step <= count or count / step > 100_000:
+    first, last = axis.bounds
+    if not 0.0 < step <= last - first or (last - first) / step > 100_000:
         raise place.error(f"{quoted(given['step'])} is no step of it; expected up to the range, {_EXAMPLE}", "step")
-    figures = [float(f"{first + n * step:.12g}") for n in range(floor(count / step + 1e-9) + 1)]
-    return Free(axis=replace(axis, values=tuple(_text(one, unit) for one in figures)))
+    count = floor((last - first) / step + 1e-9) + 1
+    return replace(axis, values=tuple(f"{first + n * step:.12g} {axis.unit}".rstrip() for n in range(count)))
 
 
 def _goals(
-    source: YamlSource, section: Design, figures: SpecFigures, where: Place, judged: bool
+    source: YamlSource, section: Design, figures: SpecFigures, judged: bool
 ) -> tuple[Expression, tuple[Expression, ...], tuple[Limit, ...]]:
     """Goals, those of the front, and limits; every name in them is known."""
-
-    def known(one: Expression, *path: str | int) -> Expression:
-        for name in one.names:
-            try:
-                if name != _MERIT:
-                    kind_of_figure(name, figures)
-            except InputError as error:
-                raise where.error(error, *path) from None
-        return one
-
-    def read(text: str, *path: str | int) -> Expression:
-        try:
-            return known(expression(text), *path)
-        except InputError as error:
-            raise (error if str(error).startswith(source.name) else where.error(error, *path)) from None
-
+    read = Expressions(Place(source, ("design",)), figures, (_MERIT,) if judged else ())
     select = source.data.get("select")
     ranked = select.get("objective") if isinstance(select, dict) else None
     own = ranked if ranked in NAMED else Select.model_fields["objective"].default
-    pareto = tuple(read(text, "pareto", n) for n, text in enumerate(section.pareto))
+    pareto = tuple(read.expression(text, "pareto", n) for n, text in enumerate(section.pareto))
     text = _MERIT if judged else section.minimise or (pareto[0].text if pareto else str(own))
-    limits = list[Limit]()
-    for n, one in enumerate(section.subject_to):
-        try:
-            limits.append(limit(one, lambda name: kind_of_figure(name, figures)))
-        except InputError as error:
-            raise where.error(error, "subject_to", n) from None
-        known(limits[-1].of, "subject_to", n)
-    return read(text, "minimise"), pareto, tuple(limits)
+    limits = tuple(read.limit(text, "subject_to", n) for n, text in enumerate(section.subject_to))
+    return read.expression(text, "minimise"), pareto, limits
 
 
 def _own_limits(data: Any, limits: Iterable[Limit]) -> tuple[tuple[Edit, ...], tuple[Limit, ...]]:
@@ -316,8 +253,7 @@ def _inside(
     """The objective of the search for a drive, objectives of which it gives the front, and notes."""
     if judged:
         return None, ("mass", "price"), ()
-    names = [name for one in (*goals, *(each.of for each in limits)) for name in one.names]
-    wanted = list(dict.fromkeys(NAMED[name].by for name in names if name in NAMED and NAMED[name].by))
+    wanted = list(dict.fromkeys(NAMED[n].by for n in names_in((*goals, *limits)) if n in NAMED and NAMED[n].by))
     notes: tuple[str, ...] = ()
     if data.get("method") == "paper" and (left := [one for one in wanted if one in COUNTED]):
         wanted = [one for one in wanted if one not in left]

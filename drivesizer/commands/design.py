@@ -51,7 +51,6 @@ def design(
 
     with one_thread_each():  # before NumPy is loaded
         from drivesizer.codesign.answer import answer
-        from drivesizer.codesign.result import text_of
         from drivesizer.codesign.task import read_task
         from drivesizer.files.writing import write_files
         from drivesizer.files.yaml_source import read
@@ -68,7 +67,7 @@ def design(
             kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
             typer.echo(f"drivesizer: stopped; {kept}", err=True)
             raise typer.Exit(STOPPED) from None
-    typer.echo(text_of(found))
+    typer.echo(str(found))
     if output and found.best:
         write_files({output: found.filled(rounded=rounded).encode()})
         typer.echo(f"\n{output}")

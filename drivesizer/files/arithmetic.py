@@ -10,7 +10,7 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Literal
@@ -128,10 +128,20 @@ class Limit:
     sign: Literal["<=", ">="]
     bound: float  # SI
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its figures."""
+        return self.of.names
+
     def excess(self, figure: Callable[[str], float]) -> float:
         """By how much the limit is exceeded, as a share of it: 0 or below where it holds, NaN unknown."""
         by = self.of.value(figure) - self.bound
         return (by if self.sign == "<=" else -by) / (abs(self.bound) or 1.0)
+
+
+def names_in(several: Iterable[Expression | Limit]) -> list[str]:
+    """Names of the figures in some expressions and limits."""
+    return [name for one in several for name in one.names]
 
 
 _LIMIT = re.compile(r"\s*(?P<of>[^<>=]+?)\s*(?P<sign><=|>=)\s*(?P<bound>[^<>=]+?)\s*")

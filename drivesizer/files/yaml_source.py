@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,7 +69,7 @@ class YamlSource:
         """``file:line: field.path``, the head of a message."""
         line = self.line(path)
         place = f"{self.name}:{line}" if line else self.name
-        field = "".join(f"[{p + 1}]" if isinstance(p, int) else f".{_short(p)}" for p in path).lstrip(".")
+        field = field_name([p if isinstance(p, int) else _short(p) for p in path])
         return f"{place}: {printable(field)}" if field else place
 
 
@@ -100,6 +100,15 @@ class OfFile:
     def where(self, path: Path_) -> str:
         """File, line and name of a field, for a message."""
         return self.source.where(path)
+
+
+def field_name(path: Sequence[str | int]) -> str:
+    """A field as messages name it; entries of lists count from 1.
+
+    >>> field_name(("transmission", 1, "ratio"))
+    'transmission[2].ratio'
+    """
+    return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
 
 
 def _short(key: str, longest: int = 60) -> str:

@@ -12,7 +12,7 @@ from drivesizer.files.arithmetic import Expression
 from drivesizer.physics.extremes import undominated
 from drivesizer.study.figures import row_figures
 from drivesizer.study.plan import Plan
-from drivesizer.study.rows import Column, Row, columns_of, document_of, figures_of
+from drivesizer.study.rows import Column, Row, columns_of, spec_figures
 
 _GOOD = ("pass", "open", "unknown")
 _PARTS = 10  # of a sampled range, for its influence
@@ -39,12 +39,7 @@ def _value(plan: Plan, row: Row, one: Expression) -> float:
     heads = [column.head for column in columns_of(plan)]
     if row[heads.index("status")] not in _GOOD:
         return nan
-    variant = plan.variant(row[0])
-
-    def of_spec(name: str) -> float:
-        return figures_of(plan.job, variant).value(name, document_of(plan.job, variant).data)
-
-    return one.value(row_figures(heads, row, of_spec))
+    return one.value(row_figures(heads, row, spec_figures(plan.job, plan.variant(row[0]))))
 
 
 def _best(plan: Plan, rows: Iterable[Row], over: Sequence[str], by: Expression) -> list[Row]:

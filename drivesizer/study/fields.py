@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.fields import Quantity
-from drivesizer.files.yaml_source import Path_, YamlSource, overlay
+from drivesizer.files.yaml_source import Path_, YamlSource, field_name, overlay
 from drivesizer.loads.kinds import AXES
 from drivesizer.spec.machine import WHOLE, AxisFields, MachineFields, is_machine
 from drivesizer.spec.messages import has_names, known_keys, models_at
@@ -68,8 +68,7 @@ def _place(path: Path_, machine: bool) -> str:
     """
     if machine and path == ("axes",):
         return "axis"
-    name = "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
-    return f"field of {name or ('a machine' if machine else 'a spec')}"
+    return f"field of {field_name(path) or ('a machine' if machine else 'a spec')}"
 
 
 def _known_names(spec: YamlSource, path: Path_) -> list[str] | None:

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError
 
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.arithmetic import Expression, Limit, expression, limit
+from drivesizer.files.arithmetic import Expression, Limit, expression, limit, names_in
 from drivesizer.files.fields import Names, Section, exactly_one
 from drivesizer.files.text import missing
 from drivesizer.files.yaml_source import Path_, YamlSource, read
@@ -187,6 +188,32 @@ class Axis:
         low, high = self.span
         return self.text(float(f"{low + share * (high - low):.{_DIGITS}g}"))
 
+    @property
+    def continuous(self) -> bool:
+        """Whether it may be any figure of its range."""
+        return not self.values
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Ends of its coordinate: of the figure itself, else of the place in its list."""
+        return (self.span or (0.0, 0.0)) if self.continuous else (0.0, len(self.values) - 1.0)
+
+    def value(self, coordinate: float) -> Any:
+        """The value at a coordinate, as it goes into the spec; of a range to five digits."""
+        if not self.continuous:
+            return self.values[round(coordinate)]
+        low, high = self.bounds
+        return f"{min(max(float(f'{coordinate:.5g}'), low), high):.12g} {self.unit}".rstrip()
+
+    def coordinate(self, value: Any) -> float:
+        """The coordinate of a value."""
+        return number(value)[0] if self.continuous else float(self.values.index(value))
+
+    def between(self, low: Any, high: Any) -> Axis:
+        """The field with a range between two quantities, in the unit of the first."""
+        first, unit = number(str(low))
+        return replace(self, unit=unit, span=(first, _figure(high, self.kind, unit)))
+
 
 def _between(low: float, high: float, place: int, places: int) -> float:
     """The figure of a step; to the same bits with twice as many steps, as twice is exact."""
@@ -317,18 +344,16 @@ def _range(place: Place, axis: Axis, given: dict[str, Any], grid: bool) -> Axis:
     low, high = (_checked(place, given[key], axis.kind, key) for key in ("from", "to"))
     if not low < high:
         raise place.error(f"{quoted(given['from'])} is not below {quoted(given['to'])}; expected from below to")
-    unit = number(str(given["from"]))[1]
-    span = number(str(given["from"]))[0], _figure(given["to"], axis.kind, unit)
-    found = Axis(name=axis.name, path=axis.path, kind=axis.kind, unit=unit, span=span)
-    if not grid:
-        return found
+    axis = axis.between(given["from"], given["to"])
+    if not grid or axis.span is None:
+        return axis
     steps = given["steps"]  # both ends included
     if isinstance(steps, bool) or not isinstance(steps, int) or steps < 2:
         raise place.error(f"{quoted(steps)} is not a whole number from 2; both ends are steps", "steps")
     if steps > 100_000:
         raise place.error(f"{quoted(steps)} is too many; expected at most 100000", "steps")
-    figures = [_between(*span, n, steps - 1) for n in range(steps - 1)] + [span[1]]
-    return replace(found, values=tuple(found.text(figure) for figure in figures))
+    figures = [_between(*axis.span, n, steps - 1) for n in range(steps - 1)] + [axis.span[1]]
+    return replace(axis, values=tuple(axis.text(figure) for figure in figures))
 
 
 # -- Subject of a study of machines: one axis of them, or the whole machine with the names of its axes.
@@ -433,8 +458,7 @@ class Answers(NamedTuple):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the figures in their expressions."""
-        some = (*((self.by,) if self.by else ()), *self.front, *self.influence)
-        return tuple(name for one in some for name in one.names)
+        return tuple(names_in((*((self.by,) if self.by else ()), *self.front, *self.influence)))
 
 
 NO_ANSWERS = Answers()
@@ -569,8 +593,10 @@ def planned(source: YamlSource, folder: Path, known: Mapping[str, YamlSource] | 
     once(Place(source, ("objectives",)), titles)
     figures = SpecFigures(specs[0])
     derived = derived_fields(figures, study.derive, lambda name, error: Place(source, ("derive", name)).error(error))
-    require, answers = _require(source, study, figures), _answers(source, study, figures, axes)
-    named = [name for one in (*(limit.of for limit in require),) for name in one.names] + [*answers.names]
+    expressions = Expressions(Place(source, ()), figures)
+    require = tuple(expressions.limit(text, "require", n) for n, text in enumerate(study.require or ()))
+    answers = _answers(source, study, expressions, axes)
+    named = [*names_in(require), *answers.names]
     columns = [*(study.columns or ()), *(name for name in named if name in get_args(FurtherName))]
     plan = Plan(
         source=source,
@@ -594,30 +620,38 @@ def planned(source: YamlSource, folder: Path, known: Mapping[str, YamlSource] | 
     return _sampled(plan, hypercube) if hypercube else _refinable(_few_enough(plan, plan.total))
 
 
-def _require(source: YamlSource, study: StudyFile, figures: SpecFigures) -> tuple[Limit, ...]:
-    found = []
-    for n, text in enumerate(study.require or ()):
-        try:
-            found.append(limit(text, lambda name: kind_of_figure(name, figures)))
-            for name in found[-1].of.names:
-                kind_of_figure(name, figures)
-        except InputError as error:
-            raise Place(source, ("require", n)).error(error) from None
-    return tuple(found)
+@dataclass(frozen=True, slots=True)
+class Expressions:
+    """Reader of a file's expressions and limits, of which every figure is known; errors name their place."""
 
+    place: Place
+    figures: SpecFigures
+    further: tuple[str, ...] = ()  # names beside those of figures
 
-def _answers(source: YamlSource, study: StudyFile, figures: SpecFigures, axes: Sequence[Axis]) -> Answers:
-    """Expressions of the tables that are made of all rows."""
-
-    def read(text: str, *path: str | int) -> Expression:
-        try:
-            one = expression(text)
-            for name in one.names:
-                kind_of_figure(name, figures)
-        except InputError as error:
-            raise Place(source, path).error(error) from None
+    def expression(self, text: str, *path: str | int) -> Expression:
+        """An expression."""
+        one: Expression = self._known(expression, text, *path)
         return one
 
+    def limit(self, text: str, *path: str | int) -> Limit:
+        """A limit on one."""
+        kind_of = partial(kind_of_figure, figures=self.figures)
+        one: Limit = self._known(partial(limit, kind_of=kind_of), text, *path)
+        return one
+
+    def _known(self, read: Callable[[str], Any], text: str, *path: str | int) -> Any:
+        try:
+            one = read(text)
+            for name in one.names:
+                if name not in self.further:
+                    kind_of_figure(name, self.figures)
+        except InputError as error:
+            raise self.place.error(error, *path) from None
+        return one
+
+
+def _answers(source: YamlSource, study: StudyFile, read: Expressions, axes: Sequence[Axis]) -> Answers:
+    """Expressions of the tables that are made of all rows."""
     varied = [axis.name for axis in axes]
     for n, name in enumerate(study.best.over if study.best else ()):
         if name not in varied:
@@ -625,9 +659,9 @@ def _answers(source: YamlSource, study: StudyFile, figures: SpecFigures, axes: S
             raise Place(source, ("best", "over", n)).error(f"{quoted(name)} does not vary{hint}")
     return Answers(
         over=tuple(study.best.over) if study.best else (),
-        by=read(study.best.by, "best", "by") if study.best else None,
-        front=tuple(read(text, "front", n) for n, text in enumerate(study.front or ())),
-        influence=tuple(read(text, "influence", n) for n, text in enumerate(study.influence or ())),
+        by=read.expression(study.best.by, "best", "by") if study.best else None,
+        front=tuple(read.expression(text, "front", n) for n, text in enumerate(study.front or ())),
+        influence=tuple(read.expression(text, "influence", n) for n, text in enumerate(study.influence or ())),
     )
 
 

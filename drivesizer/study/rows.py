@@ -10,7 +10,7 @@ import json
 import warnings
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import chain, groupby, islice
 from math import fsum, isnan, nan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -458,9 +458,10 @@ def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
     return Part(rows, len(variants), made)
 
 
-def figures_of(job: Job, variant: Variant) -> SpecFigures:
-    """Figures of a variant's spec by name."""
-    return _figures(*job.specs[variant.spec])
+def spec_figures(job: Job, variant: Variant) -> Callable[[str], float]:
+    """Figures of a variant's spec by name; the spec is made when the first is wanted."""
+    document = cache(lambda: document_of(job, variant).data)
+    return lambda name: _figures(*job.specs[variant.spec]).value(name, document())
 
 
 def _required(job: Job, variant: Variant, rows: list[Row]) -> list[Row]:
@@ -468,16 +469,12 @@ def _required(job: Job, variant: Variant, rows: list[Row]) -> list[Row]:
     if not job.require:
         return rows
     before, columns = len(variant.head), result_columns(job)
-    heads = [column.head for column in columns]
+    heads, of_spec = [column.head for column in columns], spec_figures(job, variant)
     kept, closest = list[Row](), None
     for row in rows:
         cells = row[before:]
         if cells[heads.index("status")] in ("fail", "error"):
             return rows
-
-        def of_spec(name: str) -> float:
-            return figures_of(job, variant).value(name, document_of(job, variant).data)
-
         figure = row_figures(heads, cells, of_spec)
         excesses = [(one.excess(figure), one.text) for one in job.require]
         unknown = next((text for by, text in excesses if isnan(by)), "")

@@ -9,7 +9,7 @@ was stopped goes on with the same points.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -26,9 +26,8 @@ from drivesizer.study import store as folders
 from drivesizer.study.answers import answers
 from drivesizer.study.plan import Places, Plan, planned
 from drivesizer.study.rows import Row, columns_of, forget_files, rows_of
-from drivesizer.study.workers import Workers, computed, cores, workers
+from drivesizer.study.workers import Progress, Workers, computed, cores, workers
 
-Progress = Callable[[int, int], None]  # variants that are done, variants in all
 _TASKS = 128  # at least, where there are as many points
 _LARGEST = 100  # variants of a task: so many are lost by each killed process
 _TRIED = 200  # variants, to find a valid one

@@ -190,10 +190,10 @@ class Store:
         self._grow(points)
         return [int(point) for point in np.flatnonzero(self.places[:points] < 0)]
 
-    def every_row(self, points: int) -> Iterator[Row]:
-        """The rows of the first so many points in the order of their variants."""
+    def every_row(self, points: int | None = None) -> Iterator[Row]:
+        """The rows of the first so many points in the order of their variants, as far as they are known."""
         with self.path.open("rb") as file:
-            for place in self.places[:points].tolist():
+            for place in self.places[:points][self.places[:points] >= 0].tolist():
                 file.seek(place)
                 yield from json.loads(file.readline()[9:])[1:]
 

@@ -22,6 +22,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.study.plan import Job, Variant
 from drivesizer.study.rows import Part, rows_of
 
+Progress = Callable[[int, int], None]  # variants or machines that are done, and all there are to be
 _SINGLE = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 _PATIENCE = 5.0  # s, for a scheduler to answer, and for a worker to be there
 

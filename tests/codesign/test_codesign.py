@@ -124,7 +124,7 @@ def test_brute_force_finds_no_better_machine(tmp_path, number):
     task = read_task(read(tmp_path / "cart.yaml"))
     found = answer(task, processes=1)
     brute = math.inf
-    for values in product(*(one.axis.values for one in task.free)):
+    for values in product(*(one.values for one in task.free)):
         wheels, diameter, speed = values[0], *(float(one.split()[0]) for one in values[1:])
         if speed < float(least.split()[2]):
             continue

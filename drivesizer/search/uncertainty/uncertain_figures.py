@@ -29,7 +29,7 @@ from drivesizer.catalog.tolerances import (
 from drivesizer.catalog.view.mounted import STEPPER, has_steppers
 from drivesizer.files.fields import OfSolids, moment
 from drivesizer.files.text import listed
-from drivesizer.files.yaml_source import Path_
+from drivesizer.files.yaml_source import Path_, field_name
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerances import Toleranced
 
@@ -244,8 +244,7 @@ def assumptions(spec: RobotSpec, held: Sequence[Class] | None = None) -> tuple[A
 
 def of_the_file(one: Toleranced) -> Assumption:
     """The assumption that a figure of a spec is."""
-    # ``transmission[2].efficiency``, as messages have it
-    name = "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in one.path).lstrip(".")
+    name = field_name(one.path)
     return Assumption(name, f"{name} {one.text}", one.value, one.distribution, given=one)
 
 
