@@ -17,14 +17,13 @@ from math import ceil, inf, isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.machine.supply_power import DrivePower
 from drivesizer.physics import battery as laws
-from drivesizer.physics.figures import Range
+from drivesizer.physics.figures import Array, Range
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget, loss_assumptions
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from drivesizer.spec.battery import Battery, Consumer
     from drivesizer.spec.sections import Leg
 
-Array = NDArray[np.float64]
 _ONE = (  # figures of one cell or block that spec and catalogue share
     "nominal_voltage", "charge_voltage", "cutoff_voltage", "capacity", "rated_time", "peukert_exponent", "resistance",
     "continuous_current", "peak_current", "max_charge_current", "mass",

@@ -9,19 +9,17 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.belt import LEAST_IN_MESH, centre_distance, shortest_recommended, teeth_in_mesh
+from drivesizer.physics.figures import Array, Whole
 from drivesizer.results.problem import BeltDrives, Problem
 from drivesizer.spec.drive import Pulleys
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 MOST_RATIOS = 60  # that are searched
 _SAME = 1e-6  # two pitches or widths that differ by this share are one
 
@@ -78,8 +76,8 @@ def drives_for(required: Pulleys, catalog: Catalog, where: str) -> BeltDrives:
     return BeltDrives(tuple(map(parts, few.tolist())), len(first))
 
 
-def _fitting(required: Pulleys, table: Table[Any], section: str, where: str) -> Rows:
-    """Rows of the belts of the required kind, or of the pulleys that take them."""
+def _fitting(required: Pulleys, table: Table[Any], section: str, where: str) -> Whole:
+    """Whole of the belts of the required kind, or of the pulleys that take them."""
     fits = np.char.lower(table["profile"]) == required.profile.lower()
     fits &= np.isclose(table["pitch"], required.pitch, rtol=_SAME, atol=0.0) & ~table.excluded & (table["teeth"] > 0)
     fits &= table["width"] >= required.width * (1.0 - _SAME)
@@ -131,8 +129,8 @@ def _layouts(required: Pulleys, pulleys: Array, belts: Array, where: str) -> tup
     )
 
 
-def spread(values: Array, most: int) -> Rows:
-    """Rows of at most so many values that cover their range best: each further one is farthest from those before."""
+def spread(values: Array, most: int) -> Whole:
+    """Whole of at most so many values that cover their range best: each further one is farthest from those before."""
     if len(values) <= most:
         return np.arange(len(values))
     rows = [int(values.argmin()), int(values.argmax())]

@@ -7,7 +7,6 @@ from math import isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import one_row
@@ -17,6 +16,7 @@ from drivesizer.machine.set_cycle import SetCycle, turned
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import commutation, friction
+from drivesizer.physics.figures import Array
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.physics.winding import heat, housing_loss
@@ -39,9 +39,6 @@ from drivesizer.units import show
 # References
 # ----------
 # .. [1] maxon academy, *Formulae Handbook*, 2nd ed., 2012, section "Motor data": efficiency.
-
-
-Array = NDArray[np.float64]
 
 
 class Operation(NamedTuple):

@@ -6,14 +6,13 @@ from math import isnan, nan
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.kernel.warming import State, overload_time, steady_state
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Array, Figures, Whole
 from drivesizer.physics.stepper import pull_out_torque, rescaled_torque
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
@@ -29,7 +28,6 @@ from drivesizer.results.drive_set import DriveParts
 # -- Pull-out torque of steppers out of the catalogue: by their printed curves, else by the model and its share.
 
 
-Array = NDArray[np.float64]
 _FIGURES = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
 
 
@@ -79,7 +77,7 @@ def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: An
     return found
 
 
-def _curves_of(curves: PullOuts, voltage: Any, steppers: NDArray[np.int64]) -> NDArray[np.int64]:
+def _curves_of(curves: PullOuts, voltage: Any, steppers: Whole) -> Whole:
     """Number of the curve of each stepper, on a voltage of its own or that of all; -1 where it has none."""
     count = int(steppers.max(initial=0)) + 1
     if np.ndim(voltage) == 0:
@@ -92,7 +90,7 @@ def _curves_of(curves: PullOuts, voltage: Any, steppers: NDArray[np.int64]) -> N
     return found
 
 
-def _curve_of(curves: PullOuts, voltage: float, count: int) -> NDArray[np.int64]:
+def _curve_of(curves: PullOuts, voltage: float, count: int) -> Whole:
     """For each stepper the number of its curve for a supply voltage, -1 where it has none."""
     _, first = np.unique(curves.curve, return_index=True)
     volts = curves.voltage[first]
@@ -172,7 +170,7 @@ def _torque_constant(hit: PartFigures) -> float:
     return k_t
 
 
-def nominal_voltage_curves(hit: PartFigures, torque: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+def nominal_voltage_curves(hit: PartFigures, torque: Array) -> tuple[Array, ...]:
     r"""Speed, current and efficiency on the straight line at nominal voltage.
 
     .. math:: w = w_0 \left(1 - \frac{M}{M_H}\right), \qquad I = I_0 + \frac{M}{k_t}, \qquad \eta = \frac{M w}{V I}
@@ -188,7 +186,7 @@ def nominal_voltage_curves(hit: PartFigures, torque: NDArray[np.float64]) -> tup
     return speed, current, torque * speed / (hit["nominal_voltage"] * current)
 
 
-def gear_efficiency(hit: PartFigures, torque: NDArray[np.float64]) -> NDArray[np.float64]:
+def gear_efficiency(hit: PartFigures, torque: Array) -> Array:
     r"""Efficiency of a gearhead over the torque at its output, its losses without load apart (``gear_loss``).
 
     .. math:: \frac{1}{\eta} = \frac{1}{e'} + \frac{i\,T_0}{T}

@@ -8,7 +8,6 @@ from math import cos, inf, nan, tan
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import one_row
 from drivesizer.errors import InputError
@@ -18,6 +17,7 @@ from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import lost_in_gearhead
+from drivesizer.physics.figures import Array, Mask, Whole
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import coefficients
 from drivesizer.physics.thermal import resistance_25, resistance_at, steady_winding
@@ -44,7 +44,6 @@ from drivesizer.spec.robot import RobotSpec
 # not.
 
 
-Array = NDArray[np.float64]
 _EVERY = 5  # deg, between directions; a divisor of 15
 _SLOW, _FAST = 1e-6, 1e3  # m/s, between which speeds are looked for
 _HALVINGS = 32  # to less than a thousandth of a millimetre per second
@@ -54,7 +53,7 @@ _ROUNDING = 1e-9  # of what turns or slides
 class PermittedSpeeds(NamedTuple):
     """Highest steady speed in each direction, of the platform as it is and with the motor of each wheel failed."""
 
-    direction: NDArray[np.int64]  # deg, in the robot's frame, counterclockwise from ahead
+    direction: Whole  # deg, in the robot's frame, counterclockwise from ahead
     speed: dict[int, Array]  # m/s, by the failed wheel, 0 for none; NaN: no motion of these wheels, infinite: no limit
     limit: dict[int, list[str]]  # title of the check that a higher speed fails
     unknown: tuple[str, ...]  # titles of checks that are left out, as a figure of them is unknown
@@ -121,7 +120,7 @@ def _fastest(
     turning = turns.ravel() != 0.0  # a wheel at rest meets any limit of speed, known or not
     known = [number for number, check in enumerate(first) if (check.passed | check.failed)[turning].any()]
     held, high = shortage(low).any(axis=(0, 1)), np.full_like(low, _FAST)
-    free: NDArray[np.bool_] = np.logical_not(shortage(high).any(axis=(0, 1)))
+    free: Mask = np.logical_not(shortage(high).any(axis=(0, 1)))
     for _ in range(_HALVINGS):
         middle = (low + high) / 2.0
         over = shortage(middle).any(axis=(0, 1))

@@ -10,7 +10,6 @@ from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import one_row
 from drivesizer.kernel.evaluate import number_of_pieces, pieces
@@ -20,7 +19,7 @@ from drivesizer.machine.set_cycle import SetCycle, driven, turned
 from drivesizer.physics.braking import burning, burnt_energy, largest_mean, largest_pulse, most_stored
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
 from drivesizer.physics.drive_train import friction
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Array, Figures
 from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import Demands, mean_gear_loss
 from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
@@ -37,7 +36,6 @@ from drivesizer.spec.robot import RobotSpec
 # together.
 
 
-Array = NDArray[np.float64]
 _MOST = 4096  # pieces of a cycle
 _FINEST = 16  # pieces of a segment
 _NO_TIME = 1e-12  # of the cycle: two ends so near are one

@@ -15,11 +15,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Alike, Figure
+from drivesizer.physics.figures import Alike, Array, Figure
 
-Array = NDArray[np.float64]
 _INSTANT = 1e-6  # of the mechanical time constant: an electrical one that is as good as none
 _HALVINGS = 60
 _SETTLED = 60.0  # time constants

@@ -16,11 +16,8 @@ Symbols: I current [A], P power [W], V voltage [V], R resistance [ohm], C charge
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Alike, Figure
-
-Array = NDArray[np.float64]
+from drivesizer.physics.figures import Alike, Array, Figure
 
 
 def peukert_time(current: Figure, capacity: Figure, rated_time: Figure, exponent: Figure) -> Alike:

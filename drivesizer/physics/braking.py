@@ -7,9 +7,8 @@ from math import floor, inf, isnan
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Alike, Figure, Figures
+from drivesizer.physics.figures import Alike, Array, Figure, Figures
 
 # -- Holding a load by a brake, and stopping it: on figures or columns.
 #
@@ -29,8 +28,6 @@ SLIPPING = 1.0 / 3.0, 1.0
 """Torque of a slipping brake as a share of its static torque, where none is printed: no less than the one, no more than
 the other. Printed shares are 0.37 to 0.63 with permanent magnets (11 brakes of Bosch Rexroth MS2E and Siemens 1FK2) and
 1.0 with springs (two of Siemens)."""
-
-Array = NDArray[np.float64]
 
 
 class Stop(NamedTuple):

@@ -18,9 +18,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drivesizer.physics.figures import Array
 
 COUNT_SHARE = 0.1  # of voltage and peak current: a larger answer to one encoder count is heard (our convention)
 HEAT_SHARE = 0.4  # of the nominal current: coming and going half the time, it adds (0.4/2)^2, 4 % of the nominal heat

@@ -17,11 +17,10 @@ from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics import load_cycle as cycles
 from drivesizer.physics.extremes import Extremes, extremes, first_largest
-from drivesizer.physics.figures import Alike, Figure, product
+from drivesizer.physics.figures import Alike, Array, Figure, Mask, product
 from drivesizer.physics.gear_life import turned_load
 
 _FEW = 16  # points, of which the largest of each is found quicker column by column
@@ -29,7 +28,6 @@ _PART = 1 << 16  # segments of a long cycle whose functions are there at a time
 _LOST = (0.0, 0.05, 0.15, 0.35, 0.6)  # of the largest power that is given back
 ROUNDING = 1e-9  # share of a function's largest value that is 0 but for rounding
 DRIVING, BRAKING, AT_REST, ACCELERATION, DIRECTION, SPEED = range(6)
-Array = NDArray[np.float64]
 
 
 class Scalars(NamedTuple):
@@ -93,11 +91,11 @@ class CycleAtBelt:
             yield some, self._functions(some)
 
     @cached_property
-    def acts(self) -> NDArray[np.bool_]:
+    def acts(self) -> Mask:
         """Mask of the functions that are ever not 0: (6,)."""
         if self.load_cycle.torque.ndim == 3:
             return np.array([one.any() for one in self.functions])
-        found: NDArray[np.bool_] = np.any([f.any(axis=(0, 1)) for _, f in self.parts], axis=0)
+        found: Mask = np.any([f.any(axis=(0, 1)) for _, f in self.parts], axis=0)
         return found
 
     @cached_property
@@ -260,7 +258,7 @@ class AtGearhead:
         return self.base.load_cycle
 
     @property
-    def acts(self) -> NDArray[np.bool_]:
+    def acts(self) -> Mask:
         """Mask of the functions that are ever not 0."""
         return self.base.acts
 
@@ -296,7 +294,7 @@ class AtGearhead:
         found: Array = (c * self.scale) @ self.base.moments * self.scale
         return found
 
-    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
+    def peak(self, coefficients: Array, left_out: Mask | None = None) -> Peak:
         """Largest absolute value over the cycle of what is linear in the functions, with coefficients of 0 or more.
 
         Parameters
@@ -330,7 +328,7 @@ class Peak(NamedTuple):
     time: Array  # s
 
 
-def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Peak:
+def bounded(value: Array, time: Array, left_out: Mask | None) -> Peak:
     """A peak; unknown where something was left out and no moment is a bound.
 
     Parameters
@@ -352,7 +350,7 @@ def bounded(value: Array, time: Array, left_out: NDArray[np.bool_] | None) -> Pe
     return Peak(np.where(lacking(left_out) & ~(value > 0.0), np.nan, value), time)
 
 
-def lacking(left_out: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def lacking(left_out: Mask) -> Mask:
     """Whether anything was left out of a candidate's coefficients: of the three that may lack a part."""
-    found: NDArray[np.bool_] = left_out[:, ACCELERATION] | left_out[:, DIRECTION] | left_out[:, SPEED]
+    found: Mask = left_out[:, ACCELERATION] | left_out[:, DIRECTION] | left_out[:, SPEED]
     return found

@@ -20,11 +20,9 @@ from math import isnan, nan
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Alike, Figure, Figures, once_per_part
+from drivesizer.physics.figures import Alike, Array, Figure, Figures, once_per_part
 
-Array = NDArray[np.float64]
 Column = TypeVar("Column")  # of candidates, or one figure
 SLOTLESS = "slotless"  # a winding without iron teeth
 SERVO = "geared servo"  # brushed, inside an actuator: its friction is that of the gear as well

@@ -17,13 +17,13 @@ from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
+from drivesizer.physics.figures import Array
 from drivesizer.physics.notation import computed
 from drivesizer.units import KINDS, kind_of_unit, noun
 
-Value = float | NDArray[np.float64]
+Value = float | Array
 _signature = cache(inspect.signature)
 
 EQUATIONS: dict[int, Equation] = {}  # the paper's, by number

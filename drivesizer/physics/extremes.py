@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from drivesizer.physics.figures import Array, Mask, Whole
 
 _FRONT = 300  # points that may be left of a group before its convex hull is computed
 _BLOCK = 64  # points that the others are held against at a time, at most
@@ -77,7 +77,7 @@ def extremes(functions: Array, time: Array) -> Extremes:
     return Extremes(points[top], when[top], points[bottom], when[bottom])
 
 
-def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
+def first_largest(values: Array) -> tuple[Array, Whole]:
     """The largest value of each row, and where: of places that differ by rounding alone the first.
 
     Parameters
@@ -100,7 +100,7 @@ def first_largest(values: Array) -> tuple[Array, NDArray[np.int64]]:
     return top, np.argmin(values < near[..., None], axis=-1)
 
 
-def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _largest(points: Array, rows: Whole) -> Whole:
     """Rows of a few points without those that another one of the same direction exceeds or equals, in order of time."""
     if len(rows) > _FRONT:
         return np.sort(rows)
@@ -109,14 +109,14 @@ def _largest(points: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.sort(np.concatenate([g[undominated(points[g])] for g in groups]))
 
 
-def _front(points: Array) -> NDArray[np.int64]:
+def _front(points: Array) -> Whole:
     """Rows of a group that may have a maximum: its front, and of a long front the hull."""
     varying = points[:, _FREE]
     rows = undominated(varying, _FRONT)
     return rows[_hull(varying[rows])] if len(rows) > _FRONT else rows
 
 
-def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
+def undominated(points: Array, most: int | None = None) -> Whole:
     """Rows that no other row exceeds or equals in every column; of equal rows the first.
 
     Parameters
@@ -142,7 +142,7 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
         rows = np.flatnonzero(_exceeding(left, left[:, [best]])[:, 0] | (rows == best))
     # an earlier point cannot be exceeded by a later one; columns break ties that the digits of the sum leave
     rows = rows[np.lexsort((*-left[::-1, rows], -far[rows]))]
-    left, found, size = left[:, rows], list[NDArray[np.int64]](), 1
+    left, found, size = left[:, rows], list[Whole](), 1
     count, enough = 0, len(rows) if most is None else most + 1
     while len(rows) and count < enough:
         block = left[:, :size]
@@ -155,15 +155,15 @@ def undominated(points: Array, most: int | None = None) -> NDArray[np.int64]:
     return np.concatenate([*found, rows]).astype(np.int64)
 
 
-def _exceeding(points: Array, others: Array) -> NDArray[np.bool_]:
+def _exceeding(points: Array, others: Array) -> Mask:
     """Whether each point exceeds each of others in any figure: shape (points, others), of (figures, points)."""
-    higher: NDArray[np.bool_] = points[0][:, None] > others[0]
+    higher: Mask = points[0][:, None] > others[0]
     for mine, its in zip(points[1:], others[1:], strict=True):
         higher |= mine[:, None] > its
     return higher
 
 
-def _hull(points: Array) -> NDArray[np.int64]:
+def _hull(points: Array) -> Whole:
     """Rows at the corners of the convex hull, in the dimensions that the points span."""
     from scipy.spatial import ConvexHull  # only a long recording needs it
 
@@ -173,5 +173,5 @@ def _hull(points: Array) -> NDArray[np.int64]:
     flat = scaled @ axes[size > 1e-9 * size[0]].T
     if flat.shape[1] == 1:
         return np.array([flat[:, 0].argmin(), flat[:, 0].argmax()])
-    corners: NDArray[np.int64] = np.sort(ConvexHull(flat).vertices).astype(np.int64)
+    corners: Whole = np.sort(ConvexHull(flat).vertices).astype(np.int64)
     return corners

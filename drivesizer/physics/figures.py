@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Whole = NDArray[np.int64]  # numbers, of rows or places
 Figure = float | Array  # of one part or sample, or a column over many; NaN unknown
 Alike = Any  # what comes of figures: a float of floats, a column where one of them is
 Result = TypeVar("Result")
@@ -35,7 +37,7 @@ class Columns(Figures, Protocol):
     """Figures of the parts of many candidates, a row each."""
 
     @property
-    def rows(self) -> NDArray[np.int64]:
+    def rows(self) -> Whole:
         """Numbers of these parts in their catalogue; -1 none."""
 
     def on(self, rows: Any, /) -> Columns:
@@ -49,7 +51,7 @@ class Range(NamedTuple):
     high: Figure
 
 
-def no_less(figure: Figure, known: NDArray[np.bool_] | np.bool_ | bool = False) -> Range:
+def no_less(figure: Figure, known: Mask | np.bool_ | bool = False) -> Range:
     """A figure that may be more, but where it is known.
 
     Parameters

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Alike, Figure
+from drivesizer.physics.figures import Alike, Array, Figure
 
 # -- Gauss and Legendre's rules, as ``np.polynomial.legendre.leggauss`` has them: loading that takes milliseconds.
 #
@@ -35,7 +34,6 @@ SIX = (
 # equations 30.2, 30.5, 32.2 and 32.3; ISO 281 for the exponents.
 
 
-Array = NDArray[np.float64]
 MEDIAN = 5.0  # L_50 over L_10, Harmonic Drive 1021387, equation 32.3
 _NODES, _WEIGHTS = FIVE
 

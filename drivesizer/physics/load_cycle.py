@@ -8,10 +8,9 @@ from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.physics.figures import Alike
+from drivesizer.physics.figures import Alike, Array, Mask, Whole
 
 # -- The load cycle: speed, acceleration and torque of the shaft that one drive turns, whatever the machine.
 #
@@ -22,7 +21,7 @@ from drivesizer.physics.figures import Alike
 # Symbols: w speed [rad/s], a acceleration [rad/s^2], T torque that the load takes, its own inertia included [N*m].
 
 
-Ends = NDArray[np.float64]  # at the left and the right end: (segments, 2); of several cycles (segments, 2, cycles)
+Ends = Array  # at the left and the right end: (segments, 2); of several cycles (segments, 2, cycles)
 
 
 _NO_PART = 1e-250  # of a segment: a smaller one would have no duration in floating point
@@ -43,7 +42,7 @@ class LoadCycle:
     """Speed, acceleration and torque of the driven shaft over one cycle, or several side by side."""
 
     name: str
-    duration: NDArray[np.float64]  # s, of each segment; 0 where another of several cycles has a segment more
+    duration: Array  # s, of each segment; 0 where another of several cycles has a segment more
     speed: Ends  # rad/s
     acceleration: Ends  # rad/s^2
     torque: Ends  # N*m, the load's own inertia included
@@ -169,7 +168,7 @@ class LoadCycle:
         return cycle
 
 
-def _within(column: NDArray[np.float64]) -> bool:
+def _within(column: Array) -> bool:
     """Whether all figures can be computed with; without an array of their amounts, for a long cycle's takes room."""
     return float(column.max()) < _LARGEST and float(column.min()) > -_LARGEST
 
@@ -178,7 +177,7 @@ _COLUMNS = ("speed", "acceleration", "torque")
 CYCLE_COLUMNS = ("duration", *_COLUMNS)
 
 
-def cut_points(column: Ends, speed: Ends) -> tuple[NDArray[np.int64], NDArray[np.float64], Ends]:
+def cut_points(column: Ends, speed: Ends) -> tuple[Whole, Array, Ends]:
     """Places where a quantity changes sign within segments.
 
     Of several cycles a segment is cut where any of them has it cut; one whose quantity keeps its sign at the end at
@@ -203,7 +202,7 @@ def cut_points(column: Ends, speed: Ends) -> tuple[NDArray[np.int64], NDArray[np
     crosses &= (share > _NO_PART) & (share < 1.0)
     if column.ndim == 2:
         return np.where(crosses, 2, 1), np.where(crosses, share, 1.0), column
-    cut: NDArray[np.bool_] = np.any(crosses, axis=1)
+    cut: Mask = np.any(crosses, axis=1)
     at_the_start = cut[:, None] & (np.abs(speed[:, 0]) > np.abs(speed[:, 1]))
     return np.where(cut, 2, 1), np.where(crosses, share, np.where(at_the_start, 0.0, 1.0)), column
 
@@ -211,9 +210,9 @@ def cut_points(column: Ends, speed: Ends) -> tuple[NDArray[np.int64], NDArray[np
 class Cuts(NamedTuple):
     """Pieces of segments: the segment of each, and from which share of it to which it goes."""
 
-    owner: NDArray[np.int64]
-    start: NDArray[np.float64]  # shape (pieces,) or (pieces, cycles)
-    end: NDArray[np.float64]
+    owner: Whole
+    start: Array  # shape (pieces,) or (pieces, cycles)
+    end: Array
 
     def line(self, ends: Ends, *, crosses: bool = False) -> Ends:
         """A straight line over segments at both ends of their pieces; ``crosses``: it is 0 where it is cut."""
@@ -225,7 +224,7 @@ class Cuts(NamedTuple):
         return np.stack(at, axis=1)
 
 
-def cuts(pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Cuts:
+def cuts(pieces: Whole, shares: Array) -> Cuts:
     """Each segment in so many pieces that all take the same share of it, but for the last, which takes the rest.
 
     Parameters
@@ -245,7 +244,7 @@ def cuts(pieces: NDArray[np.int64], shares: NDArray[np.float64]) -> Cuts:
     return Cuts(owner, number * shares[owner], np.where(last, 1.0, (number + 1) * shares[owner]))
 
 
-def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def places(count: Whole) -> tuple[Whole, Whole]:
     """The segment of each piece, and the piece's number within it, of so many pieces a segment.
 
     >>> [x.tolist() for x in places(np.array([2, 3]))]
@@ -255,23 +254,23 @@ def places(count: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int6
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
 
 
-def end_times(duration: NDArray[np.float64]) -> Ends:
+def end_times(duration: Array) -> Ends:
     """Time at both ends of each segment, from the start of the cycle [s]: shape (segments, 2, ...)."""
     end = np.cumsum(duration, axis=0)
     return np.stack([end - duration, end], axis=1)
 
 
-def middle(ends: Ends) -> NDArray[np.float64]:
+def middle(ends: Ends) -> Array:
     """Mean of a quantity over each segment, in its own unit: shape (segments, ...); quicker than a mean of any number.
 
     >>> middle(np.array([[1.0, 3.0], [2.0, 2.0]])).tolist()
     [2.0, 2.0]
     """
-    found: NDArray[np.float64] = (ends[:, 0] + ends[:, 1]) / 2
+    found: Array = (ends[:, 0] + ends[:, 1]) / 2
     return found
 
 
-def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> Alike:
+def integral(duration: Array, a: Ends, b: Ends) -> Alike:
     r"""Integral of a product of two quantities over the cycle, exact for straight lines.
 
     .. math:: \int a b \, dt = \sum \Delta t \, (2 a_0 b_0 + a_0 b_1 + a_1 b_0 + 2 a_1 b_1) / 6
@@ -297,7 +296,7 @@ def integral(duration: NDArray[np.float64], a: Ends, b: Ends) -> Alike:
     return float(duration @ mean) if mean.ndim == 1 else (duration * mean).sum(axis=0)
 
 
-def mean_product(a: Ends, b: Ends) -> NDArray[np.float64]:
+def mean_product(a: Ends, b: Ends) -> Array:
     """Mean of a product of two quantities over each segment, exact for straight lines.
 
     Parameters
@@ -311,11 +310,11 @@ def mean_product(a: Ends, b: Ends) -> NDArray[np.float64]:
         In the units of a times b, shape (segments,) or (segments, cycles).
     """
     a_0, a_1, b_0, b_1 = a[:, 0], a[:, 1], b[:, 0], b[:, 1]
-    mean: NDArray[np.float64] = (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6
+    mean: Array = (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6
     return mean
 
 
-def rms(duration: NDArray[np.float64], a: Ends) -> Alike:
+def rms(duration: Array, a: Ends) -> Alike:
     """Root mean square of a quantity over segments, exact for straight lines; 0 without any.
 
     Parameters
@@ -354,7 +353,6 @@ def rms(duration: NDArray[np.float64], a: Ends) -> Alike:
 # is exact for speeds that are straight lines, and the cycle repeats: a run over its end continues at its start.
 
 
-Array = NDArray[np.float64]
 _SHORT_OVERLOAD = (1.0, 0.1)  # s uninterrupted, share of the time: so long maxon's limit may be exceeded
 _LONG = (1200.0, 1.0)  # and those of the mean
 _ROUNDING = 1e-9  # of a time: by so much sums of times may be off
@@ -454,7 +452,7 @@ def _from_the_slowest(time: Array, ends: Array) -> tuple[Array, Array]:
     return np.take_along_axis(time, rows, axis=0), np.take_along_axis(ends, rows[:, None, :], axis=0)
 
 
-def _times(time: Array, ends: Array, levels: Array, place: NDArray[np.int64]) -> Iterator[tuple[Array, Array]]:
+def _times(time: Array, ends: Array, levels: Array, place: Whole) -> Iterator[tuple[Array, Array]]:
     """Times above a level and above the next one: uninterrupted up to the end of each segment, and in all.
 
     Between two neighbours of all speeds at ends of segments, times above a speed are straight lines over it.

@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-Column = NDArray[np.float64]
+from drivesizer.physics.figures import Array, Mask, Whole
+
+Column = Array
 _PART = 1 << 16  # samples of a long recording at a time
 _SLACK = 1e-9  # of a window: a sample on its edge is in it, whatever rounding makes of its time
 _LEAST_BEND = 0.01  # share of the fourth moment that the times' bend must keep; below it, they are in two bunches
@@ -55,7 +56,7 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
     return fit, slope
 
 
-def _numbers(chosen: NDArray[np.bool_], count: int) -> Iterator[NDArray[np.int64]]:
+def _numbers(chosen: Mask, count: int) -> Iterator[Whole]:
     """Numbers of those that are chosen, so many at a time: all of a long recording's take room."""
     left = np.zeros(0, np.int64)
     for k in range(0, len(chosen), count):
@@ -67,7 +68,7 @@ def _numbers(chosen: NDArray[np.bool_], count: int) -> Iterator[NDArray[np.int64
         yield left
 
 
-def _windows(time: Column, middle: Column, half: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _windows(time: Column, middle: Column, half: float) -> tuple[Whole, Whole]:
     """First sample of windows, and the one behind their last."""
     return np.searchsorted(time, middle - half, side="left"), np.searchsorted(time, middle + half, side="right")
 
@@ -85,7 +86,7 @@ def _three_points(time: Column, value: Column) -> tuple[Column, Column]:
 
 
 def _least_squares(
-    time: Column, value: Column, half: float, at: NDArray[np.int64], first: NDArray[np.int64], end: NDArray[np.int64]
+    time: Column, value: Column, half: float, at: Whole, first: Whole, end: Whole
 ) -> tuple[Column, Column]:
     """The parabola in windows of four samples or more, all within half a window of the sample.
 
@@ -105,9 +106,7 @@ def _least_squares(
     return fit, slope
 
 
-def _fitted(
-    s: Column, y: Column, here: Column, first: NDArray[np.int64], end: NDArray[np.int64]
-) -> tuple[Column, Column]:
+def _fitted(s: Column, y: Column, here: Column, first: Whole, end: Whole) -> tuple[Column, Column]:
     """Value and slope of the least-squares parabola of y over s in each window, by polynomials orthogonal on it."""
 
     def total(column: Column) -> Column:

@@ -11,7 +11,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import (
     ACCELERATION,
@@ -24,9 +23,8 @@ from drivesizer.physics.cycle_at_gearhead import (
     lacking,
 )
 from drivesizer.physics.drive_train import drive_inertia, lost_in_gearhead, motor_and_gears, through_gears
-from drivesizer.physics.figures import Figure, Figures
+from drivesizer.physics.figures import Array, Figure, Figures, Mask
 
-Array = NDArray[np.float64]
 _APART = 1e-9  # functions of time that are less apart are one function, but for a factor
 
 
@@ -39,10 +37,10 @@ class Demands(NamedTuple):
     coefficients: Array  # (candidates, 6): motor torque from the functions
     total_ratio: Array  # of the gearhead
     back_emf: Array  # V*s/rad, of the motor
-    left_out: NDArray[np.bool_]  # (candidates, 6): of which coefficient a part is unknown, that is left out
+    left_out: Mask  # (candidates, 6): of which coefficient a part is unknown, that is left out
 
     @property
-    def complete(self) -> NDArray[np.bool_]:
+    def complete(self) -> Mask:
         """False: lower bounds, as an inertia or friction is unknown that would require more."""
         return ~lacking(self.left_out)
 
@@ -56,7 +54,7 @@ class Coefficients(NamedTuple):
     """Part of the demands that hangs on the drives alone, and on which functions ever act: columns over candidates."""
 
     torque: Array  # (candidates, 6): motor torque from the functions, as far as it is known
-    left_out: NDArray[np.bool_]  # (candidates, 6): of which a part is unknown
+    left_out: Mask  # (candidates, 6): of which a part is unknown
     back_emf: Array  # V*s/rad, of the motor
 
 
@@ -94,7 +92,7 @@ def demands(
     return Demands(rms_torque, rms_torque / k_t, at.peak_speed * i, c, i, back_emf, left_out)
 
 
-def _least_square(at: AtGearhead, c: Array, left_out: NDArray[np.bool_]) -> Array:
+def _least_square(at: AtGearhead, c: Array, left_out: Mask) -> Array:
     """Mean square of c f(t), with of what is left out the amounts, 0 or more, that make it least.
 
     It is a convex function of the amounts: the least is met where the slope by some of them is 0 and the others are 0.
@@ -123,7 +121,7 @@ def _least_square(at: AtGearhead, c: Array, left_out: NDArray[np.bool_]) -> Arra
 
 
 def coefficients(
-    acts: NDArray[np.bool_], motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Figure = 0.0
+    acts: Mask, motor: Figures, gearhead: Figures, encoder: Figures | None, braking: Figure = 0.0
 ) -> Coefficients:
     """Torque of every candidate's motor by the six functions, whatever the load cycle.
 

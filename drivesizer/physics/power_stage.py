@@ -19,12 +19,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.figures import Alike, Figure, Figures, Range
 
-Array = NDArray[np.float64]
 # V per ampere, of a controller of which nothing is printed: makers print a drop of 0.5 V (Technosoft iPOS) to 1 V
 # (maxon EPOS2, EPOS4, ESCON) at the rated current, or 98 % at 48 to 50 V, which is 1 V; a bridge was measured at 1.1 V
 ASSUMED_LOSS = 1.0

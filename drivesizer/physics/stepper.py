@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Alike, Figure
+from drivesizer.physics.figures import Alike, Array, Figure
 
 # -- Power and energy that steppers draw: torque times speed, and the loss of a current that always flows.
-
-
-Array = NDArray[np.float64]
 
 
 def copper_loss(phase_current: Figure, resistance: Figure) -> Alike:

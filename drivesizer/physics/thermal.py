@@ -12,11 +12,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Figures, once_per_part
+from drivesizer.physics.figures import Array, Figures, Mask, once_per_part
 
-Value = float | NDArray[np.float64]
+Value = float | Array
 
 COPPER = 0.0039  # 1/K, of the resistance at 25 degC [1]; the handbook's 0.00393 belongs to 20 degC
 DATA_TEMPERATURE = 298.15  # K, at which most makers give resistance and nominal current: where a catalogue says nothing
@@ -54,10 +53,10 @@ class TwoBodies:
         return ambient + self.R_th2 / (self.R_th1 + self.R_th2) * (winding - ambient + self.R_th1 * P_h)
 
     @property
-    def known(self) -> NDArray[np.bool_]:
+    def known(self) -> Mask:
         """Whether all figures of each motor are known."""
         figures = np.broadcast_arrays(self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
-        found: NDArray[np.bool_] = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
+        found: Mask = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
         return found
 
 

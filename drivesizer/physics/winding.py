@@ -6,18 +6,14 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import nominal_friction
-from drivesizer.physics.figures import Columns, Figure, Figures, once_per_part
+from drivesizer.physics.figures import Array, Columns, Figure, Figures, once_per_part
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
 
 # -- Heat and electrical stress of motors over a load cycle, on columns: losses, warm resistance, current, voltage.
-
-
-Array = NDArray[np.float64]
 
 
 class Parts(NamedTuple):

@@ -8,12 +8,12 @@ from math import isnan, nan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog.query import Hit
 from drivesizer.kernel.warming import State, steady_state
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
+from drivesizer.physics.figures import Array
 from drivesizer.physics.thermal import TwoBodies, resistance_at
 from drivesizer.prediction.set_at_voltage import (
     Heating,
@@ -31,7 +31,6 @@ from drivesizer.results.check_kinds import figure_words
 from drivesizer.results.prediction import HOTTEST, Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 
-Array = NDArray[np.float64]
 _POWER = 9  # of two: samples
 _MOMENTS = 121  # over the duration
 _POINTS = 41  # of the line of speed over torque

@@ -29,6 +29,7 @@ from drivesizer.physics.drive_train import (
     motor_and_gears,
     usual_idle,
 )
+from drivesizer.physics.figures import Array
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -45,7 +46,6 @@ from drivesizer.search.uncertainty.uncertain_figures import holding
 # its law is estimated too, it follows what was drawn for that.
 
 
-Array = NDArray[np.float64]
 Figures = Mapping[str, NDArray[Any]]
 _SEED = 1
 _STAGE = {"max_duty": (0.9, 1.0), "voltage_drop": (0.0, 1.0)}  # [1], [V]: to those of maxon's EPOS4

@@ -26,12 +26,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Range
+from drivesizer.physics.figures import Array, Mask, Range, Whole
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 _DECLARED = frozenset(name for declared in CHECKS.values() for name in declared)
 _IDLE: dict[str, Any] = {  # what a check has of each candidate, and what of one that it does not concern
     "demand": 0.0, "limit": inf, "passed": True, "failed": False, "time": nan, "case": 0, "on_basis": False,
@@ -56,7 +54,7 @@ class CheckColumn:
     by_choice: bool = False
     advice: bool = False  # informational: of what is not required; no drive fails or ranks by it
     time: Array | None = None  # s, of the worst moment
-    case: NDArray[np.int64] | None = None  # the load case that is worst, by number
+    case: Whole | None = None  # the load case that is worst, by number
     opened: Mask | bool = False  # ranges overlap, or samples of estimated figures pass and fail
     low: Array | None = None  # the demand over these samples; None where no candidate has an estimated figure
     high: Array | None = None
@@ -87,7 +85,7 @@ class CheckColumn:
         return np.where(decided & (self.demand != self.zero) & np.isfinite(found), found, nan)
 
     @property
-    def doublings(self) -> NDArray[np.int64]:
+    def doublings(self) -> Whole:
         """Number of times that the known end of a limit doubles up to the demand of an undecided check.
 
         >>> at_most("motor_power", np.array([18.0, 22.0, 45.0, 90.0]), Range(20.0, 99.0)).doublings.tolist()
@@ -240,9 +238,7 @@ def fits(name: str, good: Any, known: Any) -> CheckColumn:
     return CheckColumn(name=name, demand=nothing, limit=nothing, passed=passed, failed=failed)
 
 
-def over_ends(
-    middle: CheckColumn, ends: Sequence[CheckColumn], rows: NDArray[np.int64] | tuple[()] = ()
-) -> CheckColumn:
+def over_ends(middle: CheckColumn, ends: Sequence[CheckColumn], rows: Whole | tuple[()] = ()) -> CheckColumn:
     """A check over samples of estimated figures, which some rows have: it passes where all pass, fails where all fail.
 
     Examples

@@ -7,14 +7,12 @@ from dataclasses import dataclass, field, replace
 from math import inf, isnan, nan
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from drivesizer.catalog import DIRECT, PARTS, Actuator, Brake, BrakeResistor, Controller, Encoder, Gearhead, Motor
 from drivesizer.catalog.parts import NO_PULL_OUTS, BeltDrive, PullOuts
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_and_gears
 from drivesizer.physics.equation import Equation
+from drivesizer.physics.figures import Array, Whole
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check, Confidence, Figure, Reliability, Status
 from drivesizer.results.problem import ChosenScrew
@@ -156,9 +154,6 @@ class MassRow:
 # -- Consumers of a battery and how long it lasts, as records.
 
 
-Array = NDArray[np.float64]
-
-
 class Consumption(NamedTuple):
     """One line of the table of consumers."""
 
@@ -232,7 +227,7 @@ class Requirement:
 
         return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
 
-    def on(self, rows: NDArray[np.int64]) -> Requirement:
+    def on(self, rows: Whole) -> Requirement:
         """The figures of some candidates out of a column."""
 
         def pick(value: Any) -> Any:

@@ -6,12 +6,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drivesizer.physics.figures import Array
 from drivesizer.results.check import Status
-
-Array = NDArray[np.float64]
 
 
 class IdentifiedFigure(NamedTuple):

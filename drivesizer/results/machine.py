@@ -7,8 +7,8 @@ from math import fsum, isnan, nan
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from drivesizer.physics.figures import Array
 from drivesizer.results.check import Check, Figure, Reliability, Status, verdict
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
@@ -17,9 +17,6 @@ from drivesizer.spec.machine import MachineSpec, axis_of, machine_of
 from drivesizer.spec.robot import RobotSpec
 
 # -- Power of all axes of a machine on one supply over its cycle, as a record.
-
-
-Array = NDArray[np.float64]
 
 
 class Exceeded(NamedTuple):

@@ -5,13 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from drivesizer.physics.figures import Array
 from drivesizer.results.drive_set import EstimatedFigure
-
-Array = NDArray[np.float64]
-
 
 HOTTEST = 573.15  # K: enamel of class 240 has charred, so that a temperature above says no more than this
 

@@ -7,16 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.drive_train import back_emf_constant
-from drivesizer.physics.figures import Figures, Range, once_per_part
+from drivesizer.physics.figures import Array, Figures, Range, once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.spec.sections import Supply
 
-Array = NDArray[np.float64]
 _USUAL = (273.15, 313.15)  # K, 0 and 40 degC: ambients of IEC 60034-1 where nothing else is stated
 ASSUMED = "assumed, by select.assume"
 ASSUMED_AMBIENT = "assumed: 0 to 40 °C of IEC 60034-1, as the maker states no range"

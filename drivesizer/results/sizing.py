@@ -10,10 +10,10 @@ from math import isnan, nan
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
+from drivesizer.physics.figures import Array, Mask, Whole
 from drivesizer.results.check import Figure, Uncertainty, worst
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation, Requirement, html_table, share
 from drivesizer.results.problem import Problem
@@ -37,7 +37,6 @@ from drivesizer.units import show
 # simple additive weighting.
 
 
-Array = NDArray[np.float64]
 CRITERIA = ("mass", "price", "energy", "margin")  # objectives that drives are compared by, whatever ranks them
 _EQUAL = 1e9  # scores are equal that agree in so many parts of 1
 _LEAST = 1e-9  # limit over demand
@@ -66,9 +65,9 @@ class Choices:
 class Scored(NamedTuple):
     """Drives in the order of their scores."""
 
-    order: NDArray[np.int64]  # rows, the best first
+    order: Whole  # rows, the best first
     score: Array  # of each row; over the figures that are known, NaN where none is
-    lacking: NDArray[np.int64]  # figures of each row that count and are unknown
+    lacking: Whole  # figures of each row that count and are unknown
 
 
 def used_share(margin: Any) -> Any:
@@ -80,7 +79,7 @@ def used_share(margin: Any) -> Any:
     return 1.0 / np.maximum(1.0 + margin, _LEAST)
 
 
-def multiples(values: Array, known: NDArray[np.bool_]) -> Array:
+def multiples(values: Array, known: Mask) -> Array:
     """A figure of several drives as multiples of the least one: 1 is the best, 1.1 a tenth worse.
 
     Examples

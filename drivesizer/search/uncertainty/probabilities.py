@@ -8,12 +8,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad
+from drivesizer.physics.figures import Array, Mask
 from drivesizer.results.check import Check, Driver, FigureSpread, Reliability, Spread, Uncertain, Uncertainty
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.check_kinds import BATTERY_SAMPLED, CHECKS
@@ -40,7 +40,6 @@ from drivesizer.search.uncertainty.sampling import (
 )
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
-Array = NDArray[np.float64]
 _QUANTILES = (0.05, 0.5, 0.95)
 _KEPT = 1_000_000  # segments times samples that are kept in memory for all drives
 _TOGETHER = 8  # drives whose samples are held at a time
@@ -70,8 +69,8 @@ def subject(evaluation: Evaluation, row: int, beside: tuple[Check, ...] = ()) ->
 class Over(NamedTuple):
     """One check over all samples."""
 
-    passed: NDArray[np.bool_]
-    failed: NDArray[np.bool_]
+    passed: Mask
+    failed: Mask
     margin: Array  # NaN where there is none
     tightness: Array
 

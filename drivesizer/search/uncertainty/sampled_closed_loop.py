@@ -13,12 +13,12 @@ from dataclasses import replace
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop import ClosedLoop, as_warm, prepared, run, simulated, without_limits
 from drivesizer.control.closed_loop.checks import checks
 from drivesizer.control.engine import Drive, Task
 from drivesizer.load_cases.platform import WheelLoad, motion_of
+from drivesizer.physics.figures import Array
 from drivesizer.results.check import Check, LoopShare
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.search.uncertainty.sampled_drive import deviating_drive
@@ -26,7 +26,6 @@ from drivesizer.search.uncertainty.sampling import REPLICATES, mean_and_error
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths
 from drivesizer.spec.robot import RobotSpec
 
-Array = NDArray[np.float64]
 _LOST = "the loop does not come to an end"
 
 

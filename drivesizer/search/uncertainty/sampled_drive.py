@@ -13,7 +13,6 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import BeltDrive
@@ -27,7 +26,7 @@ from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 from drivesizer.physics.drive_train import back_emf_constant, commutation, friction, gear_loss
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Array, Figures, Mask
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import with_stage_losses
@@ -49,7 +48,6 @@ from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied,
 from drivesizer.spec.mounting import controller_needed, heat_of
 from drivesizer.spec.robot import RobotSpec
 
-Array = NDArray[np.float64]
 Made = TypeVar("Made")
 _CELLS, _ROWS = 400_000, 16_384  # segments times samples of a block, and samples
 _LONGEST = 2_000_000  # segments times samples, at most: of longer cycles there are fewer samples
@@ -210,7 +208,7 @@ class AtSamples(AtGearhead):
             found[first:last] += np.multiply(columns[k] * self.scale[k], functions[k, first:last], out=term[first:last])
         return found
 
-    def peak(self, coefficients: Array, left_out: NDArray[np.bool_] | None = None) -> Peak:
+    def peak(self, coefficients: Array, left_out: Mask | None = None) -> Peak:
         """Largest absolute value of c f(t) over each sample's cycle; the moments are not needed."""
         line = self.line(coefficients)
         found = np.abs(line)
@@ -370,7 +368,7 @@ class _Drive(NamedTuple):
     factors: Mapping[str, Array]  # of its motor's figures; of a stepper its driver's as well
     pull_out: PullOut | None  # of a stepper
     highest: Array  # V, that the maker of a stepper permits; NaN none
-    listed: NDArray[np.bool_]  # its brake goes with its motor
+    listed: Mask  # its brake goes with its motor
 
 
 def _drive(catalog: Catalog, one: SetRows, block: Block) -> _Drive:

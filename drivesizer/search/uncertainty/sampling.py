@@ -10,10 +10,10 @@ from importlib import metadata
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog.tolerances import CUT, deviations_at
 from drivesizer.files.cache import cached_bytes, digest_of, folder, keep
+from drivesizer.physics.figures import Array, Mask, Whole
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
 # -- Scrambled Sobol points, and normal deviations at them, kept in the cache folder once they are made.
@@ -26,32 +26,32 @@ _LARGEST = 2_000_000  # bytes of points that are kept
 _FEW = 16  # points that are no sample
 
 
-def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[np.float64]:
+def sobol(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> Array:
     """Points of the cube from 0 to 1: for each seed as many as a power of two, one seed after the other."""
     name = "sobol" if len(seeds) > 1 else "sobol_of_one"  # of a fit: in no sample's place, which would be drawn anew
     return _kept(name, repr((figures, power, [*map(tuple, seeds)])).encode(), partial(_drawn, figures, power, seeds))
 
 
-def _drawn(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> NDArray[np.float64]:
+def _drawn(figures: int, power: int, seeds: Sequence[Sequence[int]]) -> Array:
     from scipy.stats import qmc
 
     drawn = [qmc.Sobol(figures, scramble=True, rng=np.random.default_rng(seed)).random_base2(power) for seed in seeds]
     return np.concatenate(drawn)
 
 
-def normal_deviations(share: NDArray[np.float64]) -> NDArray[np.float64]:
+def normal_deviations(share: Array) -> Array:
     """Normal deviations at points (``distributions.deviations_at``), kept too: to load SciPy takes longer."""
     name = "deviations" if len(share) > _FEW else "deviations_of_few"
     return _kept(name, repr((share.shape, CUT)).encode() + share.tobytes(), partial(deviations_at, share))
 
 
-def _kept(name: str, of: bytes, make: Callable[[], NDArray[np.float64]]) -> NDArray[np.float64]:
+def _kept(name: str, of: bytes, make: Callable[[], Array]) -> Array:
     """Points made of some input, out of the cache folder where this SciPy made them before."""
     digest = digest_of(_scipy(), of)
     path = folder() / f"{name}{int(digest[:4], 16) % _PLACES}-{digest}.npy"
     body = cached_bytes(path)
     if body is not None:
-        found: NDArray[np.float64] = np.load(io.BytesIO(body), allow_pickle=False)
+        found: Array = np.load(io.BytesIO(body), allow_pickle=False)
         return found
     found = make()
     if found.nbytes <= _LARGEST:
@@ -75,7 +75,6 @@ def _scipy() -> bytes:
 # Quasi-Monte Carlo Sampling*, 2009, section 6.2).
 
 
-Array = NDArray[np.float64]
 REPLICATES = 8
 _STUDENT = 2.3646242510102993  # of 95 % to both sides, with as many replicates less one
 
@@ -110,7 +109,7 @@ def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence
     return Sample(cube, values_of(given, cube))
 
 
-def first_of_each(samples: int, size: int) -> NDArray[np.int64]:
+def first_of_each(samples: int, size: int) -> Whole:
     """Rows of the first samples of every replicate."""
     each = np.arange(REPLICATES)[:, None] * (size // REPLICATES) + np.arange(samples // REPLICATES)
     return each.reshape(-1)
@@ -124,7 +123,7 @@ def values_of(given: Sequence[Assumption], cube: Array) -> Array:
     return np.stack(values, axis=1) if values else np.zeros((len(cube), 0))
 
 
-def mean_and_error(hits: NDArray[np.bool_]) -> Share:
+def mean_and_error(hits: Mask) -> Share:
     r"""The share of samples that are hits, and its error.
 
     .. math:: \pm t_{0.975, R-1} \sqrt{\frac{1}{R (R-1)} \sum_r (p_r - p)^2}
