@@ -21,17 +21,19 @@ import numpy as np
 from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.supply_power import DrivePower
+from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.machine.supply_power import Draw, DrivePower
 from drivesizer.physics import battery as laws
 from drivesizer.physics.figures import Array, Range
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
-from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget, loss_assumptions
+from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
+from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.spec.battery import Battery, Consumer
+    from drivesizer.spec.battery import Battery
     from drivesizer.spec.sections import Leg
 
 _ONE = (  # figures of one cell or block that spec and catalogue share
@@ -63,6 +65,7 @@ class Table(NamedTuple):
 class Pack:
     """A whole battery; NaN is unknown. Where a battery is sampled, some figures are columns."""
 
+    section: Battery  # as the spec describes it
     name: str
     chemistry: str
     series: int
@@ -163,6 +166,7 @@ def _pack(section: Battery, catalog: Catalog) -> Pack:
     # without what rounding adds: seven cells of 4.2 V are charged at 29.4 V
     nominal_voltage, charge_voltage, cutoff_voltage, full, empty = (np.round(s * volts, 9) for volts in cells)
     return Pack(
+        section=section,
         name=f"{s} x {p} " * (s * p > 1) + (section.part or f"{section.chemistry or chr(32)} battery".strip()),
         chemistry=section.chemistry or record.chemistry, series=s, parallel=p,
         nominal_voltage=nominal_voltage, charge_voltage=charge_voltage, cutoff_voltage=cutoff_voltage,
@@ -282,21 +286,21 @@ class Load(NamedTuple):
     others: float = 0.0  # W of the mean that is not the drives'
 
 
-def required_autonomy(spec: RobotSpec, section: Battery) -> Any:
+def required_autonomy(spec: RobotSpec, pack: Pack) -> Any:
     """Time that a battery must last: the autonomy of its section, else the mission."""
-    if section.autonomy is not None:
-        return section.autonomy
+    if pack.section.autonomy is not None:
+        return pack.section.autonomy
     return nan if spec.mission is None or spec.mission.legs else spec.mission.duration
 
 
-def load_of(spec: Any, section: Battery, pack: Pack, mean: Any, peak: Any, speed: Any, strings: Any = 1.0) -> Load:
+def load_of(spec: Any, pack: Pack, mean: Any, peak: Any, speed: Any, strings: Any = 1.0) -> Load:
     """Load of a battery, of so many times its strings, by the powers that are drawn [W]: figures, or columns.
 
     Lowest is the voltage at the peak, at the end of the time; unknown where no current gives that power.
     """
     full = run_time(pack, mean / strings)
-    along = nan if section.range is None else section.range / speed
-    required = np.fmax(required_autonomy(spec, section), along)
+    along = nan if pack.section.range is None else pack.section.range / speed
+    required = np.fmax(required_autonomy(spec, pack), along)
     drawn = np.where(np.isnan(required), pack.available, required / full)
     charge = pack.start - np.minimum(drawn, pack.available)
     emf = pack.emf(charge)
@@ -306,53 +310,53 @@ def load_of(spec: Any, section: Battery, pack: Pack, mean: Any, peak: Any, speed
     )
 
 
-def battery_checks(spec: RobotSpec, section: Battery, pack: Pack, load: Load) -> tuple[Check, ...]:
+def battery_checks(spec: RobotSpec, pack: Pack, load: Load) -> tuple[Check, ...]:
     """Every limit of a battery, in the order in which people read them."""
-    *drawn, continuous, peak = drawn_columns(spec, section, pack, load)
+    *drawn, continuous, peak = drawn_columns(spec, pack, load)
     *raised, current = charging(spec, pack, load)
     room, charger, legs = [], [], []
     if spec.mission is not None and spec.mission.legs:
-        along = charge_along(spec.mission.legs, section, pack, load)
+        along = charge_along(spec.mission.legs, pack, load)
         legs = [
-            at_least("battery_on_the_way", 1.0 - pack.usable, along.min(), needed=section.reserve),
+            at_least("battery_on_the_way", 1.0 - pack.usable, along.min(), needed=pack.section.reserve),
             at_least("battery_recharged", pack.start, along[-1], advice=True),
         ]
     if load.mean < 0.0:  # whether regenerated power beyond what is drawn finds room
         more = -load.mean * (inf if isnan(load.required) else load.required) / pack.mean_voltage
         room = [at_most("battery_room", more, (1.0 - pack.start) * pack.health * pack.capacity)]
-    if section.charger is not None:
-        charger = [at_most("battery_charger_current", section.charger.current, pack.max_charge_current)]
+    if pack.section.charger is not None:
+        charger = [at_most("battery_charger_current", pack.section.charger.current, pack.max_charge_current)]
     columns = (*legs, *drawn, *raised, *room, continuous, peak, *charger, current)
     return tuple(column.at((), "budget") for column in columns)
 
 
-def charge_along(legs: Sequence[Leg], section: Battery, pack: Pack, load: Load) -> Array:
+def charge_along(legs: Sequence[Leg], pack: Pack, load: Load) -> Array:
     """Share of the charge that is left after each leg of a mission [1]; below 0 where it would be drawn out."""
-    found, charge = [], pack.start
+    found, charge, charger = [], pack.start, pack.section.charger
     for leg in legs:
         out = 1.0 / float(run_time(pack, leg.share * (load.mean - load.others) + load.others))
         into = 0.0
-        if leg.charges and section.charger is not None:
-            into = section.charger.current * section.charger.efficiency / (pack.health * pack.capacity)
+        if leg.charges and charger is not None:
+            into = charger.current * charger.efficiency / (pack.health * pack.capacity)
         charge = min(1.0, charge + (into - out) * leg.time)
         found.append(charge)
     return np.array(found)
 
 
-def drawn_columns(spec: Any, section: Battery, pack: Pack, load: Any) -> list[CheckColumn]:
+def drawn_columns(spec: Any, pack: Pack, load: Any) -> list[CheckColumn]:
     """Limits of what is drawn alone: autonomy and range, voltages that the drive was sized for, currents.
 
     Single figures, or columns where the figures of spec and load are columns.
     """
-    emf, grip = pack.emf(load.charge), spec.margins.torque
+    emf, grip, reserve = pack.emf(load.charge), spec.margins.torque, pack.section.reserve
     lasts = load.full * pack.available
     reached = Range(lasts, load.longest * pack.available) if pack.of_class else lasts
-    required, found = required_autonomy(spec, section), []
+    required, found = required_autonomy(spec, pack), []
     if not np.isnan(required).all():
-        found.append(at_least("battery_autonomy", required, reached, needed=section.reserve))
-    if section.range is not None:
+        found.append(at_least("battery_autonomy", required, reached, needed=reserve))
+    if pack.section.range is not None:
         far = Range(*(load.speed * time for time in reached)) if pack.of_class else load.speed * lasts
-        found.append(at_least("battery_range", section.range, far, needed=section.reserve))
+        found.append(at_least("battery_range", pack.section.range, far, needed=reserve))
     peak = laws.current_of_power(load.peak, emf, pack.resistance)
     return [
         *found,
@@ -398,6 +402,50 @@ def _known_at_rest(pack: Pack, check: CheckColumn) -> CheckColumn:
     return replace(check, passed=idle, note=unknown)
 
 
+# --- the same of columns, over drives or samples
+#
+# Not here: continuous current, current and voltage of charging, and the voltage of polarisation.
+
+
+class Feeding(NamedTuple):
+    """A battery and the equipment that draws from it, of samples."""
+
+    pack: Pack
+    charge: Any  # of the battery over its nominal one
+    mean: Any  # W, of the equipment
+    peak: Any  # W
+    travels: bool
+
+
+def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
+    """The battery of a machine, and what the equipment draws from it."""
+    given = spec.battery
+    assert given is not None
+    charge: Any = 1.0
+    for name in ("capacity", "health"):
+        if name in given.model_fields_set:
+            charge = charge * (getattr(given, name) / getattr(rated, name))
+            given = given.model_copy(update={name: getattr(rated, name)})
+    mission = spec.mission.duration if spec.mission else None
+    drawn = [one.drawn(mission) for one in spec.equipment]
+    mean, peak = (sum(powers) for powers in zip(*drawn, strict=True)) if drawn else (0.0, 0.0)
+    on_wheels = spec.load.is_wheel or isinstance(spec.load, WheeledVehicle)
+    return Feeding(pack_of(given, catalog), charge, mean, peak, on_wheels)
+
+
+def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw]) -> list[CheckColumn]:
+    """Autonomy, range, peak and voltage, from figures of the cycle."""
+    share = spec.supply.regeneration
+    drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
+    slip = spec.platform.slip if spec.platform else 0.0
+    mean = (drawn / (1.0 - slip) - share * returned) / total + feeds.mean
+    peak = np.maximum(draws[0].peak, 0.0) / (1.0 - slip) + feeds.peak
+    load = load_of(spec, feeds.pack, mean, peak, speed, feeds.charge)  # of so many parallel strings
+    checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
+    checked -= {*BATTERY_VOLTAGES} if feeds.pack.polarisation else set()
+    return [check for check in drawn_columns(spec, feeds.pack, load) if check.name in checked]
+
+
 # --- consumers, and the load that they make
 
 
@@ -424,18 +472,16 @@ def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> t
     return found
 
 
-def _equipment(spec: RobotSpec, equipment: Sequence[Consumer]) -> list[Consumption]:
+def _equipment(spec: RobotSpec) -> list[Consumption]:
     """Lines of other consumers in that table."""
     mission = spec.mission.duration if spec.mission else None
     try:
-        return [Consumption(c.name, c.number, *c.drawn(mission), c.share(mission), c.assumed) for c in equipment]
+        return [Consumption(c.name, c.number, *c.drawn(mission), c.share(mission), c.assumed) for c in spec.equipment]
     except ValueError as error:
         raise InputError(f"equipment: {error}") from None
 
 
-def _battery_load(
-    spec: RobotSpec, battery: Battery, pack: Pack, others: Sequence[Consumption], drive: DrivePower
-) -> tuple[Load, Array]:
+def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], drive: DrivePower) -> tuple[Load, Array]:
     """Load of a battery, and mean power from it in each piece [W].
 
     Highest is the voltage at the largest return, with the charge of the start and all else switched off. A polarised
@@ -443,7 +489,7 @@ def _battery_load(
     """
     power = np.asarray(drive.drawn - spec.supply.regeneration * drive.returned + sum(c.mean for c in others))
     mean, peak = drive.mean(power), float(drive.peak.max()) + sum(c.peak for c in others)
-    found = load_of(spec, battery, pack, mean, peak, drive.distance / drive.total)
+    found = load_of(spec, pack, mean, peak, drive.distance / drive.total)
     back, R = accepted(spec) * float(drive.returned_peak.max()), pack.resistance
     load = Load(*map(float, found))._replace(rms=float(np.sqrt(drive.mean(power**2))), back=back,
                                             others=sum(c.mean for c in others))  # fmt: skip
@@ -466,31 +512,13 @@ def _battery_load(
 
 
 def energy_budget(
-    spec: RobotSpec,
-    drive_set: DriveParts,
-    battery: Battery,
-    equipment: Sequence[Consumer],
-    catalog: Catalog,
-    drive: DrivePower,
+    spec: RobotSpec, catalog: Catalog, drive: DrivePower, drawing: Sequence[Consumption], assumed: Sequence[str] = ()
 ) -> EnergyBudget:
-    """Consumers, autonomy and checks of a drive in a machine, or in one of its load cases."""
-    drawing, assumed = consumers_of(spec, drive_set, drive), tuple(loss_assumptions(spec, drive_set.controller))
-    return budget_of_consumers(spec, drawing, battery, equipment, catalog, drive, assumed)
-
-
-def budget_of_consumers(
-    spec: RobotSpec,
-    drawing: Sequence[Consumption],
-    battery: Battery,
-    equipment: Sequence[Consumer],
-    catalog: Catalog,
-    drive: DrivePower,
-    assumed: Sequence[str] = (),
-) -> EnergyBudget:
-    """Consumers, autonomy and checks of a machine whose drives are known by what they draw."""
-    pack, others = pack_of(battery, catalog), _equipment(spec, equipment)
-    load, power = _battery_load(spec, battery, pack, others, drive)
-    checks = battery_checks(spec, battery, pack, load)
+    """Consumers, autonomy and checks of a machine, or of one of its load cases, whose drives draw these lines."""
+    assert spec.battery is not None
+    pack, others = pack_of(spec.battery, catalog), _equipment(spec)
+    load, power = _battery_load(spec, pack, others, drive)
+    checks = battery_checks(spec, pack, load)
     wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment
     worn = 1.0 / wear if wear > 0.0 else (inf if wear == 0.0 else nan)
     return EnergyBudget(
@@ -508,21 +536,13 @@ def budget_of_consumers(
         required=load.required,
         status=verdict(checks),
         checks=checks,
-        figures=_figures(spec, battery, pack, load, worn * pack.available),
-        assumptions=_assumptions(spec, battery, pack, equipment, assumed),
+        figures=_figures(spec, pack, load, worn * pack.available),
+        assumptions=_assumptions(spec, pack, assumed),
     )
 
 
-def checks_of_battery(
-    spec: RobotSpec, battery: Battery, equipment: Sequence[Consumer], catalog: Catalog, drive: DrivePower
-) -> tuple[Check, ...]:
-    """The checks alone of ``energy_budget``."""
-    pack = pack_of(battery, catalog)
-    load, _ = _battery_load(spec, battery, pack, _equipment(spec, equipment), drive)
-    return battery_checks(spec, battery, pack, load)
-
-
-def _figures(spec: RobotSpec, battery: Battery, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
+def _figures(spec: RobotSpec, pack: Pack, load: Load, worn: float) -> tuple[Figure, ...]:
+    battery = pack.section
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
     drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
@@ -576,24 +596,22 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
     return np.append(time[inside], mission), np.append(charge[inside], end)
 
 
-def _assumptions(
-    spec: RobotSpec, battery: Battery, pack: Pack, equipment: Sequence[Consumer], assumed: Sequence[str]
-) -> tuple[str, ...]:
+def _assumptions(spec: RobotSpec, pack: Pack, assumed: Sequence[str]) -> tuple[str, ...]:
     unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
     found = [
         f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
         f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}",
         "the cycle repeats without pause",
     ]
-    if battery.rated_time and pack.table is None:
-        found.insert(1, f"capacity as rated over {show(battery.rated_time, 'h', 'time')}, as the spec says")
-    guessed = [one.name for one in equipment if one.assumed]
+    if pack.section.rated_time and pack.table is None:
+        found.insert(1, f"capacity as rated over {show(pack.section.rated_time, 'h', 'time')}, as the spec says")
+    guessed = [one.name for one in spec.equipment if one.assumed]
     if guessed:
         found.append(f"power of {', '.join(guessed)} assumed")
     found += assumed
     if spec.platform and not spec.platform.slip and any(w.kind == "mecanum" for w in spec.platform.places):
         found.append("slip of the rollers on the floor is not counted: platform.slip")
-    if battery.charger:
+    if pack.section.charger:
         found.append("charging at a constant current to the end: with a constant voltage at the end it takes longer")
     if not pack.rests:
         found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")

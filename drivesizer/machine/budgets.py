@@ -16,14 +16,14 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import checks_of_battery, energy_budget, pack_of
+from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.mass_budget import drive_rows, machine_mass, of_drives, of_supply, price_check
 from drivesizer.machine.supply_power import drive_power, together
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import at_most
-from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow
+from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow, loss_assumptions
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import Supply
@@ -61,13 +61,8 @@ def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudg
     return MachineBudget(*worst_case_budget(spec, brief=brief))
 
 
-def machine_budget(
-    problem: Problem, one: DriveParts, machine: MachineBudget | None = None, *, brief: bool = False
-) -> MachineBudget:
-    """The machine with a drive in it, against its budgets: with what is required of it whatever drives it.
-
-    In brief the battery's checks alone are made, without what else is known of its energy.
-    """
+def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | None = None) -> MachineBudget:
+    """The machine with a drive in it, against its budgets: with what is required of it whatever drives it."""
     spec, catalog, battery = problem.spec, problem.catalog, problem.spec.battery
     checks, figures, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
     if spec.budget and spec.budget.weighs:
@@ -81,16 +76,12 @@ def machine_budget(
         figures += machine.figures
     energies, by_case = list[EnergyBudget](), list[tuple[str, tuple[Check, ...]]]()
     for numbers in problem.machine_cases if battery else ():
-        assert battery is not None
         some = [problem.cases[number] for number in numbers]
         case, power = some[0].spec, together([drive_power(one_case.spec, one, one_case.at_belt) for one_case in some])
         power = power.slipping(case.platform.slip) if case.platform else power
-        if brief:
-            found = checks_of_battery(case, battery, spec.equipment, catalog, power)
-        else:
-            energies.append(energy_budget(case, one, battery, spec.equipment, catalog, power))
-            found = energies[-1].checks
-        by_case.append((problem.name_of(numbers), found))
+        losses = tuple(loss_assumptions(case, one.controller))
+        energies.append(energy_budget(case, catalog, power, consumers_of(case, one, power), losses))
+        by_case.append((problem.name_of(numbers), energies[-1].checks))
     checks += worst_of_cases(by_case)
     braking = braking_budget(problem, one) if problem.machine.limits_the_bus else None
     checks += braking.checks if braking else ()

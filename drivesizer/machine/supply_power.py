@@ -41,6 +41,14 @@ _FINEST = 16  # pieces of a segment
 _NO_TIME = 1e-12  # of the cycle: two ends so near are one
 
 
+class Draw(NamedTuple):
+    """Energy out of the source and returned over a cycle [J], and peak power [W]: columns over drives or samples."""
+
+    drawn: Any
+    returned: Any
+    peak: Any
+
+
 class DrivePower(NamedTuple):
     """Electrical power of all drives together, piece by piece; unknown where the drive's demand is."""
 

@@ -12,7 +12,7 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.yaml_source import Path_
-from drivesizer.machine.battery import budget_of_consumers, consumers_of, pack_of
+from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
 from drivesizer.machine.braking import bus_budget, with_parts_of_supply
 from drivesizer.machine.budgets import rows_of_drive, stall_check, stall_current
 from drivesizer.machine.mass_budget import machine_mass, of_drives, of_supply, price_check
@@ -222,7 +222,6 @@ def _highest(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisP
 def _energy(name: str, bus: CommonBus, axes: Sequence[AxisPower], catalog: Catalog) -> EnergyBudget:
     """The battery with all axes on it, each a few lines of its table."""
     spec, lines, losses = bus.spec, list[Consumption](), list[str]()
-    assert spec.battery is not None
     for axis, power in zip(axes, bus.axes, strict=True):
         own = consumers_of(axis.case(name)[0].spec, axis.one, power)
         lines += [one._replace(name=f"{axis.name}: {one.name}") for one in own if one.name != _CABLES]
@@ -233,8 +232,7 @@ def _energy(name: str, bus: CommonBus, axes: Sequence[AxisPower], catalog: Catal
         lines.append(Consumption("exchanged between axes", len(axes), -share * kept, 0.0, nan, False))
     if spec.supply.resistance is not None:
         lines.append(Consumption(_CABLES, 1, bus.total.mean(bus.total.resisted), 0.0, nan, False))
-    assumptions = tuple(dict.fromkeys(losses))
-    return budget_of_consumers(spec, lines, spec.battery, spec.equipment, catalog, bus.total, assumptions)
+    return energy_budget(spec, catalog, bus.total, lines, tuple(dict.fromkeys(losses)))
 
 
 def _record(

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import Load, accepted, charging, pack_of, raised_voltage
+from drivesizer.machine.battery import Load, accepted, charging, columns_of, feeding, pack_of, raised_voltage
 from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
 from drivesizer.machine.mass_budget import BELT, machine_mass, mass_columns
+from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.figures import no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -26,12 +27,10 @@ from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
-from drivesizer.search.columns.limits_over_time import Draw
 from drivesizer.search.columns.stages import in_motion, offers, parts_of
 from drivesizer.search.ranking import bought, chosen
 from drivesizer.search.search import BudgetFilter, Evaluated, Judge, SearchResult, any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
-from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.spec.drive import BOUGHT
 
 # -- Drives that a battery certainly cannot feed for long enough, by a lower bound of their power without a waveform.
@@ -171,7 +170,7 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
         drawn = figures["energy"] + case.supply.regeneration * figures["returned"]
         draw = Draw(drawn, figures["returned"], figures["power"])
         idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
-        feeds: Feeding = feeding(case, battery, problem.catalog)
+        feeds = feeding(case, battery, problem.catalog)
         speed = np.full_like(drawn, distance_of(case, cycle) / cycle.total)
         yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))])
         # the peak of the charge power is no less than its mean over the cycle
@@ -190,7 +189,7 @@ _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long
 Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
 
-def weighing(problem: Problem, machine: MachineBudget | None, *, brief: bool = False) -> Weigh:
+def weighing(problem: Problem, machine: MachineBudget | None) -> Weigh:
     """A function that gives the budgets of the machine with a drive in it, of each drive once."""
     made: dict[tuple[int, int, float], MachineBudget] = {}
 
@@ -198,7 +197,7 @@ def weighing(problem: Problem, machine: MachineBudget | None, *, brief: bool = F
         candidates = sets.candidates
         key = int(candidates.motor[row]), int(candidates.gearhead[row]), float(candidates.belt[row])
         if key not in made:
-            made[key] = machine_budget(problem, drive_parts(sets, row), machine, brief=brief)
+            made[key] = machine_budget(problem, drive_parts(sets, row), machine)
         return made[key]
 
     return weigh

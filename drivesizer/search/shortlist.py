@@ -204,7 +204,7 @@ def shortlist(
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
     machine = machine_requirements(problem.machine, brief=checks_alone)
-    weigh = weighing(problem, machine, brief=checks_alone)
+    weigh = weighing(problem, machine)
     judge = machine_filter(problem, machine, weigh, counted=not checks_alone)
     found = search(
         problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=judge,

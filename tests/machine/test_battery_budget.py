@@ -13,11 +13,11 @@ from specs import HEAT, estimates_off, without
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery import charge_over_mission, energy_budget, pack_of, run_time
+from drivesizer.machine.battery import charge_over_mission, consumers_of, energy_budget, pack_of, run_time
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.physics.battery import peukert_time
 from drivesizer.results.check import Check
-from drivesizer.results.drive_set import DriveSet, EnergyBudget
+from drivesizer.results.drive_set import DriveSet, EnergyBudget, loss_assumptions
 from drivesizer.sizing import explain
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -74,7 +74,9 @@ def budget(
 ) -> EnergyBudget:
     battery = Battery.model_validate(FOUR | changed)
     rest = equipment() if others is None else others
-    return energy_budget(spec, drive, battery, rest, listed, drive_power(spec, drive))
+    spec, power = spec.model_copy(update={"battery": battery, "equipment": rest}), drive_power(spec, drive)
+    losses = tuple(loss_assumptions(spec, drive.controller))
+    return energy_budget(spec, listed, power, consumers_of(spec, drive, power), losses)
 
 
 def check(found: EnergyBudget, name: str) -> Check:

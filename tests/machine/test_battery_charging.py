@@ -61,7 +61,7 @@ def asked(back: float, mean: float = 40.0, **changed: Any) -> dict[str, Check]:
     raised = float(raised_voltage(pack, back, rest))
     one = Load(mean=mean, peak=100.0, rms=50.0, back=back, speed=nan, full=36000.0, required=3600.0, charge=0.5,
                lowest=24.0, highest=raised)  # fmt: skip
-    return {check.name: check for check in battery_checks(spec, given, pack, one)}
+    return {check.name: check for check in battery_checks(spec, pack, one)}
 
 
 def test_what_comes_back_raises_the_voltage_of_a_full_battery() -> None:
@@ -183,8 +183,8 @@ def test_a_day_with_a_charging_station_by_hand(maxon: Catalog) -> None:
     after.append(after[-1] - (18 + 12) / 2 / 252)
     after.append(after[-1] + (0.95 * 8 * 0.75 / 10) - 12 * 0.75 / 252)
     after.append(after[-1] - 12 / 2 / 252)
-    assert charge_along(spec.mission.legs, spec.battery, pack, used) == pytest.approx(after)
-    checks = {one.name: one for one in battery_checks(spec, spec.battery, pack, used)}
+    assert charge_along(spec.mission.legs, pack, used) == pytest.approx(after)
+    checks = {one.name: one for one in battery_checks(spec, pack, used)}
     assert "battery_autonomy" not in checks
     assert (checks["battery_on_the_way"].status, checks["battery_on_the_way"].limit) == (
         "pass",

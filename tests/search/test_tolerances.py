@@ -13,7 +13,7 @@ from scipy import stats
 
 from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery import energy_budget
+from drivesizer.machine.battery import consumers_of, energy_budget
 from drivesizer.machine.problem import problem
 from drivesizer.machine.supply_power import drive_power
 from drivesizer.physics.load_cycle import integral
@@ -279,7 +279,7 @@ def _lasts(
     assert moved.battery
     record = drive_set(plainly, 0, 1)
     power = drive_power(moved, record)
-    found = energy_budget(moved, record, moved.battery, moved.equipment, catalog, power)
+    found = energy_budget(moved, catalog, power, consumers_of(moved, record, power))
     budget = {check.name: check for check in found.checks}
     for name in checks:
         for side in ("demand", "limit"):

@@ -19,6 +19,7 @@ from drivesizer.kernel.cycle import ENERGY, POWER
 from drivesizer.kernel.drives import drives_of, held
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
+from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
 from drivesizer.physics.figures import Range, on, put
@@ -65,14 +66,6 @@ class Moments(NamedTuple):
 
 
 Pair = tuple[Moments, Moments]  # bounds: lower and upper bounds
-
-
-class Draw(NamedTuple):
-    """Energy out of the source and returned over a cycle [J], and peak power [W]: columns."""
-
-    drawn: Any
-    returned: Any
-    peak: Any
 
 
 def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> dict[str, Array]:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import on, put
 from drivesizer.physics.motor_demand import Demands
@@ -82,7 +83,7 @@ def powered(
         row, found = _best_of_all(some, ranks, row, found, free & ~(found.undecided > 0.0))
     agreed = [low.agreed(high) for low, high in found.pairs]
     figures = over_time.cycle_figures(
-        problem, [over_time.Draw(one.drawn, one.returned, one.power) for one in agreed],
+        problem, [Draw(one.drawn, one.returned, one.power) for one in agreed],
         joule_heat=agreed[0].copper, peak_current=np.maximum.reduce([u.current.value for u in stresses]),
         winding_temperature=np.maximum.reduce([one.winding for one in agreed]),
     )  # fmt: skip

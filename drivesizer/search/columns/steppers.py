@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.parts import PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.machine.part_curves import available_torque
+from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.figures import Columns, Figures
@@ -36,7 +37,7 @@ from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
 from drivesizer.search.columns.controllers import Required, Usable, controllers
 from drivesizer.search.columns.limits import unknown_where_doubtful, worst_of_all
-from drivesizer.search.columns.limits_over_time import Draw, bus_limit, cycle_figures
+from drivesizer.search.columns.limits_over_time import bus_limit, cycle_figures
 from drivesizer.search.columns.powered import UNDECIDED, Powered
 from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec

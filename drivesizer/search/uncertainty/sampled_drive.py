@@ -22,6 +22,8 @@ from drivesizer.catalog.view.mounted import OWN, STEPPER, has_steppers
 from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases import load_cycle, platform
 from drivesizer.loads.motions import Cam
+from drivesizer.machine.battery import Feeding, columns_of, feeding
+from drivesizer.machine.supply_power import Draw
 from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
@@ -39,10 +41,9 @@ from drivesizer.search.columns import limits, steppers
 from drivesizer.search.columns.brakes import brake_inertia, brake_limits, is_listed
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.limits import unknown_where_doubtful
-from drivesizer.search.columns.limits_over_time import Draw, Pair, exact, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import Pair, exact, least, waveform_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, PullOut
-from drivesizer.search.uncertainty.sampled_battery import Feeding, columns_of, feeding
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
 from drivesizer.search.uncertainty.uncertain_figures import Assumption, applied, case_paths, enters_checks, holding
 from drivesizer.spec.mounting import controller_needed, heat_of
