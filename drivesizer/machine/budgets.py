@@ -19,7 +19,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.mass_budget import drive_rows, machine_mass, of_drives, of_supply, price_check
-from drivesizer.machine.supply_power import drive_power, together
+from drivesizer.machine.supply_power import power_of_cases
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import at_most
@@ -77,7 +77,7 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | N
     energies, by_case = list[EnergyBudget](), list[tuple[str, tuple[Check, ...]]]()
     for numbers in problem.machine_cases if battery else ():
         some = [problem.cases[number] for number in numbers]
-        case, power = some[0].spec, together([drive_power(one_case.spec, one, one_case.at_belt) for one_case in some])
+        case, power = some[0].spec, power_of_cases(some, one)
         power = power.slipping(case.platform.slip) if case.platform else power
         losses = tuple(loss_assumptions(case, one.controller))
         energies.append(energy_budget(case, catalog, power, consumers_of(case, one, power), losses))

@@ -25,7 +25,7 @@ from drivesizer.physics.motor_demand import Demands, mean_gear_loss
 from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
 from drivesizer.physics.stepper import copper_loss, electrical_energy, idle_loss
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.problem import Problem
+from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.spec.robot import RobotSpec
 
 # -- Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
@@ -154,6 +154,11 @@ def _stepper_power(
         distance=distance_of(spec, cycle.load_cycle),
     )
     return found.times(spec.load.alike if demand.complete.all() else nan), loss
+
+
+def power_of_cases(cases: Sequence[LoadCase], drive_set: DriveParts, *, merged: bool = False) -> DrivePower:
+    """Power of the drives of load cases that act at the same time, as the wheels of a platform do."""
+    return together([drive_power(case.spec, drive_set, case.at_belt, merged=merged) for case in cases])
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
@@ -379,9 +384,7 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
         some = [problem.cases[number] for number in numbers]
         name, spec = problem.name_of(numbers), some[0].spec
         timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
-        merged = len(some) == 1 and not timed
-        power = together([drive_power(case.spec, one, case.at_belt, merged=merged) for case in some])
-        own = regenerated_of(name, spec, power)
+        own = regenerated_of(name, spec, power_of_cases(some, one, merged=len(some) == 1 and not timed))
         if len(some) > 1:  # drives that act at the same time: what one draws of another's return goes no further
             net: Any = own.drawn - own.returned
             own = replace(own, drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
