@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog.query import Hit
+from drivesizer.files.text import listed
 from drivesizer.kernel.warming import State, steady_state
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
@@ -42,62 +43,10 @@ _CABLES, _NOTICED = 2.0 * 1.0 * 1.75e-8 * 5e6, 0.1  # V; share of the stall curr
 _PER_CENT = (0.05, 0.5, 0.95)
 
 
-# name | title | kind | unit | kinds of figures that it rests on; groups by a line of one word
-_FIGURES = """
-free
-free_speed | free speed | rotary_speed | rpm | winding friction voltage
-no_load_current | no-load current | current | A | winding friction voltage
-stall
-stall_torque | stall torque | torque | N*m | winding friction gear voltage peak
-stall_current | stall current | current | A | stalling
-stall_time_cold | to the limit, from cold | time | s | stalling heat limit
-stall_time_warm | to the limit, from warm | time | s | stalling heat limit warm
-load
-load_speed | speed | rotary_speed | rpm | running
-load_current | current of the motor | current | A | running
-load_power | power at the output | power | W | running
-load_electrical_power | power of the supply | power | W | running
-load_efficiency | efficiency | dimensionless | % | running
-step
-step_time_63 | to 63 % of free speed | time | s | moving peak
-step_time_95 | to 95 % of free speed | time | s | moving peak
-step_peak_current | peak current | current | A | moving peak
-coast
-coast_time_half | to half of free speed | time | s | moving
-coast_time | to standstill | time | s | moving
-hold
-hold_current | current | current | A | holding
-hold_heat | heat at the start | power | W | holding
-hold_winding | winding at the end, from cold | temperature | degC | holding heat
-hold_housing | housing at the end, from cold | temperature | degC | holding heat
-hold_winding_settled | winding in the long run | temperature | degC | holding heat
-hold_time_cold | to the limit, from cold | time | s | holding heat limit
-hold_time_warm | to the limit, from warm | time | s | holding heat limit warm
-work
-work_winding_cold | winding at the end, from cold | temperature | degC | running heat iron
-work_housing_cold | housing at the end, from cold | temperature | degC | running heat iron
-work_speed | speed at the end, from cold | rotary_speed | rpm | running heat iron
-work_winding_warm | winding at the end, from warm | temperature | degC | running heat iron warm
-work_winding_settled | winding in the long run | temperature | degC | running heat iron
-work_time_cold | to the limit, from cold | time | s | running heat iron limit
-work_time_warm | to the limit, from warm | time | s | running heat iron limit warm
-"""
-_HEAT = ("thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant", "motor_time_constant")
-_SEVERAL = {  # kinds of needs, by one word
-    "running": "winding friction gear load voltage", "holding": "winding friction gear load",
-    "moving": "winding friction inertia voltage", "stalling": "winding voltage peak",
-}  # fmt: skip
-_NEEDS: dict[str, tuple[tuple[str, str], ...]] = {  # part and figure, by kind of need
-    "winding": (("motor", "resistance"), ("motor", "torque_constant")),
-    "friction": (("motor", "no_load_current"), ("motor", "no_load_speed")),
-    "gear": (("gearhead", "efficiency"),),
-    "inertia": (("motor", "rotor_inertia"), ("gearhead", "inertia")),
-    "heat": tuple(("motor", name) for name in _HEAT),
-    "limit": (("motor", "max_winding_temperature"),),
-    "iron": tuple(("motor", name) for name in ("max_winding_temperature", "nominal_current", "nominal_speed")),
-    "voltage": (("controller", "max_duty"), ("controller", "voltage_drop")),
-    "peak": (("controller", "peak_current"),),
-}
+_FIGURES = (*listed("drivesizer.prediction", "figures.txt"),)
+_KINDS, _PARTS = (
+    {cells[0]: cells[1].split() for head, cells in _FIGURES if head == section} for section in ("kinds", "parts")
+)
 _CONDITIONS = {"voltage": ("voltage", "--voltage"), "load": ("load", "--load"), "warm": ("warm", "--warm")}
 
 
@@ -261,11 +210,9 @@ def _band(values: Array) -> Band:
 
 def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) -> Iterable[Predicted]:
     """Predicted figures in the order of their declaration."""
-    group, unknown, limit = "", np.full(2, np.nan), parts.motor["max_winding_temperature"]
-    for line in _FIGURES.strip().splitlines():
-        cells = [cell.strip() for cell in line.split("|")]
-        if len(cells) == 1:
-            group = cells[0]
+    unknown, limit = np.full(2, np.nan), parts.motor["max_winding_temperature"]
+    for group, cells in _FIGURES:
+        if group in ("kinds", "parts"):
             continue
         name, title, kind, unit, needs = cells
         values = columns.get(name, unknown)
@@ -284,10 +231,10 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
     rubs = not np.isnan([x[0] for x in friction(parts.motor)]).any()
     if "moving" in needs and given.inertia:  # else there is no load whose torque the gear passes on
         needs += " gear"
-    for need in " ".join(_SEVERAL.get(need, need) for need in needs.split()).split():
+    for need in [one for several in needs.split() for one in _KINDS.get(several, [several])]:
         if (need == "iron" and not brushless) or (need == "friction" and rubs):
             continue
-        for role, name in _NEEDS.get(need, ()):
+        for role, name in (figure.split(".") for figure in _PARTS.get(need, ())):
             if name == "no_load_speed" and not brushless:
                 continue
             value = nan if figures[role] is None else figures[role][name][0]

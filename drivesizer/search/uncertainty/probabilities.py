@@ -242,31 +242,11 @@ def without_effect(drives: Sequence[Subject], catalog: Catalog, ends: Prepared) 
 # -- Figures of one drive over the same samples, in each sample of its worst load case.
 
 
-_FIGURES = {
-    "rms_current": ("Motor current, RMS", "current", "A"),
-    "peak_current": ("Motor current, peak", "current", "A"),
-    "voltage": ("Motor voltage, peak", "voltage", "V"),
-    "power": ("Supply power, peak, all drives", "power", "W"),
-    "joule_heat": ("Heat of the winding, mean", "power", "W"),
-    "winding_temperature": ("Winding temperature, peak", "temperature", "degC"),
-    "free_speed": ("Free speed at the load's shaft", "rotary_speed", "rpm"),
-    "stall_torque": ("Stall torque at the load's shaft", "torque", "N*m"),
-}
-_OF_STEPPERS = {
-    "motor_torque": ("Motor torque, peak", "torque", "N*m"),
-    "pull_out_at_rest": ("Pull-out torque at low speed", "torque", "N*m"),
-    "pull_out_at_speed": ("Pull-out torque at the highest speed", "torque", "N*m"),
-    "power": _FIGURES["power"],
-    "joule_heat": ("Heat of both windings", "power", "W"),
-    "peak_current": ("Amplitude of the phase current", "current", "A"),
-}
-
-
 def figure_spreads(given: Prepared, catalog: Catalog, one: SetRows) -> tuple[FigureSpread, ...]:
     """Percentiles of the figures of a drive."""
     each = [figure_columns(catalog, one, block) for block in blocks(given, catalog, [one.belt])]
-    found = []
-    for name, (title, kind, unit) in (_OF_STEPPERS if has_steppers(catalog) else _FIGURES).items():
+    found, turning = [], "stepper" if has_steppers(catalog) else "servo"
+    for name, title, kind, unit in (cells for head, cells in uncertain_figures.TABLE if head == turning):
         low, middle, high = quantiles(np.concatenate([columns[name] for columns in each]))
         found.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
     return tuple(found)

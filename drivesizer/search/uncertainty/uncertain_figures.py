@@ -33,10 +33,10 @@ from drivesizer.files.yaml_source import Path_, field_name
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerances import Toleranced
 
-_TABLE = (*listed("drivesizer.search.uncertainty", "figures.txt"),)
+TABLE = (*listed("drivesizer.search.uncertainty", "figures.txt"),)
 # figures that enter checks beside the load cycle, and such as have no effect on any, with the reason
-COLUMNS = {section: {*fields.split()} for head, (section, fields) in _TABLE if head == "checks"}
-NOT_SAMPLED = {one: why for head, (names, why) in _TABLE if head == "not sampled" for one in names.split()}
+COLUMNS = {cells[0]: {*cells[1].split()} for head, cells in TABLE if head == "checks"}
+NOT_SAMPLED = {one: cells[1] for head, cells in TABLE if head == "not sampled" for one in cells[0].split()}
 
 
 def _field(path: Path_) -> str:
