@@ -227,6 +227,13 @@ def permitted_current(hit: PartFigures, ambient: float) -> float:
     return float(continuous_current(resistance_25(hit), R_th1, R_th2, limit, ambient))
 
 
+def warm_housing(motor: Figures, ambient: float) -> float:
+    """Temperature of the housing of one motor in the long run at its nominal point [K]; NaN unknown."""
+    rubbing, iron = housing_loss(motor, np.ones(1))
+    loss = float(rubbing[0] * motor["nominal_speed"] + iron[0] * motor["nominal_speed"] ** 2)
+    return float(steady_state(two_bodies(motor), ambient, motor["nominal_current"], loss).housing)
+
+
 def overload_times(hit: PartFigures, current: float) -> tuple[float, float]:
     """Time for which the winding withstands a current at standstill in 25 degC [s], from cold and from warm.
 
@@ -234,11 +241,7 @@ def overload_times(hit: PartFigures, current: float) -> tuple[float, float]:
     been running. An actuator's loss of friction and iron is not known, so that its warmth is not.
     """
     bodies, limit = two_bodies(hit), hit["max_winding_temperature"]
-    loss = nan
-    if hit.section == "motors":
-        rubbing, iron = housing_loss(hit, np.ones(1))
-        loss = float(rubbing[0] * hit["nominal_speed"] + iron[0] * hit["nominal_speed"] ** 2)
-    housing = steady_state(bodies, DATA_TEMPERATURE, hit["nominal_current"], loss).housing
+    housing = warm_housing(hit, DATA_TEMPERATURE) if hit.section == "motors" else nan
     from_cold, from_warm = (
         overload_time(bodies, DATA_TEMPERATURE, State(T, T), limit, current) for T in (DATA_TEMPERATURE, housing)
     )

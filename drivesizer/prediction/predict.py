@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import fields
 from math import isnan, nan
 from typing import Any
 
@@ -11,11 +10,12 @@ import numpy as np
 
 from drivesizer.catalog.query import Hit
 from drivesizer.files.text import listed
-from drivesizer.kernel.warming import State, steady_state
+from drivesizer.kernel.warming import State
+from drivesizer.machine.part_curves import warm_housing
 from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, step_time
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.figures import Array
-from drivesizer.physics.thermal import TwoBodies, resistance_at
+from drivesizer.physics.thermal import resistance_at
 from drivesizer.prediction.set_at_voltage import (
     Heating,
     SampledParts,
@@ -68,7 +68,8 @@ def predict(
     parts = sampled_parts(motor, gearhead, controller, _POWER)
     with np.errstate(all="ignore"):
         one = set_at_voltage(parts, given)
-        given = given._replace(warm=_warm(one, given))
+        if isnan(given.warm):  # the housing's after long work at the nominal point
+            given = given._replace(warm=warm_housing({n: x[0] for n, x in one.motor.items()}, given.ambient))
         columns, courses = _mechanical(one, given), list[WarmingCourse]()
         held = hold_current(one, parts, given.hold)
         columns |= {"hold_current": held, "hold_heat": resistance_at(one.bodies.R_25, given.ambient) * held**2}
@@ -136,17 +137,6 @@ def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
         "coast_time_half": coast_down_time(*coasted, free / 2.0),
         "coast_time": coast_down_time(*coasted),
     }
-
-
-def _warm(one: SetAtVoltage, given: Conditions) -> float:
-    """Temperature at a warm start: given, or the housing's after long work at the nominal point [K]."""
-    if not isnan(given.warm):
-        return given.warm
-    current, speed = (one.motor[name][0] for name in ("nominal_current", "nominal_speed"))
-    loss = one.losses[0][0] * speed + one.losses[1][0] * speed**2
-    names = (field.name for field in fields(TwoBodies))
-    nominal = TwoBodies(**{name: float(getattr(one.bodies, name)[0]) for name in names})
-    return steady_state(nominal, given.ambient, current, loss).housing if not isnan(current + loss) else nan
 
 
 def _heated(one: SetAtVoltage, parts: SampledParts, given: Conditions, held: Array) -> dict[str, Heating]:
