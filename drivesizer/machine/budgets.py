@@ -1,32 +1,284 @@
-"""The machine with a drive in it, against what no choice of motor alone decides: mass, room, footing, grip, battery.
+"""The machine with a drive in it, against its budgets: mass, price, room, footing, grip, battery.
 
 These checks count whatever method ranked: a drive that the battery cannot feed for long enough is rejected. With load
-cases the worst of them counts.
+cases the worst of them counts. A mass that no data sheet gives is estimated, with a band. One that has no estimate
+either has a row of its own and no figure: the sum is that of what is known, and may break a limit but not keep it.
+Where the drive's own mass counts, a heavier machine may need a heavier drive: ``settle`` goes round until a drive
+carries itself.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import isnan, nan
-from typing import NamedTuple
+from statistics import NormalDist
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drivesizer.catalog import Catalog
+from drivesizer.catalog.estimates.estimate import assumed_mass
+from drivesizer.catalog.prices import price_of
+from drivesizer.catalog.tolerances import END
 from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
 from drivesizer.machine.braking import braking_budget
-from drivesizer.machine.mass_budget import drive_rows, machine_mass, of_drives, of_supply, price_check
 from drivesizer.machine.supply_power import power_of_cases
+from drivesizer.physics.figures import no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, worst_of_cases
-from drivesizer.results.check_columns import at_most
-from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow, loss_assumptions
+from drivesizer.results.check_columns import CheckColumn, at_most, over_ends
+from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow, loss_assumptions, section_of
 from drivesizer.results.problem import Problem
+from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import Supply
+from drivesizer.units import show
+
+Item = tuple[str, Any, int]  # role, part or None where none is known, and how many
+Sized = Callable[[float], float | None]  # mass of the whole to that of the drive that carries it, None without [kg]
+BELT = (0.15, (0.05, 0.45))  # kg, of belt and two pulleys of a ratio alone: assumed, a factor of 3 either way
+_SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", "controller": "controllers",
+             "actuator": "actuators", "brake": "brakes"}  # fmt: skip
+
+
+# --- price
+
+
+def items_bought(
+    drives: Iterable[tuple[Problem, DriveParts]], part: str | None, braking: BrakingBudget | None, catalog: Catalog
+) -> Iterator[Item]:
+    """The parts of all drives of a machine, and power supply and brake resistor, as far as they are out of catalogues."""
+    for problem, one in drives:
+        spec = problem.spec
+        needless = "encoder" if one.encoder is None and not spec.wants_encoder else ""
+        parts = {role: known for role, known in one.parts.items() if role != needless}
+        unknown = ["brake"] * (spec.names_brake and one.brake is None)
+        unknown += ["belt and pulleys"] * (one.belt_ratio != 1.0 and one.belt_drive is None)
+        unknown += [spec.gear.kind] if spec.gear else []
+        for role, bought in (*parts.items(), *((role, None) for role in unknown)):
+            yield role, bought, spec.load.motors
+    if part is not None:
+        yield "power supply", catalog.power_supplies.record(catalog.power_supplies.rows[part]), 1
+    if braking is not None and braking.resistor is not None and braking.resistor.part:
+        yield "brake resistor", braking.resistor, 1
+
+
+def price_check(items: Sequence[Item], limit: float, catalog: Catalog) -> Check:
+    """The known prices of what is bought, each for as many pieces as there are, against what it may cost."""
+    pieces, prices = Counter[str](), list[float]()
+    for _, part, number in items:
+        if part is not None:
+            pieces[part.part] += number
+    for _, part, number in items:
+        prices.append(nan if part is None else number * _price(catalog, part, pieces[part.part]))
+    lacking = dict.fromkeys(role for (role, *_), price in zip(items, prices, strict=True) if isnan(price))
+    code = getattr(limit, "currency", catalog.currency)
+    if code not in catalog.rates:
+        note = (
+            f"unknown: prices are in {catalog.currency}; expected select.rates, e.g. {{{code}: ... {catalog.currency}}}"
+        )
+        return replace(at_most("price", nan, limit).at((), "budget"), unit=code, note=note)
+    limit = limit * catalog.rates[code]
+    column = at_most("price", sum(price for price in prices if not isnan(price)), limit)
+    if not lacking:
+        return replace(column.at((), "budget"), unit=catalog.currency)
+    left = show(max(limit - float(column.demand), 0.0), catalog.currency, "price")
+    note = f"at least: no price is known of {', '.join(lacking)}, for which {left} is left"
+    unknown = replace(column, passed=column.passed & False)
+    return replace(unknown.at((), "budget"), unit=catalog.currency, note="" if column.failed else note)
+
+
+def _price(catalog: Catalog, part: Any, pieces: int) -> float:
+    """The price of one of so many pieces in the currency of comparison; of a part of another axis as it was chosen."""
+    section = section_of(part)
+    if part.part not in catalog.table(section).rows:
+        return float(part.price)
+    found = price_of(catalog, section, part.part, pieces)
+    return found.amount * catalog.rates.get(found.currency, nan) if found else nan
+
+
+# --- mass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MassBudget:
+    """Mass of a machine, part by part."""
+
+    rows: tuple[MassRow, ...]
+    limit: float = nan  # kg; NaN where there is none
+
+    @property
+    def known(self) -> float:
+        """Sum of what is known [kg]."""
+        return math.fsum(row.total for row in self.rows if not isnan(row.each))
+
+    @property
+    def guessed(self) -> float:
+        """Sum of what is estimated [kg]; 0 where nothing is."""
+        return math.fsum(row.total for row in self.rows if row.band)
+
+    @property
+    def estimated(self) -> tuple[str, ...]:
+        """Parts of estimated mass."""
+        return tuple(row.name for row in self.rows if row.band)
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Parts of unknown mass."""
+        return tuple(row.name for row in self.rows if isnan(row.each))
+
+    def probability(self, most: float) -> float:
+        """Probability that the sum of what is known is at most so much [kg].
+
+        Estimated masses are independent and log-normal; their sum is taken as log-normal with its mean and variance
+        (L. Fenton, *The sum of log-normal probability distributions*, IRE Trans. Commun. Syst. 8, 1960).
+        """
+        left, mean, variance = most - (self.known - self.guessed), 0.0, 0.0
+        for row in self.rows:
+            if row.band:
+                spread = (math.log(row.band[1] / row.band[0]) / (2.0 * END)) ** 2
+                mean += row.total * math.exp(spread / 2.0)
+                variance += row.total**2 * math.exp(spread) * math.expm1(spread)
+        if left <= 0.0 or not variance:
+            return float(left >= 0.0)
+        spread = math.log1p(variance / mean**2)
+        return NormalDist(math.log(mean) - spread / 2.0, math.sqrt(spread)).cdf(math.log(left))
+
+    def checks(self, sized_for: float | None = None) -> tuple[Check, ...]:
+        """The known mass against the limit, and against the mass that the drive is sized for."""
+        low, high = (math.fsum(row.ends[k] for row in self.rows if not isnan(row.each)) for k in (0, 1))
+        middle, *ends = (
+            mass_columns(np.array([mass]), bool(self.unknown), self.limit, sized_for)
+            for mass in (self.known, low, high)
+        )
+        if self.estimated:
+            middle = [over_ends(mid, pair, np.array([0])) for mid, *pair in zip(middle, *ends, strict=True)]
+        found = []
+        for check in (column.at(0, "budget") for column in middle):
+            if check.status == "unknown":
+                found.append(replace(check, note=f"unknown: {', '.join(dict.fromkeys(self.unknown))}"))
+            elif check.status == "open":  # from where on, and how probable it is that it holds
+                room = check.limit / (1.0 + check.needed) - (self.known - self.guessed)
+                note = f"passes where {', '.join(dict.fromkeys(self.estimated))}, which are estimated, have at most "
+                note += f"{show(room, check.unit, 'mass', 2)} together"
+                found.append(replace(check, probability=self.probability(check.limit), note=note))
+            else:
+                found.append(check)
+        return tuple(found)
+
+    def figures(self) -> tuple[Figure, ...]:
+        """The sum of what is known, and what the limit leaves beside it."""
+        title = f"Mass, sum of what is {'known or estimated' if self.estimated else 'known'}"
+        known = Figure(name="mass_known", title=title, value=self.known, kind="mass", unit="kg")
+        left = replace(known, name="mass_left", title="Mass left of what is allowed", value=self.limit - self.known)
+        return (known,) if isnan(self.limit) else (known, left)
+
+
+def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
+    """The known mass against the limits, as columns."""
+    limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
+    mass = no_less(known, ~np.asarray(lacking, bool))
+    return [at_most(name, mass, most) for name, most in limits.items() if not isnan(most)]
+
+
+def drive_rows(
+    drive_set: DriveParts, sets: int, catalog: Catalog | None = None, belt: float | None = None, encoder: bool = True
+) -> tuple[MassRow, ...]:
+    """Masses of the parts of several drives of one kind; estimates count where the catalogue has their bands."""
+    rows, estimates = list[MassRow](), catalog is not None and bool(catalog.ends)
+    for role, part in drive_set.parts.items():
+        if part is None and role == "encoder" and not encoder:
+            continue
+        each, band = (nan if part is None else part.mass), None
+        if part is None and estimates and role in ("encoder", "controller"):  # that no catalogue lists
+            each, low, high = assumed_mass(_SECTIONS[role])
+            band = low, high
+        elif part is not None and catalog is not None and role in _SECTIONS:
+            section = _SECTIONS[role]
+            found = catalog.estimate_of(section, catalog.table(section).rows[part.part], "mass")
+            band = found[1:3] if found else None
+        rows.append(MassRow(name=role, number=sets, each=each, band=band))
+    if drive_set.belt_ratio != 1.0 and drive_set.belt_drive is None:
+        each, band = (belt, None) if belt is not None else BELT if estimates else (nan, None)
+        rows.append(MassRow(name="belt and pulleys", each=each, number=sets, band=band))
+    return tuple(rows)
+
+
+def machine_mass(
+    budget: Budget, drive: Sequence[MassRow], *, platform: Platform | None = None, battery: float | None = None
+) -> MassBudget:
+    """The mass budget of a machine with given rows of its drives."""
+    rows = [*drive, MassRow(name="structure", each=nan if budget.structure is None else budget.structure)]
+    if battery is not None:
+        rows.append(MassRow(name="battery", each=battery))
+    for item in budget.others:
+        name = item.name if item.number == 1 else f"{item.number} x {item.name}"
+        rows.append(MassRow(name=name, each=item.mass * item.number))
+    rows += [MassRow(name=payload.name, each=payload.mass) for payload in (platform.payloads if platform else ())]
+    return MassBudget(rows=tuple(rows), limit=nan if budget.mass is None else budget.mass)
+
+
+# --- where the drive's mass counts
+
+
+class Settled(NamedTuple):
+    """Result of the rounds."""
+
+    total: float  # kg that the drive was sized for; where none carries itself, in the last round
+    carries_itself: bool
+    words: str  # how it ended, as a sentence
+
+
+def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, limit: float = 1e6, most: int = 40) -> Settled:
+    """The mass at which a drive carries itself: m = base + drive(m), by going round.
+
+    Examples
+    --------
+    A drive of 1 kg and 5 % of the machine, 20 kg without it: 21 / 0.95.
+
+    >>> found = settle(lambda mass: 1.0 + 0.05 * mass, 20.0, tolerance=1e-9)
+    >>> found.carries_itself, round(found.total, 6)
+    (True, 22.105263)
+    """
+    rounds, total = list[tuple[float, float]](), base  # masses that were sized for, and of the drive
+
+    def kg(mass: float) -> str:
+        return show(mass, "kg", "mass")
+
+    while len(rounds) < most:
+        drive = sized(total)
+        if drive is None:
+            return Settled(total, False, f"No set carries itself: at {kg(total)} none is left.")
+        if isnan(drive):
+            return Settled(total, False, f"The mass of the set for {kg(total)} is unknown.")
+        rounds.append((total, drive))
+        last, total = total, base + drive
+        if abs(total - last) <= tolerance:
+            after = f"{len(rounds)} round{'s' if len(rounds) > 1 else ''}"
+            return Settled(last, True, f"Settled after {after}: {kg(total)}, of it {kg(drive)} drive.")
+        earlier = [n for n, (mass, _) in enumerate(rounds) if abs(total - mass) <= tolerance]
+        if earlier:
+            cycle = rounds[earlier[0] :]
+            heaviest, own = max(cycle, key=lambda one: one[0])  # what comes after it is lighter, or it would not be
+            words = f"{len(cycle)} sets follow each other; taken is the one for the heaviest machine, "
+            return Settled(heaviest, True, f"{words}{kg(heaviest)}, of which it leaves {kg(heaviest - base - own)}.")
+        if total > limit:
+            words = f"No set carries itself within {kg(limit)}: the next would make {kg(total)}."
+            return Settled(last, False, words)
+    words = f"Not settled in {most} rounds, though they draw near: {kg(total)} at the end."
+    growth = [abs(after[1] - before[1]) for before, after in pairwise(rounds[-3:])]
+    if len(growth) == 2 and growth[1] >= growth[0]:
+        words = "No set carries itself: each round adds no less mass than the one before."
+    return Settled(last, False, words)
+
+
+# --- the machine with a drive in it
 
 
 class MachineBudget(NamedTuple):
@@ -88,9 +340,8 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | N
     if spec.supply.stalled and not spec.on_common_bus:
         checks.append(stall_check(spec.supply, [stall_current(spec, one)] * spec.load.motors))
     if spec.budget and spec.budget.price is not None:
-        resistor = braking.resistor if braking else None
-        items = [*of_drives(problem, one), *of_supply(spec.supply.part, resistor, catalog)]
-        checks.append(price_check(items, spec.budget.price, catalog))
+        items = items_bought([(problem, one)], spec.supply.part, braking, catalog)
+        checks.append(price_check([*items], spec.budget.price, catalog))
     least = min(energies, key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None)  # the unknown first
     return MachineBudget(tuple(checks), tuple(figures), masses, least, braking)
 

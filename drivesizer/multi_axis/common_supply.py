@@ -14,8 +14,14 @@ from drivesizer.errors import FieldError, InputError
 from drivesizer.files.yaml_source import Path_
 from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
 from drivesizer.machine.braking import bus_budget, with_parts_of_supply
-from drivesizer.machine.budgets import rows_of_drive, stall_check, stall_current
-from drivesizer.machine.mass_budget import machine_mass, of_drives, of_supply, price_check
+from drivesizer.machine.budgets import (
+    items_bought,
+    machine_mass,
+    price_check,
+    rows_of_drive,
+    stall_check,
+    stall_current,
+)
 from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
@@ -390,9 +396,8 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
         rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
         found += machine_mass(budget, rows, battery=battery).checks()
     if budget.price is not None:
-        resistor = power.braking.resistor if power and power.braking else None
-        items = [item for problem, one in drives for item in of_drives(problem, one)]
-        found.append(price_check([*items, *of_supply(machine.supply.part, resistor, catalog)], budget.price, catalog))
+        items = items_bought(drives, machine.supply.part, power.braking if power else None, catalog)
+        found.append(price_check([*items], budget.price, catalog))
     return tuple(found)
 
 

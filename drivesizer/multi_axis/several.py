@@ -13,8 +13,7 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
-from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.machine.mass_budget import settle
+from drivesizer.machine.budgets import riding_mass, riding_rows, settle
 from drivesizer.multi_axis import combinations
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded, Masses, OfferedKinds
 from drivesizer.multi_axis.common_bus import waiting_times

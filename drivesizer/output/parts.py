@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Source, columns_of
 from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.query import Hit, origins
-from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.machine.budgets import drive_rows
 from drivesizer.output.words import LESS, confidences, not_quoted
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.problem import Problem

@@ -14,8 +14,14 @@ from numpy.typing import NDArray
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import Load, accepted, charging, columns_of, feeding, pack_of, raised_voltage
-from drivesizer.machine.budgets import MachineBudget, machine_budget, machine_requirements
-from drivesizer.machine.mass_budget import BELT, machine_mass, mass_columns
+from drivesizer.machine.budgets import (
+    BELT,
+    MachineBudget,
+    machine_budget,
+    machine_mass,
+    machine_requirements,
+    mass_columns,
+)
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.figures import no_less

@@ -13,8 +13,7 @@ from drivesizer.catalog import DIRECT, Table
 from drivesizer.catalog.parts import one_row
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
-from drivesizer.machine.budgets import MachineBudget
-from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.machine.budgets import MachineBudget, drive_rows
 from drivesizer.machine.part_curves import curves_of, torque_of_part
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up

@@ -16,8 +16,7 @@ from drivesizer.catalog.typed import with_typed
 from drivesizer.catalog.view.mounted import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.budgets import check_battery, drive_mass, machine_requirements, mass_without_drive
-from drivesizer.machine.mass_budget import settle
+from drivesizer.machine.budgets import check_battery, drive_mass, machine_requirements, mass_without_drive, settle
 from drivesizer.machine.problem import problem
 from drivesizer.results.check import Reliability, Uncertainty
 from drivesizer.results.drive_set import DriveSet

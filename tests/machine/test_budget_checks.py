@@ -14,7 +14,7 @@ from drivesizer import size
 from drivesizer.errors import InputError
 from drivesizer.load_cases.of_machine import requirement_checks
 from drivesizer.load_cases.platform import platform_of
-from drivesizer.machine.mass_budget import drive_rows, machine_mass
+from drivesizer.machine.budgets import drive_rows, machine_mass
 from drivesizer.machine.platform_budget import (
     PlatformOnFloor,
     envelope_checks,

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivesizer import size
-from drivesizer.machine.mass_budget import drive_rows, machine_mass, settle
+from drivesizer.machine.budgets import drive_rows, machine_mass, settle
 from drivesizer.results.drive_set import MassRow
 from drivesizer.spec.platform import Budget
 

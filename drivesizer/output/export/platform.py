@@ -18,7 +18,7 @@ from drivesizer.joints.inverse_dynamics import Array, Attached
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import dynamics_of, ground_of, platform_assumptions, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.mass_budget import drive_rows
+from drivesizer.machine.budgets import drive_rows
 from drivesizer.output.export.common import LEAST_INERTIA, PROGRAM, Export, brief, export_of, sentences, speed_at, whose
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.platform.dynamics import Ground, contact_loads, motion, own_rolling
