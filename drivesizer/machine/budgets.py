@@ -53,7 +53,7 @@ _SECTIONS = {"motor": "motors", "gearhead": "gearheads", "encoder": "encoders", 
 def items_bought(
     drives: Iterable[tuple[Problem, DriveParts]], part: str | None, braking: BrakingBudget | None, catalog: Catalog
 ) -> Iterator[Item]:
-    """The parts of all drives of a machine, and power supply and brake resistor, as far as they are out of catalogues."""
+    """Parts of all drives of a machine, power supply and brake resistor, as far as they are out of catalogues."""
     for problem, one in drives:
         spec = problem.spec
         needless = "encoder" if one.encoder is None and not spec.wants_encoder else ""
