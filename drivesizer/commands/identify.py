@@ -75,7 +75,7 @@ def identify(
 
 
 def _drawn(path: Path, time: Any, traces: Any) -> bytes:
-    from drivesizer.output.report.figures.measured import measured_and_model
+    from drivesizer.output.report.figures.cycle import measured_and_model
     from drivesizer.output.report.figures.picture import on_paper
 
     if not traces or not len(time):

@@ -9,7 +9,6 @@ import re
 import tempfile
 import zipfile
 from collections.abc import Iterator, Mapping
-from math import fsum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +18,10 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece, StoppedError
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
+from drivesizer.output.document import records as doc
 from drivesizer.output.json.documents import as_text, plain
 from drivesizer.output.words import meeting
-from drivesizer.results.check import gravest, tightest, worst
+from drivesizer.results.check import Check, gravest, tightest, worst
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import mass_text, objective_figure
 from drivesizer.search.shortlist import load_parts
@@ -149,26 +149,21 @@ def ranking(sizing: MachineSizing, proofs: Mapping[str, Validation] | None = Non
 
 
 def _of_all_axes(sizing: MachineSizing) -> Piece:
-    """Mass and price of all drives, as far as they are known, and the smallest margin with its axis."""
-    bought = [(axis.drives, axis.best) for axis in sizing.axes if axis.best]
-    mass = fsum(count * one.mass for count, one in bought)
-    prices = dict[str, float]()  # by currency
-    for count, one in bought:
-        prices |= {one.currency: prices.get(one.currency, 0.0) + count * one.price} if one.price_of else {}
-    least = len(bought) < len(sizing.axes)
-    lacks_mass = least or any(mass_text(one).startswith("≥") for _, one in bought)
-    lacks_price = least or not all(one.price_complete for _, one in bought)
+    """Totals of the parts list of all axes as reports have them, and the smallest margin with its axis."""
+    from drivesizer.output.document.summary import total_of
+    from drivesizer.output.parts import machine_parts_of_axes, totals_of_axes
+
+    every = totals_of_axes(machine_parts_of_axes(sizing))
+    sums = {name: [one for one in every if one.name == name] for name in ("mass", "price")}
+    least = "" if sizing.complete else "≥ "
+    said = {name: " + ".join(least + total_of(one).text.removeprefix(least) for one in found) or "unknown"
+            for name, found in sums.items()}  # fmt: skip
     checks = [(check, axis.name) for axis in sizing.axes if axis.best and (check := worst(axis.best.deciding))]
     checks += [(check, "") for check in [worst(tuple(c for c in sizing.checks if not c.advice))] if check]
-    said = " + ".join(f"{value:.2f} {code}" for code, value in prices.items())
     check, axis = min(checks, key=lambda one: one[0].margin, default=(None, ""))
     tight = _tight(check)
-    price = plain(*prices.values()) if len(prices) == 1 else None
-    return {
-        "mass": plain(mass), "price": price, "tight": tight and tight | {"axis": axis},
-        "figures": {"mass": ("≥ " if lacks_mass else "") + show(mass, "g", "mass"),
-                    "price": ("≥ " if lacks_price else "") + said if said else "unknown"},
-    }  # fmt: skip
+    values = {name: plain(found[0].value) if len(found) == 1 else None for name, found in sums.items()}
+    return {**values, "figures": said, "tight": tight and tight | {"axis": axis}}
 
 
 def _set(one: Any) -> Piece:
@@ -224,12 +219,9 @@ def _best(held: EngineMemory, text: str) -> Piece:
         return {"status": result.status, "label": "; ".join(labels), "parts": parts}
     one = result.alone.shown
     if not one:
-        return {"status": "fail", "label": "", "parts": [], "mass": None, "price": None}
-    tight = worst(one.deciding)
-    said = {"tight": tight.title, "margin": plain(tight.margin)} if tight else {}
+        return {"status": "fail", "label": "", "parts": []}
     return {"status": one.status if result.alone.sets else "fail", "label": one.label, "name": short_name(one),
-            "parts": [one.motor.part, one.gearhead.part], **said,
-            "mass": plain(one.mass), "price": plain(one.price)}  # fmt: skip
+            "parts": [one.motor.part, one.gearhead.part]}  # fmt: skip
 
 
 def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
@@ -245,7 +237,9 @@ def rejected(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A piece ``compared``: rows of texts, a column for each drive."""
+    """A piece ``compared``: a table with a column for each drive, as HTML."""
+    from drivesizer.live.catalogue import html
+
     spec = read_spec(YamlSource(text_of(held, request), held.name))
     catalog, drives = load_parts(spec), []
     for motor, gearhead in request["sets"]:
@@ -254,24 +248,33 @@ def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         if not sets:
             raise InputError(f"{motor} with {gearhead}: no belt of the spec goes with it")
         drives.append(min(sets, key=lambda one: one.rank))
-    rows: list[Piece] = []
+    rows: list[tuple[str, str, list[doc.Text]]] = [("parts", "verdict", [(doc.Status(one.status),) for one in drives])]
     for role in dict.fromkeys(role for one in drives for role in one.parts):
         parts = [one.parts.get(role) for one in drives]
         names = [dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"] for part in parts]
-        rows.append({"title": role, "group": "parts", "cells": [" ".join(filter(None, each)) for each in names]})
-    rows.append({"title": "mass of a drive", "group": "figures", "cells": [*map(mass_text, drives)]})
-    rows.append({"title": "price of a drive", "group": "figures", "cells": [d.price_text for d in drives]})
-    for name in dict.fromkeys(figure.name for one in drives for figure in one.figures):
-        each = [{figure.name: figure for figure in one.figures}.get(name) for one in drives]
-        title = next(figure.title for figure in each if figure)
-        rows.append({"title": title, "group": "figures", "cells": [one.text if one else "" for one in each]})
-    for name in dict.fromkeys(check.name for one in drives for check in one.checks):
-        checks = [{check.name: check for check in one.checks}.get(name) for one in drives]
-        title = next(check.title for check in checks if check)
-        rows.append({"title": title, "group": "checks", "cells": [margin(c.margin) if c else "" for c in checks],
-                     "status": [c.status if c else "" for c in checks]})  # fmt: skip
-    yield {"kind": "compared", "heads": [one.label for one in drives], "status": [one.status for one in drives],
-           "rows": rows}  # fmt: skip
+        rows.append(("parts", role, [" ".join(filter(None, each)) for each in names]))
+    rows.append(("figures", "mass of a drive", [mass_text(one) for one in drives]))
+    rows.append(("figures", "price of a drive", [one.price_text for one in drives]))
+    figures = [{one.name: one for one in drive.figures} for drive in drives]
+    for name, title in {one.name: one.title for drive in drives for one in drive.figures}.items():
+        rows.append(("figures", title, [each[name].text if name in each else "–" for each in figures]))
+    checks = [{one.name: one for one in drive.checks} for drive in drives]
+    for name, title in {one.name: one.title for drive in drives for one in drive.checks}.items():
+        rows.append(("checks", title, [_judged(each.get(name)) for each in checks]))
+    columns = [doc.name("title"), *(doc.Column(str(n), one.label) for n, one in enumerate(drives))]
+    made = [
+        doc.Row({"group": group, "title": title} | {str(n): cell for n, cell in enumerate(cells)},
+                status="" if len(set(map(repr, cells))) > 1 else "alike")
+        for group, title, cells in rows
+    ]  # fmt: skip
+    words = "Margins are of each drive's worst case; rows in which the drives differ are in full colour."
+    yield {"kind": "compared", "html": html([doc.Table(words, columns, made, group="group", look="compared")])}
+
+
+def _judged(check: Check | None) -> doc.Text:
+    """A margin with how it ends, where that is not a plain pass."""
+    said = margin(check.margin) if check else "–"
+    return (said or "pass") if not check or check.status == "pass" else (f"{said} ".lstrip(), doc.Status(check.status))
 
 
 # -- Jobs that take longer than an answer: the closed loop, reports and exports, as the command line makes them.

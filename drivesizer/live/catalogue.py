@@ -159,13 +159,14 @@ def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     yield {
         "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
         "head": sheets.head(hit), "role": singular(hit.section), "figures": figures,
-        "sheet": _html([replace(sheets.figures_of(hit, sources=True), halves=False), *remarks]),
-        "does": _html(sheets.behaviour(hit), figures),
+        "sheet": html([replace(sheets.figures_of(hit, sources=True), halves=False), *remarks]),
+        "does": html(sheets.behaviour(hit), figures),
         "documents": [[source.document, source.date, source.url] for source in known.values()],
     }  # fmt: skip
 
 
-def _html(blocks: Iterable[Any], figures: Piece | None = None) -> str:
+def html(blocks: Iterable[Any], figures: Piece | None = None) -> str:
+    """Blocks of a document as a part of the page."""
     from drivesizer.output.report.html.templates import section_html
 
     return "".join(section_html([{"blocks": [as_data(block) for block in blocks]}], figures or {}, {}))
@@ -174,7 +175,7 @@ def _html(blocks: Iterable[Any], figures: Piece | None = None) -> str:
 def beside(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``, as HTML."""
     hits = [hit_of(held, name, request["section"], number) for name, number in request["parts"]]
-    yield {"kind": "beside", "html": _html(sheets.comparison(hits, side_by_side(hits), len(hits)))}
+    yield {"kind": "beside", "html": html(sheets.comparison(hits, side_by_side(hits), len(hits)))}
 
 
 # -- Choices in the catalogues as edits of the spec: a part, a family, the catalogues themselves.

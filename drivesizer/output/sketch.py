@@ -111,11 +111,18 @@ class Pen:
         for n in range(int((to_x - x) // 10)):
             self.line((x + 10 * n + 6, y), (x + 10 * n, y + 6), ink=_SOFT, wide=0.6)
 
-    def motor(self, x: float, y: float) -> None:
-        """The motor and its gearhead, whose shaft goes to the right."""
+    def wheel(self, x: float, y: float, radius: float, hub: float = 2) -> None:
+        """A wheel, pulley or drum with its axis."""
+        self.circle(x, y, radius, fill="#ffffff")
+        self.circle(x, y, hub, fill=_INK)
+
+    def motor(self, x: float, y: float, *shaft: Point) -> None:
+        """The motor and its gearhead, whose shaft goes to the right, by some points."""
         self.box(x, y - 14, 34, 28, fill="#cfe3f1")
         self.box(x + 34, y - 11, 16, 22, fill="#cfe3f1")
         self.label(x + 17, y + 4, "M", at="middle")
+        if shaft:
+            self.line((x + 50, y), *shaft, wide=2.5)
 
     def force(self, start: Point, end: Point, symbol: str, *fields: str, off: Point = (4.0, -4.0)) -> None:
         """A force where its field is given."""
@@ -146,8 +153,7 @@ class Pen:
 
 
 def _screw(p: Pen) -> None:
-    p.motor(14, 128)
-    p.line((64, 128), (84, 128), wide=2.5)
+    p.motor(14, 128, (84, 128))
     p.box(84, 122, 330, 12, fill="#ffffff")
     for n in range(27):
         p.line((88 + 12 * n, 134), (94 + 12 * n, 122), ink=_SOFT, wide=0.8)
@@ -163,41 +169,41 @@ def _screw(p: Pen) -> None:
     p.inclined(340, 184, "β", "incline")
 
 
-def _belt_axis(p: Pen) -> None:
+def _drums(p: Pen) -> None:
+    """A belt over two pulleys or drums, one of them driven."""
     for x in (96, 384):
-        p.circle(x, 128, 24, fill="#ffffff")
-        p.circle(x, 128, 2, fill=_INK)
+        p.wheel(x, 128, 24)
     p.line((96, 104), (384, 104), wide=2)
     p.line((96, 152), (384, 152), wide=2)
     p.motor(14, 128)
-    p.guided(200, 104)
-    p.size((96, 152), (96, 104), "d", "pulley_diameter", off=(34.0, 4.0))
+
+
+def _drum_figures(p: Pen, diameter: str) -> None:
+    p.size((96, 152), (96, 104), "d", diameter, off=(34.0, 4.0))
     p.turning(96, 128, 32)
     p.label(60, 84, "J", "inertia")
     p.label(240, 168, "m_b", "belt_mass", at="middle")
+
+
+def _belt_axis(p: Pen) -> None:
+    _drums(p)
+    p.guided(200, 104)
+    _drum_figures(p, "pulley_diameter")
     p.label(268, 136, "η", "efficiency", at="middle")
     p.inclined(350, 186, "β", "incline")
 
 
 def _conveyor(p: Pen) -> None:
-    for x in (96, 384):
-        p.circle(x, 128, 24, fill="#ffffff")
-        p.circle(x, 128, 2, fill=_INK)
+    _drums(p)
     for x in (150, 210, 270, 330):
         p.circle(x, 109, 5)
-    p.line((96, 104), (384, 104), wide=2)
-    p.line((96, 152), (384, 152), wide=2)
-    p.motor(14, 128)
     p.box(180, 70, 34, 32)
     p.box(262, 70, 34, 32)
     p.label(238, 62, "m", "mass", at="middle")
     p.moves((304, 86), (340, 86))
     p.force((176, 86), (140, 86), "F_0", "force", off=(-12.0, -6.0))
     p.label(196, 136, "μ, F_f", "friction_coefficient", "friction_force", ink=_FORCE)
-    p.size((96, 152), (96, 104), "d", "drum_diameter", off=(34.0, 4.0))
-    p.turning(96, 128, 32)
-    p.label(60, 84, "J", "inertia")
-    p.label(240, 168, "m_b", "belt_mass", at="middle")
+    _drum_figures(p, "drum_diameter")
     p.inclined(350, 186, "β", "incline")
 
 
@@ -206,10 +212,8 @@ def _rack_pinion(p: Pen) -> None:
     for n in range(27):
         x = 92 + 12 * n
         p.line((x, 110), (x + 3, 116), (x + 6, 116), (x + 9, 110), wide=0.9)
-    p.circle(180, 142, 26, fill="#ffffff")
-    p.circle(180, 142, 2, fill=_INK)
-    p.motor(98, 142)
-    p.line((148, 142), (180, 142), wide=2.5)
+    p.wheel(180, 142, 26)
+    p.motor(98, 142, (180, 142))
     p.guided(230, 110)
     p.size((180, 168), (180, 116), "d", "pinion_diameter", off=(42.0, 12.0))
     p.turning(180, 142, 34, start=0.6, end=2.2)
@@ -219,10 +223,8 @@ def _rack_pinion(p: Pen) -> None:
 
 
 def _hoist(p: Pen) -> None:
-    p.circle(200, 52, 26, fill="#ffffff")
-    p.circle(200, 52, 2, fill=_INK)
-    p.motor(124, 52)
-    p.line((174, 52), (200, 52), wide=2.5)
+    p.wheel(200, 52, 26)
+    p.motor(124, 52, (200, 52))
     p.line((226, 52), (226, 108), wide=1.6)
     p.box(200, 108, 52, 40)
     p.label(226, 132, "m", "mass", at="middle")
@@ -244,8 +246,7 @@ def _hoist(p: Pen) -> None:
 def _arm(p: Pen) -> None:
     x, y, angle = 150.0, 140.0, pi / 6
     end, centre = ((x + r * cos(angle), y - r * sin(angle)) for r in (190.0, 140.0))
-    p.motor(74, y)
-    p.line((124, y), (x, y), wide=2.5)
+    p.motor(74, y, (x, y))
     p.line((x, y), (x + 200, y), ink=_SOFT, wide=0.8, dashed=True)
     p.line((x, y), end, wide=7, ink=_SOFT)
     p.circle(x, y, 9, fill="#ffffff")
@@ -263,8 +264,7 @@ def _arm(p: Pen) -> None:
 
 
 def _turned(p: Pen) -> None:
-    p.motor(70, 96)
-    p.line((120, 96), (206, 96), wide=2.5)
+    p.motor(70, 96, (206, 96))
     p.turning(150, 96, 24)
     p.label(142, 64, "ω", ink=_MOTION)
 
@@ -293,8 +293,7 @@ def _fan(p: Pen) -> None:
 
 
 def _rotary_table(p: Pen) -> None:
-    p.motor(98, 150)
-    p.line((148, 150), (210, 150), (210, 106), wide=2.5)
+    p.motor(98, 150, (210, 150), (210, 106))
     p.box(120, 90, 180, 16)
     p.label(112, 84, "J", "inertia")
     if p.has("mass"):
@@ -311,8 +310,7 @@ def _rotary_table(p: Pen) -> None:
 
 
 def _winder(p: Pen) -> None:
-    p.motor(60, 110)
-    p.line((110, 110), (200, 110), wide=2.5)
+    p.motor(60, 110, (200, 110))
     p.circle(200, 110, 60, fill="#e8eaed")
     p.circle(200, 110, 20, fill="#ffffff")
     p.line((200, 50), (400, 50), wide=2)
@@ -328,8 +326,7 @@ def _winder(p: Pen) -> None:
 
 
 def _recorded(p: Pen) -> None:
-    p.motor(30, 96)
-    p.line((80, 96), (132, 96), wide=2.5)
+    p.motor(30, 96, (132, 96))
     p.circle(142, 96, 10, fill="#e8eaed")
     p.turning(106, 96, 22)
     for top, symbol, ink, course in (
@@ -346,8 +343,7 @@ def _recorded(p: Pen) -> None:
 def _wheeled_vehicle(p: Pen) -> None:
     p.floor(60, 420, 158)
     for x in (150, 310):
-        p.circle(x, 132, 26, fill="#ffffff")
-        p.circle(x, 132, 3, fill=_INK)
+        p.wheel(x, 132, 26, hub=3)
     p.box(112, 66, 236, 44)
     p.label(230, 92, "m", "mass", at="middle")
     p.moves((354, 88), (396, 88))

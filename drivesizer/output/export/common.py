@@ -9,7 +9,7 @@ from functools import cache
 from importlib import resources
 from math import cos, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
-from xml.etree.ElementTree import Comment, Element, indent, tostring
+from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
@@ -90,6 +90,12 @@ def remark(parent: Element, *lines: str) -> None:
     for line in lines:
         safe = re.sub("-(?=-)", "- ", text(line).replace("\n", " "))
         parent.append(Comment(f" {safe} "))
+
+
+def texts(parent: Element, /, **of: str) -> None:
+    """Elements that have a text each."""
+    for tag, said in of.items():
+        SubElement(parent, tag).text = said
 
 
 def document(root: Element) -> bytes:

@@ -25,7 +25,7 @@ from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.platform import PlatformExport, platform_export
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import AxisSizing, MachineSizing
-from drivesizer.spec.description import Robot, about, read_description, rotation
+from drivesizer.spec.description import Joint, Robot, about, read_description, rotation
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 
@@ -43,14 +43,14 @@ class RobotExport:
     base: Array  # turn of the base against the world, shape (3, 3)
     motion: JointMotion
 
-    @property
-    def keeps_friction(self) -> bool:
-        """Whether the friction in the description is that of bearings, and stays."""
-        return self.section.friction == "keep"
-
     def drive(self, joint: str) -> JointDrive | None:
         """The drive of a joint; None where it has none."""
         return next((drive for drive in self.drives if drive.joint == joint), None)
+
+    def resistance(self, joint: Joint) -> tuple[float, float]:
+        """Damping and friction that a joint has by itself: of a driven one those of the description if of bearings."""
+        stays = self.section.friction == "keep" or self.drive(joint.name) is None
+        return (joint.damping, joint.friction) if stays else (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

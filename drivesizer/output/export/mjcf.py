@@ -30,6 +30,7 @@ from math import cos, isnan, pi, sin, sqrt, tan
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drivesizer.control.drive_train import DriveTrain
 from drivesizer.errors import InputError
@@ -347,7 +348,8 @@ def _robot(sections: Sections, robot: RobotExport, step: float) -> None:
         place, turn = (np.zeros(3), robot.base) if joint is None else (joint.place, joint.turn)
         frame = {"name": free_name(name, links) if name == _WORLD else name}
         frame |= {"pos": vector(place)} if place.any() else {}
-        frame |= {} if (turn == np.eye(3)).all() else {"quat": vector(quaternion(turn))}
+        if (turn != np.eye(3)).any():
+            frame["quat"] = vector(Rotation.from_matrix(turn).as_quat(scalar_first=True))
         body = made[name] = SubElement(parent, "body", frame)
         moves = joint is not None and joint.moves
         if moves:
@@ -393,13 +395,20 @@ def _robot_joint(body: Element, link: str, robot: RobotExport, step: float) -> N
     }  # fmt: skip
     if joint.kind != "continuous" and joint.lower <= joint.upper:
         attributes["range"] = f"{number(joint.lower)} {number(joint.upper)}"
-    damping, friction = (joint.damping, joint.friction) if drive is None or robot.keeps_friction else (0.0, 0.0)
-    figures = {"damping": damping, "frictionloss": friction, "armature": 0.0}
-    if drive and not drive.coupled:
-        attributes |= _effort(drive)
-        figures = {name: value + _added(drive)[name] for name, value in figures.items()}
+    damping, friction = robot.resistance(joint)
     if drive:
         remark(body, *drive.remarks)
+    _joint(body, attributes, {"damping": damping, "frictionloss": friction, "armature": 0.0},
+           None if drive and drive.coupled else drive, step)  # fmt: skip
+
+
+def _joint(
+    body: Element, attributes: dict[str, str], figures: dict[str, float], drive: JointDrive | None, step: float
+) -> None:
+    """A joint with its own resistance and inertia, and those of the drive that acts on it."""
+    if drive:
+        attributes |= _effort(drive)
+        figures = {name: value + _added(drive)[name] for name, value in figures.items()}
     attributes |= {name: number(value) for name, value in figures.items() if value}
     SubElement(body, "joint", attributes | (_hard(step) if figures["frictionloss"] else {}))
 
@@ -427,26 +436,6 @@ def _robot_link(body: Element, name: str, robot: RobotExport, *, moves: bool) ->
             _point_mass(body, free_name(f"{drive.joint}_drive", robot.robot.links), drive.place.at, drive.mass)
     if robot.payload and robot.payload.link == name:
         _point_mass(body, free_name("payload", robot.robot.links), robot.payload.at, robot.payload_mass)
-
-
-def quaternion(turn: Array) -> tuple[float, float, float, float]:
-    """Unit quaternion of a rotation matrix, real part first.
-
-    >>> quaternion(np.diag([1.0, -1.0, -1.0]))
-    (0.0, 1.0, 0.0, 0.0)
-    """
-    trace = float(np.trace(turn))
-    squares = [1.0 + trace, *(1.0 - trace + 2.0 * turn[k, k] for k in range(3))]  # 4 times the squares of the parts
-    largest = int(np.argmax(squares))
-    products = np.empty((4, 4))  # 4 times the products of two parts
-    x, y, z = turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]
-    products[0] = squares[0], x, y, z
-    products[1:, 0] = x, y, z
-    products[1:, 1:] = turn + turn.T
-    for k in range(3):
-        products[k + 1, k + 1] = squares[k + 1]
-    w, a, b, c = (products[largest] / (2.0 * np.sqrt(squares[largest]))).tolist()
-    return w, a, b, c
 
 
 def _possible(inertia: Array) -> tuple[Array, float]:
@@ -553,12 +542,7 @@ def _wheel(base: Element, of: PlatformExport, place: int, step: float) -> None:
     axis = np.array([-sin(along), cos(along), 0.0])  # across the axis of its roller on the floor: forwards is positive
     armature = of.wheel.inertia[0, 0] * tan(wheel.roller_angle) ** 2
     figures = {"frictionloss": of.rolling[place] / turned, "armature": armature, "damping": 0.0}
-    joint = {"name": name, "type": "hinge", "axis": vector(axis)}
-    if drive:
-        figures = {key: value + _added(drive)[key] for key, value in figures.items()}
-        joint |= _effort(drive)
-    joint |= {key: number(value) for key, value in figures.items() if value}
-    SubElement(body, "joint", joint | (_hard(step) if figures["frictionloss"] else {}))
+    _joint(body, {"name": name, "type": "hinge", "axis": vector(axis)}, figures, drive, step)
     moments = vector(np.diag(of.wheel.inertia).tolist())
     SubElement(body, "inertial", pos="0 0 0", mass=number(of.wheel.mass), diaginertia=moments)
     half = _SHORT * of.radius * axis

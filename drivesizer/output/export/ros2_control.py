@@ -34,7 +34,7 @@ import numpy as np
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.output.export import common
-from drivesizer.output.export.common import Export, identifier, number, remark, sentences, text, torque_law
+from drivesizer.output.export.common import Export, identifier, number, remark, sentences, text, texts, torque_law
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.machine import MachineExport
 from drivesizer.output.export.platform import PlatformExport, Reach, wheel_name
@@ -60,7 +60,7 @@ def render(of: MachineExport) -> bytes:
     block = SubElement(root, "ros2_control", name=f"{identifier(of.name)}_drive", type="system")
     plugin = SubElement(block, "hardware")
     remark(plugin, f"{_MOCK} to try it; put your drive's own plugin here.")
-    SubElement(plugin, "plugin").text = _MOCK
+    texts(plugin, plugin=_MOCK)
     stepped = ("velocity",) if of.platform else ("position",)  # what commands a stepper
     for joint in joints:
         added = SubElement(block, "joint", name=joint.joint)
@@ -73,10 +73,10 @@ def render(of: MachineExport) -> bytes:
             SubElement(added, "state_interface", name=name)
     for joint in joints:
         added = SubElement(block, "transmission", name=f"{joint.joint}_transmission")
-        SubElement(added, "plugin").text = "transmission_interface/SimpleTransmission"
+        texts(added, plugin="transmission_interface/SimpleTransmission")
         SubElement(added, "actuator", name=joint.motor, role=joint.motor)
         of_joint = SubElement(added, "joint", name=joint.joint, role=joint.joint)
-        SubElement(of_joint, "mechanical_reduction").text = number(direction * joint.ratio)
+        texts(of_joint, mechanical_reduction=number(direction * joint.ratio))
     return common.document(root)
 
 
@@ -121,25 +121,38 @@ def controllers(of: MachineExport) -> bytes:
         said += (
             [*sentences("ros2_control: base", of=platform), *base.said] if base else sentences("ros2_control: no base")
         )
-    gains = {one.joint: _gains(one) for one in looped}
     along = [] if platform else [one.joint for one in steppers]
     rate = _rate(slowest) if slowest else _TRAJECTORY
-    named = {CONTROLLER: "pid_controller/PidController"} if gains else {}
-    named |= {_ALONG: "joint_trajectory_controller/JointTrajectoryController"} if along else {}
-    named |= {NAME: base.kind} if base else {}
-    body = _MANAGER.format(rate=rate) + "".join(f"    {name}:\n      type: {kind}\n" for name, kind in named.items())
-    if gains:
-        lines = "".join(f"      {joint}:\n{lines}" for joint, lines in gains.items())
-        body += _VELOCITY.format(rate=rate, name=CONTROLLER, joints=", ".join(gains), gains=lines)
+    state = "joint_state_broadcaster"
+    manager: dict[str, Any] = {"update_rate": Noted(rate, "Hz"), state: {"type": f"{state}/JointStateBroadcaster"}}
+    nodes: dict[str, Mapping[str, Any]] = {"controller_manager": manager}
+    if looped:
+        manager[CONTROLLER] = {"type": "pid_controller/PidController"}
+        nodes[CONTROLLER] = {
+            "update_rate": Noted(rate, "Hz, that of the controller manager"),
+            "dof_names": [one.joint for one in looped], "command_interface": "effort",
+            "reference_and_state_interfaces": ["velocity"], "enable_feedforward": True,
+            "gains": {one.joint: _gains(one) for one in looped},
+        }  # fmt: skip
     if along:
-        body += _POSITIONS.format(name=_ALONG, joints=", ".join(along))
+        manager[_ALONG] = {"type": "joint_trajectory_controller/JointTrajectoryController"}
+        nodes[_ALONG] = {"joints": along, "command_interfaces": ["position"],
+                         "state_interfaces": ["position", "velocity"]}  # fmt: skip
     if base:
-        body += f"\n{NAME}:\n  ros__parameters:\n{parameters_text(base.parameters)}"
+        manager[NAME], nodes[NAME] = {"type": base.kind}, base.parameters
+    body = "\n".join(parameters_text({name: {"ros__parameters": own}}) for name, own in nodes.items())
     return ("".join(f"# {' '.join(text(line).split())}\n" for line in said) + body).encode()
 
 
-def _gains(joint: JointDrive) -> str:
-    """Gains and clamps of one joint's velocity loop, as lines of YAML."""
+class Noted(NamedTuple):
+    """A parameter with a remark behind it."""
+
+    value: float
+    said: str
+
+
+def _gains(joint: JointDrive) -> dict[str, Any]:
+    """Gains and clamps of one joint's velocity loop."""
     of, travel, efficiency = joint.of, joint.travel, joint.gear_efficiency
     law, train = torque_law(of), of.train
     if law.ki:
@@ -149,10 +162,12 @@ def _gains(joint: JointDrive) -> str:
     clamp = most + abs(feedforward) * of.limits.peak_speed.value * travel
     force, angle = ("N", "/m") if joint.slides else ("N*m", "/rad")
     place = " at the driven shaft" if travel == 1.0 else " at the joint"
-    return _GAINS.format(
-        p=_float(law.kd * at_joint), i=_float(law.kp * at_joint), ff=_float(feedforward), most=_float(clamp),
-        least=_float(-clamp), force=force, per=f"{force}*s{angle}{place}", angle=angle, speed=f"{force}*s{angle}",
-    )  # fmt: skip
+    return {
+        "p": Noted(law.kd * at_joint, f"{force}*s{angle}{place}"), "i": Noted(law.kp * at_joint, f"{force}{angle}"),
+        "d": 0.0, "feedforward_gain": Noted(feedforward, f"{force}*s{angle}"),
+        "u_clamp_max": Noted(clamp, force), "u_clamp_min": -clamp, "i_clamp_max": Noted(clamp, force),
+        "i_clamp_min": -clamp, "antiwindup_strategy": "conditional_integration",
+    }  # fmt: skip
 
 
 def _rate(of: Export) -> int:
@@ -168,41 +183,6 @@ def _float(value: float) -> str:
     """
     shown = number(value)
     return shown if set(shown) & {".", "e", "n"} else f"{shown}.0"
-
-
-_MANAGER = """controller_manager:
-  ros__parameters:
-    update_rate: {rate}  # Hz
-    joint_state_broadcaster:
-      type: joint_state_broadcaster/JointStateBroadcaster
-"""
-_POSITIONS = """
-{name}:
-  ros__parameters:
-    joints: [{joints}]
-    command_interfaces: [position]
-    state_interfaces: [position, velocity]
-"""
-_VELOCITY = """
-{name}:
-  ros__parameters:
-    update_rate: {rate}  # Hz, that of the controller manager
-    dof_names: [{joints}]
-    command_interface: effort
-    reference_and_state_interfaces: [velocity]
-    enable_feedforward: true
-    gains:
-{gains}"""
-_GAINS = """        p: {p}  # {per}
-        i: {i}  # {force}{angle}
-        d: 0.0
-        feedforward_gain: {ff}  # {speed}
-        u_clamp_max: {most}  # {force}
-        u_clamp_min: {least}
-        i_clamp_max: {most}  # {force}
-        i_clamp_min: {least}
-        antiwindup_strategy: conditional_integration
-"""
 
 
 # The controller of ros2_controllers that drives a platform by velocities, and its parameters as YAML.
@@ -288,10 +268,8 @@ def _mecanum(
     one, other = (turning[front_left] + turning[rear_right]) / 2.0, (turning[front_right] + turning[rear_left]) / 2.0
     corners = {"front_left": front_left, "front_right": front_right, "rear_right": rear_right, "rear_left": rear_left}
     parameters: dict[str, Any] = {"reference_timeout": 0.5}
-    for corner, n in corners.items():
-        parameters[f"{corner}_wheel_command_joint_name"] = before + names[n]
-    for corner, n in corners.items() if before else ():
-        parameters[f"{corner}_wheel_state_joint_name"] = names[n]
+    parameters |= {f"{corner}_wheel_command_joint_name": before + names[n] for corner, n in corners.items()}
+    parameters |= {f"{corner}_wheel_state_joint_name": names[n] for corner, n in corners.items() if before}
     parameters["kinematics"] = {
         "base_frame_offset": {"x": float(one - other) / 2.0, "y": float(one + other) / 2.0, "theta": 0.0},
         "wheels_radius": of.radius, "sum_of_robot_center_projection_on_X_Y_axis": float(reach),
@@ -320,22 +298,24 @@ def _limits(reach: Reach, axes: tuple[str, ...], *, older: bool) -> dict[str, An
     return {"linear": linear, "angular": {"z": about}}
 
 
-def parameters_text(parameters: Mapping[str, Any], indent: int = 4) -> str:
+def parameters_text(parameters: Mapping[str, Any], indent: int = 0) -> str:
     """Parameters as lines of YAML.
 
-    >>> print(parameters_text({"linear": {"x": {"max_velocity": 2.0}}, "names": ["a", "b"]}, 0), end="")
+    >>> print(parameters_text({"linear": {"x": {"max_velocity": 2.0}}, "names": ["a", "b"]}), end="")
     linear:
       x:
         max_velocity: 2.0
     names: [a, b]
     """
-    lines = []
-    for name, value in parameters.items():
-        written = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
+    lines = ""
+    for name, given in parameters.items():
+        value, said = given if isinstance(given, Noted) else (given, "")
+        lines += f"{' ' * indent}{name}:"
         if isinstance(value, Mapping):
-            lines.append(f"{' ' * indent}{name}:\n{parameters_text(value, indent + 2)}")
+            lines += f"\n{parameters_text(value, indent + 2)}"
             continue
-        if isinstance(value, float):
-            written = _float(value)
-        lines.append(f"{' ' * indent}{name}: {written.lower() if isinstance(value, bool) else written}\n")
-    return "".join(lines)
+        written = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
+        if isinstance(value, float | bool):
+            written = str(value).lower() if isinstance(value, bool) else _float(value)
+        lines += f" {written}{said and f'  # {said}'}\n"
+    return lines

@@ -16,15 +16,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from math import asin, atan2, hypot, isnan, pi
+from math import isnan, pi
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array
 from drivesizer.output.export import common
-from drivesizer.output.export.common import brief, identifier, number, remark, vector
+from drivesizer.output.export.common import brief, identifier, number, remark, texts, vector
 from drivesizer.output.export.machine import MachineExport, RobotExport, free_name, head, in_urdf
 from drivesizer.output.export.platform import BASE as PLATFORM_BASE
 from drivesizer.output.export.platform import PlatformExport, wheel_name
@@ -32,7 +33,6 @@ from drivesizer.spec.description import Body, together
 
 FOOTPRINT = "base_footprint"
 BASE = "base"
-_TINY = 1e-14  # of a rotation: no angle
 _WIDTH = 0.5  # of a wheel, over its radius: assumed, to be seen
 _CASTER = 0.25  # radius of a caster over that of the wheels: assumed
 _SDF = "1.7"  # the first with parent="world"; read by every Gazebo since
@@ -43,12 +43,10 @@ def render(of: MachineExport) -> bytes:
     root = robot_of(of)
     for drive in of.drives:
         added = SubElement(root, "transmission", name=f"{drive.joint}_transmission")
-        SubElement(added, "type").text = "transmission_interface/SimpleTransmission"
-        interface = "Position" if drive.of.stepper else "Effort"
-        of_joint = SubElement(added, "joint", name=drive.joint)
-        SubElement(of_joint, "hardwareInterface").text = f"hardware_interface/{interface}JointInterface"
-        of_motor = SubElement(added, "actuator", name=drive.motor)
-        SubElement(of_motor, "mechanicalReduction").text = number(drive.ratio)
+        texts(added, type="transmission_interface/SimpleTransmission")
+        interface = f"hardware_interface/{'Position' if drive.of.stepper else 'Effort'}JointInterface"
+        texts(SubElement(added, "joint", name=drive.joint), hardwareInterface=interface)
+        texts(SubElement(added, "actuator", name=drive.motor), mechanicalReduction=number(drive.ratio))
     return common.document(root)
 
 
@@ -72,29 +70,30 @@ def robot_of(of: MachineExport, direction: float = 1.0) -> Element:
         moved = common.link_of(one, reflected=True)
         link = SubElement(root, "link", name=f"{before}load")
         remark(link, moved.said)
-        inertial = SubElement(link, "inertial")
-        if any(moved.centre):
-            SubElement(inertial, "origin", xyz=vector(moved.centre), rpy="0 0 0")
-        SubElement(inertial, "mass", value=number(moved.mass))
-        SubElement(inertial, "inertia", _moments(moved.inertia * np.eye(3)))
-        joint = SubElement(root, "joint", name=drive.joint, type="continuous")
-        _between(joint, base, f"{before}load")
-        SubElement(joint, "axis", xyz=vector(moved.axis))
-        SubElement(joint, "limit", _required(one.label, drive.limits))
-        SubElement(joint, "dynamics", damping=number(one.damping), friction=number(one.friction))
+        _inertial(link, Body(moved.mass, np.array(moved.centre), moved.inertia * np.eye(3)), shifted=any(moved.centre))
+        _joint(
+            root, drive.joint, "continuous", base, f"{before}load", axis={"xyz": vector(moved.axis)},
+            limit=_required(one.label, drive.limits),
+            dynamics={"damping": number(one.damping), "friction": number(one.friction)},
+        )  # fmt: skip
         common.refuse_doubles(root, ("link", "joint"), name)
     return root
 
 
-def _between(joint: Element, parent: str, child: str) -> None:
+def _joint(
+    root: Element, name: str, kind: str, parent: str, child: str, said: Iterable[str] = (),
+    at: Iterable[float] | None = None, turn: Iterable[float] = (0.0, 0.0, 0.0), **elements: dict[str, str],
+) -> None:  # fmt: skip
+    """A joint between two links; its origin where it has a place, and its further elements that have attributes."""
+    joint = SubElement(root, "joint", name=name, type=kind)
+    remark(joint, *said)
     SubElement(joint, "parent", link=parent)
     SubElement(joint, "child", link=child)
-
-
-def _fixed(root: Element, name: str, parent: str, child: str, at: Iterable[float]) -> None:
-    joint = SubElement(root, "joint", name=name, type="fixed")
-    _between(joint, parent, child)
-    SubElement(joint, "origin", xyz=vector(at), rpy="0 0 0")
+    if at is not None:
+        SubElement(joint, "origin", xyz=vector(at), rpy=vector(turn))
+    for tag, attributes in elements.items():
+        if attributes:
+            SubElement(joint, tag, attributes)
 
 
 def _required(label: str, known: dict[str, str]) -> dict[str, str]:
@@ -110,12 +109,13 @@ def _moments(J: Array) -> dict[str, str]:
     return {name: number(J[row, column] + 0.0) for name, row, column in rows}
 
 
-def _inertial(element: Element, body: Body) -> None:
+def _inertial(element: Element, body: Body, *, shifted: bool = True) -> None:
     """Mass, centre and inertia; none of a link without any."""
     if not body.mass and not body.inertia.any():
         return
     inertial = SubElement(element, "inertial")
-    SubElement(inertial, "origin", xyz=vector(body.centre), rpy="0 0 0")
+    if shifted:
+        SubElement(inertial, "origin", xyz=vector(body.centre), rpy="0 0 0")
     SubElement(inertial, "mass", value=number(body.mass))
     least = common.LEAST_INERTIA * np.eye(3)
     SubElement(inertial, "inertia", _moments(body.inertia if body.inertia.any() else least))
@@ -135,50 +135,31 @@ def _robot(root: Element, robot: RobotExport) -> None:
         points = [Body(one.mass, one.place.at, np.zeros((3, 3))) for one in on_it]
         _inertial(element, together([own, *points]) if points else own)
     for joint in robot.robot.joints.values():
-        drive = robot.drive(joint.name)
-        element = SubElement(root, "joint", name=joint.name, type=joint.kind)
-        if drive:
-            remark(element, *drive.remarks)
-        _between(element, joint.parent, joint.child)
-        SubElement(element, "origin", xyz=vector(joint.place), rpy=vector(roll_pitch_yaw(joint.turn)))
-        if not joint.moves:
-            continue
-        SubElement(element, "axis", xyz=vector(joint.axis))
-        described = {"lower": joint.lower, "upper": joint.upper}
-        if drive is None:
-            described |= {"effort": joint.effort, "velocity": joint.velocity}
-        limit = {name: number(value) for name, value in described.items() if not isnan(value)}
-        limit |= _required(drive.of.label, drive.limits) if drive else {}
-        if limit:
-            SubElement(element, "limit", limit)
-        damping, friction = (joint.damping, joint.friction) if drive is None or robot.keeps_friction else (0.0, 0.0)
-        if drive:
-            damping, friction = damping + drive.damping, friction + drive.friction
-        if damping or friction:
-            SubElement(element, "dynamics", damping=number(damping), friction=number(friction))
-        if joint.mimic:
-            follows = {"joint": joint.mimic, "multiplier": number(joint.factor), "offset": number(joint.offset)}
-            SubElement(element, "mimic", follows)
+        drive, elements = robot.drive(joint.name), dict[str, dict[str, str]]()
+        if joint.moves:
+            described = {"lower": joint.lower, "upper": joint.upper}
+            if drive is None:
+                described |= {"effort": joint.effort, "velocity": joint.velocity}
+            limit = {name: number(value) for name, value in described.items() if not isnan(value)}
+            limit |= _required(drive.of.label, drive.limits) if drive else {}
+            damping, friction = robot.resistance(joint)
+            if drive:
+                damping, friction = damping + drive.damping, friction + drive.friction
+            dynamics = {"damping": number(damping), "friction": number(friction)} if damping or friction else {}
+            elements = {"axis": {"xyz": vector(joint.axis)}, "limit": limit, "dynamics": dynamics}
+            if joint.mimic:
+                elements["mimic"] = {"joint": joint.mimic, "multiplier": number(joint.factor),
+                                     "offset": number(joint.offset)}  # fmt: skip
+        turn = Rotation.from_matrix(joint.turn).as_euler("xyz")
+        _joint(root, joint.name, joint.kind, joint.parent, joint.child, drive.remarks if drive else (), joint.place,
+               turn, **elements)  # fmt: skip
     if robot.payload:
         remark(root, "The payload: leave out this joint and its link for the robot without it.")
         name = free_name("payload", robot.robot.links)
         element = SubElement(root, "link", name=name)
         _inertial(element, Body(robot.payload_mass, np.zeros(3), np.zeros((3, 3))))
         mount = free_name("payload_mount", robot.robot.joints)
-        _fixed(root, mount, robot.payload.link, name, robot.payload.at)
-
-
-def roll_pitch_yaw(turn: Array) -> tuple[float, float, float]:
-    """Angles about the fixed axes x, y and z, one after the other, of a rotation matrix.
-
-    >>> roll_pitch_yaw(np.eye(3))
-    (0.0, 0.0, 0.0)
-    """
-    (xx, xy, _), (yx, yy, _), (zx, zy, zz) = turn.tolist()
-    level = hypot(xx, yx)
-    if level < _TINY:
-        return 0.0, asin(max(-1.0, min(1.0, -zx))), atan2(-xy, yy)
-    return atan2(zy, zz), atan2(-zx, level), atan2(yx, xx)
+        _joint(root, mount, "fixed", robot.payload.link, name, at=robot.payload.at)
 
 
 def _platform(root: Element, of: PlatformExport, direction: float) -> None:
@@ -194,7 +175,7 @@ def _platform(root: Element, of: PlatformExport, direction: float) -> None:
         visual = SubElement(link, "visual")
         SubElement(visual, "origin", xyz=vector((size.x, size.y, size.height / 2.0 - of.radius)), rpy="0 0 0")
         SubElement(SubElement(visual, "geometry"), "box", size=vector((size.length, size.width, size.height)))
-    _fixed(root, "base_joint", FOOTPRINT, PLATFORM_BASE, (0.0, 0.0, of.radius))
+    _joint(root, "base_joint", "fixed", FOOTPRINT, PLATFORM_BASE, at=(0.0, 0.0, of.radius))
     for place, at in enumerate(of.platform.wheels):
         name, drive = wheel_name(place), of.drives.get(place)
         link = SubElement(root, "link", name=f"{name}_link")
@@ -204,22 +185,20 @@ def _platform(root: Element, of: PlatformExport, direction: float) -> None:
             SubElement(element, "origin", xyz="0 0 0", rpy=vector((pi / 2.0, 0.0, 0.0)))
             round_ = {"radius": number(at.radius), "length": number(_WIDTH * at.radius)}
             SubElement(SubElement(element, "geometry"), "cylinder", round_)
-        joint = SubElement(root, "joint", name=name, type="continuous")
-        remark(joint, of.of_wheel(place))
-        _between(joint, PLATFORM_BASE, f"{name}_link")
-        SubElement(joint, "origin", xyz=vector((at.x, at.y, 0.0)), rpy=vector((0.0, 0.0, at.heading)))
-        SubElement(joint, "axis", xyz=vector((0.0, direction, 0.0)))
-        if drive:
-            SubElement(joint, "limit", _required(drive.of.label, drive.limits))
         damping, friction = (drive.damping, drive.friction) if drive else (0.0, 0.0)
-        SubElement(joint, "dynamics", damping=number(damping), friction=number(friction + of.rolling[place]))
+        _joint(
+            root, name, "continuous", PLATFORM_BASE, f"{name}_link", [of.of_wheel(place)], (at.x, at.y, 0.0),
+            (0.0, 0.0, at.heading), axis={"xyz": vector((0.0, direction, 0.0))},
+            limit=_required(drive.of.label, drive.limits) if drive else {},
+            dynamics={"damping": number(damping), "friction": number(friction + of.rolling[place])},
+        )  # fmt: skip
     for n, caster in enumerate(of.platform.casters, 1):
         link = SubElement(root, "link", name=f"caster_{n}_link")
         for shape in ("visual", "collision"):
             ball = SubElement(SubElement(SubElement(link, shape), "geometry"), "sphere")
             ball.set("radius", number(_CASTER * of.radius))
         at_floor = (caster.x, caster.y, (_CASTER - 1.0) * of.radius)
-        _fixed(root, f"caster_{n}", PLATFORM_BASE, f"caster_{n}_link", at_floor)
+        _joint(root, f"caster_{n}", "fixed", PLATFORM_BASE, f"caster_{n}_link", at=at_floor)
 
 
 # SDFormat 1.7, for Gazebo: axes as joints of one model.
@@ -234,9 +213,7 @@ def render_sdf(of: MachineExport) -> bytes:
     model = SubElement(root, "model", name=identifier(of.name))
     base = SubElement(model, "link", name=BASE)
     remark(base, "The base stands on the world; its own figures do not count.")
-    fixed = SubElement(model, "joint", name="stand", type="fixed")
-    SubElement(fixed, "parent").text = "world"
-    SubElement(fixed, "child").text = BASE
+    texts(SubElement(model, "joint", name="stand", type="fixed"), parent="world", child=BASE)
     for name, drive in of.shafts:
         one, before = drive.of, drive.joint.removesuffix("shaft")
         if name:
@@ -246,22 +223,15 @@ def render_sdf(of: MachineExport) -> bytes:
         remark(link, moved.said)
         inertial = SubElement(link, "inertial")
         if any(moved.centre):
-            SubElement(inertial, "pose").text = f"{vector(moved.centre)} 0 0 0"
-        SubElement(inertial, "mass").text = number(moved.mass)
-        inertia = SubElement(inertial, "inertia")
-        for moment, value in _moments(moved.inertia * np.eye(3)).items():
-            SubElement(inertia, moment).text = value
+            texts(inertial, pose=f"{vector(moved.centre)} 0 0 0")
+        texts(inertial, mass=number(moved.mass))
+        texts(SubElement(inertial, "inertia"), **_moments(moved.inertia * np.eye(3)))
         joint = SubElement(model, "joint", name=drive.joint, type="revolute")
-        SubElement(joint, "parent").text = BASE
-        SubElement(joint, "child").text = f"{before}load"
+        texts(joint, parent=BASE, child=f"{before}load")
         axis = SubElement(joint, "axis")
-        SubElement(axis, "xyz").text = vector(moved.axis)
-        limit = SubElement(axis, "limit")
-        for limited, value in {"lower": "-1e16", "upper": "1e16", **drive.limits}.items():
-            SubElement(limit, limited).text = value
-        dynamics = SubElement(axis, "dynamics")
-        springs = {"spring_reference": 0.0, "spring_stiffness": 0.0}  # required by the format
-        for figure, amount in {"damping": one.damping, "friction": one.friction, **springs}.items():
-            SubElement(dynamics, figure).text = number(amount)
+        texts(axis, xyz=vector(moved.axis))
+        texts(SubElement(axis, "limit"), lower="-1e16", upper="1e16", **drive.limits)
+        springs = {"spring_reference": "0", "spring_stiffness": "0"}  # required by the format
+        texts(SubElement(axis, "dynamics"), damping=number(one.damping), friction=number(one.friction), **springs)
         common.refuse_doubles(root, ("link", "joint"), name)
     return common.document(root)

@@ -20,6 +20,7 @@ from drivesizer.output.report.figures import picture, style
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import CASES, COLOURS, Drawing, Window, figure, placed, reads
 from drivesizer.physics.load_cycle import LoadCycle, end_times
+from drivesizer.results.identification import Trace
 from drivesizer.results.prediction import Prediction
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label
@@ -199,7 +200,7 @@ def each_over_time(figure: Figure, plot: Plot) -> None:
                     axes.axhline(value, color="black", linewidth=0.7, linestyle=dashes,
                                  label=f"{name} {value:.4g} {label(one.unit)}")  # fmt: skip
             axes.tick_params(labelbottom=row == count - 1)
-            axes.set_title(f"{style.named(curve.name)}: {one.reads}", pad=2.5)
+            axes.set_title(f"{style.named(curve.name)}: {reads(one.name, one.unit)}", pad=2.5)
             axes.set_ylabel("")
         grid[-1][column].set_xlabel("time (s)")
     if names:
@@ -254,7 +255,7 @@ def closed_loop(validation: Validation) -> Plot:
     return picture.over_time(*rows, windows=style.windows(series), columns=3)
 
 
-# -- Temperatures: of winding and housing from cold, and over the cycle that repeats; of a set at the bench.
+# -- Temperatures of winding and housing from cold, and over the cycle that repeats.
 
 
 def time_unit(longest: float) -> str:
@@ -297,6 +298,47 @@ def temperatures(figure: Figure, found: WarmUp, ambient: float, permitted: float
     way.set_ylim(_celsius(ambient) - 0.04 * rise, _celsius(ambient) + 1.12 * rise)
     way.set_ylabel("temperature (°C)")
     style.heading(figure, *way.get_legend_handles_labels(), 3)
+
+
+# -- Measured against model over time: figures of a log.
+
+
+_POINTS = 3000  # of a curve
+
+
+def measured_and_model(time: Array, traces: Sequence[Trace]) -> Plot:
+    """Each quantity of a log as it was measured and as the model has it.
+
+    Parameters
+    ----------
+    time
+        Of their values [s].
+    traces
+        The quantities; moves behind one another count on.
+
+    Returns
+    -------
+    Plot
+        A diagram of each.
+    """
+    apart = np.diff(time)
+    usual = float(np.median(apart)) if len(apart) else 1.0
+    along = np.concatenate([[0.0], np.cumsum(np.where((apart > 0.0) & (apart < 20.0 * usual), apart, usual))])
+    some = slice(None, None, max(1, len(along) // _POINTS))
+
+    def curves(one: Trace) -> list[Curve]:
+        made = [
+            ("measured", one.measured, "grey", "solid", 1.4),
+            ("model", one.modelled, "vermillion", picture.DASHED, 1.0),
+        ]
+        return [Curve(name=name, x=along[some], y=from_si(y, one.unit, one.kind)[some], colour=colour, dashes=dashes,
+                      width=width) for name, y, colour, dashes, width in made]  # fmt: skip
+
+    diagrams = [Diagram(name=one.name, unit=one.unit, curves=curves(one), height=1.3) for one in traces]
+    return Plot(diagrams=diagrams, across="time", unit="s", ends=(0.0, float(along[-1])))
+
+
+# -- A set at the bench.
 
 
 @figure

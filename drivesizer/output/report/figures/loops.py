@@ -325,7 +325,9 @@ def step(figure: Figure, loops: Sequence[Loop]) -> None:
         if len(loop.step):
             plot = next(stable)
             picture.draw(axes, plot.diagrams[0])
-            axes.set(xlim=plot.ends, xlabel=reads("time", plot.unit), ylabel=plot.diagrams[0].reads * (axes is grid[0]))
+            axes.set(xlim=plot.ends, xlabel=reads("time", plot.unit))
+            if axes is not grid[0]:
+                axes.set_ylabel("")
             continue
         axes.set(xticks=[], yticks=[])
         said = f"unstable:\nlargest pole {loop.pole_radius:.4g},\nits answer has no end"

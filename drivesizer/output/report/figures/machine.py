@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 from math import ceil, isnan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -10,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.path_following import Followed, deviation
-from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import trajectory_of
 from drivesizer.machine.battery import charge_over_mission
 from drivesizer.machine.platform_budget import PermittedSpeeds
@@ -20,7 +20,6 @@ from drivesizer.output.report.figures.picture import Bars, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import (
     CASES,
     COLOURS,
-    Drawing,
     Window,
     beside,
     figure,
@@ -165,15 +164,10 @@ _LEFT, _RIGHT, _TOP, _BELOW = 0.66, 0.2, 0.4, 0.42  # in, around the panels
 _GAP, _TITLE = 0.12, 0.25  # in, between them, and above each
 
 
-def path_and_errors(runs: Mapping[str, Followed]) -> Drawing:
-    """The desired path and what was driven, to scale; distance and heading error over the way."""
-    if not 1 <= len(runs) <= len(_LOOKS):
-        raise InputError(f"figure of a path: expected 1 to {len(_LOOKS)} runs, got {len(runs)}")
-    return _path_and_errors(runs)
-
-
 @figure
-def _path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
+def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
+    """The desired path and what was driven, to scale; distance and heading error over the way."""
+
     def some(count: int, most: int) -> NDArray[np.int64]:  # places, the first and the last among them
         return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
@@ -182,7 +176,7 @@ def _path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
     )
     wanted = next(iter(runs.values())).planned.posture
     plane.plot(*wanted[:2, some(wanted.shape[1], _POINTS)], color=COLOURS["blue"], linewidth=1.6, label="desired")
-    for (name, run), (colour, dashes) in zip(runs.items(), _LOOKS, strict=False):
+    for (name, run), (colour, dashes) in zip(runs.items(), cycle(_LOOKS), strict=False):
         # dashes lie on the unbroken line, where two runs are one to the eye
         look: Any = {"color": COLOURS[colour], "linestyle": dashes, "zorder": 2.5 if dashes == "solid" else 3.0}
         plane.plot(*run.posture[:2, some(run.posture.shape[1], _POINTS)], label=named(name), **look)

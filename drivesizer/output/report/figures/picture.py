@@ -71,11 +71,6 @@ class Diagram:
     log: bool = False
     height: float = 0.95  # in, on paper
 
-    @property
-    def reads(self) -> str:
-        """The label of its axis."""
-        return f"{self.name} ({label(self.unit)})" if self.unit else self.name
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plot:
@@ -155,7 +150,7 @@ def on_paper(figure: Figure, plot: Plot) -> None:
         _decades(axes, plot.ends)
     elif plot.ends and not strip:
         axes.set_xlim(plot.ends)
-    axes.set_xlabel(f"{plot.across} ({label(plot.unit)})" if plot.unit else plot.across)
+    axes.set_xlabel(style.reads(plot.across, plot.unit))
     handles = {said: line for (ax,) in reversed(grid)
                for line, said in reversed([*zip(*ax.get_legend_handles_labels(), strict=True)])}  # fmt: skip
     if right:
@@ -213,7 +208,7 @@ def draw(
         from matplotlib.ticker import MultipleLocator
 
         axes.yaxis.set_major_locator(MultipleLocator(one.tick))
-    axes.set_ylabel(one.reads)
+    axes.set_ylabel(style.reads(one.name, one.unit))
 
 
 def _on_lines(curve: Curve) -> str:
@@ -273,7 +268,7 @@ def draw_bars(axes: Axes, bars: Bars) -> None:
         style.beside(axes, said, (at, place), (3, 0), va="center", fontsize=6.8)
     style.bars(axes, [style.named(name) for name, _ in bars.rows])
     axes.axvline(0.0, color="black", linewidth=0.6)
-    axes.set_xlabel(f"{bars.across} ({label(bars.unit)})")
+    axes.set_xlabel(style.reads(bars.across, bars.unit))
     axes.set_xlim(right=1.18 * max(0.0, np.nanmax(figures)) or 1.0)
 
 
@@ -330,7 +325,7 @@ def scatter(figure: Figure, plot: Plot) -> None:
     (diagram,) = plot.diagrams
     draw(axes, diagram)
     axes.margins(*AROUND)
-    axes.set_xlabel(f"{plot.across} ({label(plot.unit)})")
+    axes.set_xlabel(style.reads(plot.across, plot.unit))
     for curve in diagram.curves:
         for x, y, (text, side) in zip(curve.x, curve.y, curve.spots, strict=True):
             across, up = SIDES.get(side, (0.0, 0.0))

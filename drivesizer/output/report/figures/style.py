@@ -194,7 +194,7 @@ def bars(axes: Axes, names: Sequence[str], *, upwards: bool = False) -> None:
 
 def reads(name: str, unit: str) -> str:
     """The label of an axis."""
-    return f"{name} ({units.label(unit)})"
+    return f"{name} ({units.label(unit)})" if unit else name
 
 
 def limit(axes: Axes, value: float, name: str, look: int = 0, *, below: bool = False) -> None:
@@ -329,8 +329,7 @@ def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
     from matplotlib.ticker import MaxNLocator
 
     locator = MaxNLocator(_TICKS_OF_STRIP, steps=[1, 2, 5, 10])
-    places: list[float] = []
-    names: list[str] = []
+    places, names = list[float](), list[str]()
     for number, (window, start) in enumerate(zip(shown.windows, shown.starts, strict=True)):
         ticks, room = np.asarray(locator.tick_values(window.start, window.end)), 1e-9 * (window.end - window.start)
         ticks = ticks[(ticks >= window.start - room) & (ticks <= window.end + room)]

@@ -18,6 +18,7 @@ from drivesizer.output.json import documents
 from drivesizer.output.report.figures import picture
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.words import number_of
+from drivesizer.physics.extremes import undominated
 from drivesizer.results.sizing import Choice, Choices, used_share, weighted_order
 from drivesizer.spec.drive import BOUGHT, OBJECTIVES
 from drivesizer.units import show
@@ -58,6 +59,7 @@ def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str, unit: str) ->
 
 
 _AXES = ("mass", "price", "energy")  # less of each is better
+_WORST = -1e30  # in the place of what is unknown
 _SCALE = [[0.0, "#2c7fb8"], [0.5, "#a1dab4"], [1.0, "#fdae61"]]  # of the energy: seen in light and in dark
 
 
@@ -67,7 +69,10 @@ def choices_plot(chosen: Choices | None) -> Plot | None:
     drives = [one for one in every if isfinite(one.figures["mass"]) and isfinite(one.figures["price"])]
     if len(drives) < 2:
         return None
-    best, energy = unbeaten(drives), [one.figures["energy"] for one in drives]
+    energy = [one.figures["energy"] for one in drives]
+    goals = -np.array([[one.figures.get(name, nan) for name in _AXES] for one in drives])
+    different, which = np.unique(np.nan_to_num(goals, nan=_WORST), axis=0, return_inverse=True)
+    best = np.isin(which.ravel(), undominated(different)).tolist()
     points = Curve(
         name="drives", x=[1e3 * one.figures["mass"] for one in drives], y=[one.figures["price"] for one in drives],
         mark="o", joined=False, listed=False, keys=[""] * len(drives),
@@ -81,18 +86,6 @@ def choices_plot(chosen: Choices | None) -> Plot | None:
     }  # fmt: skip
     prices = Diagram(name="price", unit=drives[0].parts.currency, curves=[points])
     return Plot(diagrams=[prices], across="mass", unit="g", trace={"marker": marker})
-
-
-def unbeaten(drives: list[Choice]) -> list[bool]:
-    """Whether a drive is on the front: no other is as good in mass, price and energy and better in one of them."""
-    figures = [tuple(one.figures.get(name, nan) for name in _AXES) for one in drives]
-    known = [tuple(value for value in each if isfinite(value)) for each in figures]
-
-    def beats(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        pairs = list(zip(one, other, strict=False))
-        return len(one) >= len(other) and all(a <= b for a, b in pairs) and any(a < b for a, b in pairs)
-
-    return [not any(beats(one, other) for one in known) for other in known]
 
 
 def _hover_text(one: Choice, front: bool) -> Iterator[str]:

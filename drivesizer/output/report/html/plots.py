@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.output.report.figures.picture import SIDES, Bars, Curve, Diagram, Plot
-from drivesizer.output.report.figures.style import Window, thinned
+from drivesizer.output.report.figures.style import Window, reads, thinned
 from drivesizer.units import label
 
 Data = dict[str, Any]
@@ -139,8 +139,8 @@ def _layout(plot: Plot) -> Data:
         axis |= {"dtick": one.tick} if one.tick else {"type": "log"} if one.log else {}
         layout[name] = axis
         layout["annotations"].append({
-            "text": plain(one.reads), "x": 0, "y": top, "xref": "paper", "yref": "paper", "xanchor": "left",
-            "yanchor": "bottom", "showarrow": False,
+            "text": plain(reads(one.name, one.unit)), "x": 0, "y": top, "xref": "paper", "yref": "paper",
+            "xanchor": "left", "yanchor": "bottom", "showarrow": False,
         })  # fmt: skip
         layout["shapes"] += _shapes(one, name.replace("axis", ""))
         layout["annotations"] += [
@@ -149,9 +149,9 @@ def _layout(plot: Plot) -> Data:
             for said, value in one.levels if not one.ends or value <= one.ends[1]
         ]  # fmt: skip
         top = axis["domain"][0]
-    across = f"{plot.across} ({label(plot.unit)})" if plot.unit else plot.across
     lowest = "y" if len(heights) == 1 else f"y{len(heights)}"
-    layout["xaxis"] = {"anchor": lowest, "title": {"text": plain(across)}, "showspikes": plot.over_time}
+    title = {"text": plain(reads(plot.across, plot.unit))}
+    layout["xaxis"] = {"anchor": lowest, "title": title, "showspikes": plot.over_time}
     seen = (plot.windows[0].start, plot.windows[0].end) if plot.windows else plot.ends
     if seen:
         layout["xaxis"]["range"] = [math.log10(end) for end in seen] if plot.log else numbers(seen)
@@ -195,6 +195,6 @@ def _bars(bars: Bars) -> Data:
         "hovertemplate": "%{y}: %{customdata}<extra></extra>",
     }  # fmt: skip
     layout = {"height": 90 + 26 * len(said), "hovermode": "closest",
-              "xaxis": {"title": {"text": f"{bars.across} ({label(bars.unit)})"}},
+              "xaxis": {"title": {"text": reads(bars.across, bars.unit)}},
               "yaxis": {"autorange": "reversed", "type": "category"}}  # fmt: skip
     return {"data": [trace], "layout": layout, "legend": [], "views": [], "title": ""}
