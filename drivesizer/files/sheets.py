@@ -63,7 +63,11 @@ def sheets(path: Path, largest: int = 64_000_000) -> list[Sheet]:
     InputError
         When the file cannot be read as a table.
     """
-    raw = read_bytes(path, largest)
+    return tables_of(read_bytes(path, largest), path)
+
+
+def tables_of(raw: bytes, path: Path) -> list[Sheet]:
+    """All tables of a content, as of :func:`sheets` of the file."""
     if raw.startswith(b"PK\x03\x04"):
         return _workbook(raw, path)
     if raw.startswith(b"%PDF"):

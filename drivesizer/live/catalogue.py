@@ -9,15 +9,18 @@ from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, columns_of, load, shipped, singular
 from drivesizer.catalog.conditions import OPTIONS, Condition, option, where
+from drivesizer.catalog.importing import Plan, import_table
 from drivesizer.catalog.law_check import check as findings
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import Hit, origins, select, side_by_side
 from drivesizer.errors import DrivesizerError, InputError, quoted
+from drivesizer.files.sheets import tables_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output.document import part as sheets
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import Words
+from drivesizer.output.terminal.findings import import_words, still_needed
 from drivesizer.output.words import FIRST_NOTES, figure, first_columns
 from drivesizer.spec.drive import Select
 from drivesizer.spec.machine import named_catalogs
@@ -133,13 +136,24 @@ def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """The findings of ``drivesizer catalog check`` on one catalogue."""
-    catalog = catalog_of_text(Path(request["name"]), request["content"])
+    """The findings of ``drivesizer catalog check`` on one catalogue; a table becomes one as by ``catalog import``."""
+    name, content, made = Path(request["name"]), request["content"], dict[str, Any]()
+    if name.suffix not in (".yaml", ".yml"):
+        known = [one for one in listed_names(named_by(held, request["text"])) if one in shipped()]
+        name = name.with_suffix(".yaml")
+        read = import_table(tables_of(content, Path(request["name"])), name, Plan(), name, shelf(held, known))
+        content = read.text.encode()
+        columns = [f"{head.theirs}: {head.column}, first {first}" for head, first in
+                   zip(read.heads, read.examples, strict=True) if head.column not in ("", head.theirs)]  # fmt: skip
+        read_as = [f"read as {singular(read.section)}: {'; '.join(columns)}"] if columns else []
+        made = {"text": read.text,
+                "read": [*read_as, *import_words(read), *still_needed(read.catalog, read.section)]}  # fmt: skip
+    catalog = catalog_of_text(name, content)
     held.go_on()
     found = findings(catalog)
     lines = [one.text() for one in found if one.unexplained]
-    yield {"kind": "contradictory" if lines else "right", "name": request["name"], "parts": counts(catalog),
-           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0)}  # fmt: skip
+    yield {"kind": "contradictory" if lines else "right", "name": str(name), "parts": counts(catalog),
+           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0), **made}  # fmt: skip
 
 
 # -- One part on the page as ``drivesizer catalog show`` prints it, with its curves, and several side by side.

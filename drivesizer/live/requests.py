@@ -53,9 +53,10 @@ class SaveRequest(BaseModel):
 
 
 class CatalogueRequest(BaseModel):
-    """A catalogue of the user, or that one is given up."""
+    """A catalogue of the user, or a table or data sheet that becomes one, or that one is given up."""
 
     model_config = ConfigDict(strict=True)
+    text: Annotated[str, Field(max_length=LONGEST)] = ""  # of the spec
     name: str
     content: str | None = None  # base64
     anyway: bool = False

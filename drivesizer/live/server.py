@@ -228,31 +228,33 @@ FOLDER = "dropped"  # of the names by which a spec finds them
 MOST = 4  # of them
 _LARGEST = 16_000_000  # bytes of each, as of any catalogue
 _UNUSUAL = re.compile(r"[^A-Za-z0-9._-]+")
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.]ya?ml")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.](ya?ml|csv|tsv|txt|xlsx|pdf|json|cfg|xml|mjcf)")
 
 
 def taken(request: Piece, engines: Engines) -> Piece:
     """Keep a catalogue where it is right, or give one up."""
     own, plain = engines.own, _UNUSUAL.sub("_", request["name"][-80:])  # a file's name as specs have it
-    name = f"{FOLDER}/{plain}"
     if not _NAME.fullmatch(plain):
-        return _wrong("expected the name of a file that ends in .yaml, and its content")
+        return _wrong("expected a catalogue, a file that ends in .yaml, or a table or data sheet, e.g. .csv or .pdf")
+    given = f"{FOLDER}/{plain}"
+    name = given if plain.endswith((".yaml", ".yml")) else f"{FOLDER}/{Path(plain).stem}.yaml"
     if request["content"] is None:
         own.pop(name, None)
         return {"kind": "given up", "name": name}
     try:
         content = base64.b64decode(request["content"], validate=True)
     except (binascii.Error, ValueError):
-        return _wrong(f"{name}: expected its content in base64")
+        return _wrong(f"{given}: expected its content in base64")
     if len(content) > _LARGEST:
-        return _wrong(f"{name}: the file is larger than {_LARGEST // 1_000_000} MB")
+        return _wrong(f"{given}: the file is larger than {_LARGEST // 1_000_000} MB")
     if name not in own and len(own) >= MOST:
         return _wrong(f"{name}: {MOST} catalogues are here already ({', '.join(own)}); remove one of them first")
     found = _wrong(f"{name}: another one came before this was checked")
-    for line in engines.answer("check", {"name": name, "content": content}, kind=f"check {name}", slow=True):
+    wanted = {"name": given, "content": content, "text": request["text"]}
+    for line in engines.answer("check", wanted, kind=f"check {name}", slow=True):
         found = json.loads(line)
     if found["kind"] == "right" or (found["kind"] == "contradictory" and request["anyway"]):
-        own[name] = content
+        own[name] = found.get("text", "").encode() or content
         return found | {"kind": "kept"}
     return found
 

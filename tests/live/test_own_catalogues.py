@@ -42,10 +42,10 @@ class Checking:
 def drop(held):
     """Drop a text on the page; what is kept is in ``own``."""
 
-    def of(text: str | bytes | None, name: str = "mine.yaml", **more: Any) -> dict[str, Any]:
+    def of(text: str | bytes | None, name: str = "mine.yaml", /, **more: Any) -> dict[str, Any]:
         raw = text.encode() if isinstance(text, str) else text
         body = {"name": name, "content": None if raw is None else base64.b64encode(raw).decode(), **more}
-        return taken({"anyway": False, **body}, engine)
+        return taken({"anyway": False, "text": "", **body}, engine)
 
     engine = Checking(held)
     of.own = engine.own
@@ -79,8 +79,28 @@ def test_what_is_wrong_is_said_with_its_line_and_the_one_before_stays(drop):
     assert "not UTF-8" in drop(b"catalog: 1\n\xff")["lines"][0]
 
 
+ROWS = """\
+part;voltage (V);no load speed (rpm);stall torque (mNm);mass (g)
+K-7;12;9000;310;52
+K-9;24;8200;350;57
+"""
+
+
+@pytest.mark.parametrize(("rows", "name"), [(ROWS, "k.csv"), (ROWS.replace(";", "\t"), "pasted.csv")])
+def test_a_table_or_a_pasted_row_becomes_a_part_that_a_spec_finds(drop, held, tmp_path, rows, name):
+    """The figures are those of the row; the engine's own catalogue is the text that the page can save."""
+    found = drop(rows, name, text="name: x\nselect: {catalogs: [pololu]}\n")
+    assert (found["kind"], found["name"]) == ("kept", f"dropped/{Path(name).stem}.yaml"), found
+    assert drop.own == {found["name"]: found["text"].encode()}
+    assert any("nominal_voltage, first 12" in line for line in found["read"])
+    take_over(held, drop.own)
+    (motor, *_) = load([found["name"], "pololu"], beside=tmp_path).motors.rows
+    assert motor == "K-7" and load([found["name"]], beside=tmp_path).motors["mass"][0] == pytest.approx(0.052)
+    assert drop("weather; rain\nyesterday; much\n", name)["kind"] == "wrong"
+
+
 def test_names_and_amounts_are_bounded(drop, monkeypatch):
-    for name in ("", "mine.csv", "..", ".yaml", "a" * 200):
+    for name in ("", "mine.exe", "..", ".yaml", "a" * 200):
         assert drop(RIGHT, name)["kind"] == "wrong"
     assert drop(RIGHT, "../../my parts (1).yaml")["kind"] == "wrong"
     assert drop(RIGHT, "my parts (1).yml")["name"] == "dropped/my_parts_1_.yml"

@@ -1,14 +1,15 @@
-// One's own catalogues: dropped in, checked, and known by their names until the server ends.
+// One's own catalogues, tables and data sheets: dropped or pasted, checked, known by their names until the server ends.
 
 import { counted } from "./catalogue_filter.js";
 import { button, element } from "./dom.js";
+import { handed } from "./files.js";
 import { post, whole } from "./requests.js";
 import { state, watch } from "./state.js";
 
 const LARGEST = 16_000_000, FOLDER = "dropped/";
-const input = element("input", { type: "file", accept: ".yaml,.yml", hidden: true, aria: { label: "catalogue file" } });
+const input = element("input", { type: "file", accept: ".yaml,.yml,.csv,.tsv,.txt,.xlsx,.pdf,.json,.cfg,.xml,.mjcf", hidden: true, aria: { label: "catalogue, table or data sheet" } });
 const said = element("div", { className: "checked", role: "status" }), kept = element("div", { className: "own" });
-const names = new Set(); // that the server has
+const names = new Map(); // that the server has, with the catalogue that it made of a table
 let act = {}, saved = null;
 
 /** `choose` puts catalogues into the spec, `open` shows the dialog, `changed` says that a catalogue has come or gone. */
@@ -17,11 +18,12 @@ export function prepare(does) {
   input.addEventListener("change", () => { take(input.files[0]); input.value = ""; });
   addEventListener("dragover", (event) => { if (event.dataTransfer?.types.includes("Files")) event.preventDefault(); });
   addEventListener("drop", dropped);
+  act.dialog.addEventListener("paste", pasted);
   watch(beside);
 }
 
 export function place() {
-  const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue file of your own here, or ", button("choose a file", () => input.click())), input);
+  const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue, a table of parts or a data sheet here, paste rows of a table with their head, or ", button("choose a file", () => input.click())), input);
   zone.addEventListener("dragenter", () => zone.classList.add("over"));
   zone.addEventListener("dragleave", (event) => { if (!zone.contains(event.relatedTarget)) zone.classList.remove("over"); });
   return element("div", {}, zone, said, kept);
@@ -34,7 +36,7 @@ async function dropped(event) {
   event.preventDefault();
   for (const zone of document.querySelectorAll(".drop.over")) zone.classList.remove("over");
   if (!act.dialog.open) {
-    if (!/^catalog\s*:/m.test(await file.slice(0, 100_000).text())) {
+    if (/\.ya?ml$/.test(file.name) && !/^catalog\s*:/m.test(await file.slice(0, 100_000).text())) {
       act.notice(`${file.name} is no catalogue; "Open …" takes a spec.`);
       return;
     }
@@ -43,12 +45,18 @@ async function dropped(event) {
   take(file);
 }
 
+/** Rows of a table as a spreadsheet or a shop's page gives them. */
+function pasted(event) {
+  const text = event.clipboardData?.getData("text/plain") ?? "";
+  if (event.target.tagName !== "INPUT" && text.trim()) take(new File([text], "pasted.csv"));
+}
+
 async function take(file, anyway = false) {
   if (!file) return;
   if (file.size > LARGEST) return say(`${file.name} is larger than ${LARGEST / 1e6} MB.`);
   say(`checking ${file.name} …`);
   try {
-    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway });
+    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway, text: state.text });
     report(file, await response.json());
   } catch {
     say(`${file.name} was not checked: the server does not answer.`);
@@ -73,13 +81,13 @@ const lines = (found) => element("ul", { className: "findings" }, ...found.map((
 function report(file, found) {
   if (found.kind === "superseded") return;
   if (found.kind === "kept") {
-    names.add(found.name);
-    say(`${found.name}: ${counted(found.parts)}.`, ...(found.lines.length ? [lines(found.lines)] : []));
+    names.set(found.name, found.text);
+    say(`${found.name}: ${counted(found.parts)}.`, lines([...(found.read ?? []), ...found.lines]));
     entries();
     act.changed(found.name);
   } else if (found.kind === "contradictory") {
     const count = found.lines.length + found.more;
-    say(`${file.name}: ${count === 1 ? "a figure contradicts" : `${count} figures contradict`} others and no note says why. It is not taken.`, lines(found.lines),
+    say(`${file.name}: ${count === 1 ? "a figure contradicts" : `${count} figures contradict`} others and no note says why. It is not taken.`, lines([...found.lines, ...(found.read ?? [])]),
       found.more ? element("p", { textContent: `and ${found.more} more` }) : "", button("take it all the same", () => take(file, true)));
   } else {
     say(`${file.name} is not taken:`, lines(found.lines ?? []));
@@ -89,15 +97,16 @@ function report(file, found) {
 // -- those that are here
 
 function entries() {
-  kept.replaceChildren(...[...names].map((name) => element("div", { className: "one" }, element("p", {}, element("strong", { textContent: name })),
+  kept.replaceChildren(...[...names].map(([name, text]) => element("div", { className: "one" }, element("p", {}, element("strong", { textContent: name })),
     element("p", { className: "note", textContent: `Kept in memory until drivesizer serve ends. A spec finds it by this name: save the spec, and ${name.slice(FOLDER.length)} must lie beside it in a folder ${FOLDER.slice(0, -1)}.` }),
-    element("p", {}, button("Search it too", () => act.choose({ catalogues: [name], add: true })), " ", button("Search it alone", () => act.choose({ catalogues: [name] })), " ", button("give it up", () => leave(name))))));
+    element("p", {}, button("Search it too", () => act.choose({ catalogues: [name], add: true })), " ", button("Search it alone", () => act.choose({ catalogues: [name] })), " ", ...(text ? [button("save the file", () => handed(name.slice(FOLDER.length), text, "application/yaml")), " "] : []), button("give it up", () => leave(name))))));
 }
 
 /** Takes the names of those that the server has: a page that was loaded anew finds them again. */
 export function known(catalogues) {
+  const there = catalogues.filter((one) => one.own).map((one) => [one.name, names.get(one.name)]);
   names.clear();
-  for (const one of catalogues) if (one.own) names.add(one.name);
+  for (const one of there) names.set(...one);
   entries();
 }
 
@@ -119,6 +128,6 @@ async function beside() {
   saved = state.saved;
   if (!before || before === saved || !saved.includes(FOLDER)) return;
   known((await whole("catalogues", { text: saved }))[0].catalogues);
-  const lacking = [...names].filter((name) => saved.includes(name)).map((name) => name.slice(FOLDER.length));
+  const lacking = [...names.keys()].filter((name) => saved.includes(name)).map((name) => name.slice(FOLDER.length));
   if (lacking.length) act.notice(`${state.name} names what is in memory alone: put ${lacking.join(" and ")} into a folder ${FOLDER.slice(0, -1)} beside it, or it cannot be sized elsewhere.`, [], "", "own");
 }

@@ -115,7 +115,8 @@ async function look() {
   }
 }
 
-function handed(name, content, kind = "application/octet-stream") {
+/** Gives the user a file. */
+export function handed(name, content, kind = "application/octet-stream") {
   const address = URL.createObjectURL(new Blob([content], { type: kind }));
   const link = element("a", { href: address, download: name });
   document.body.append(link);

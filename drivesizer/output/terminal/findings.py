@@ -172,23 +172,22 @@ def imported(found: Imported, *, guessed: bool = False) -> None:
         for head, first in zip(found.heads, found.examples, strict=True)
         if head.column not in ("", head.theirs)
     ]
-    same = [head.theirs for head in found.heads if head.column == head.theirs != ""]
     heads = (("head", "left"), ("is", "left"), ("in", "left"), ("first", "right"))
     if rows:
         blocks(out, [listed(heads, rows, "guessed by name and unit, to be looked at" if guessed else "columns")])
+    for line in (*import_words(found), *still_needed(found.catalog, found.section)):
+        out.print(Text(line))
+
+
+def import_words(found: Imported) -> list[str]:
+    """What an import took by its own name, assumed, left out and skipped, a line each."""
+    same = [head.theirs for head in found.heads if head.column == head.theirs != ""]
     left = [f"{head.theirs} ({head.lacks})" if head.lacks else head.theirs
             for head in found.heads if head.theirs and not head.column]  # fmt: skip
-    for what, names in (
-        ("columns with matching names", same),
-        ("assumed", found.assumed),
-        ("left out", left),
-        ("not understood, unknown now", found.cells),
-        ("columns without a value", found.empty),
-        ("rows skipped", found.skipped),
-    ):
-        if names:
-            out.print(Text(printable(f"{what}: {'; '.join(names)}")))
-    still_needed(found.catalog, found.section)
+    said = {"columns with matching names": same, "assumed": found.assumed, "left out": left,
+            "not understood, unknown now": found.cells, "columns without a value": found.empty,
+            "rows skipped": found.skipped}  # fmt: skip
+    return [printable(f"{what}: {'; '.join(names)}") for what, names in said.items() if names]
 
 
 def added(catalog: Catalog, section: str, target: Path) -> None:
@@ -199,16 +198,16 @@ def added(catalog: Catalog, section: str, target: Path) -> None:
              + (" (derived)" if confidence.get(name) == "derived" else "")
              for name, column in printed(section).items() if name in confidence and column.kind != "text"]  # fmt: skip
     out.print(Text(printable(f"{singular(section)} {table['part'][0]} added to {target}: {', '.join(known)}")))
-    still_needed(catalog, section)
+    for line in still_needed(catalog, section):
+        out.print(Text(line))
 
 
-def still_needed(catalog: Catalog, section: str) -> None:
-    """Print the figures that a sizing needs and parts lack."""
+def still_needed(catalog: Catalog, section: str) -> list[str]:
+    """The figures that a sizing needs and parts lack, in a line; none where they lack nothing."""
     count = len(catalog.table(section))
     need = [f"{names} ({purpose}{'' if lack == count else f'; {lack} of {count}'})"
             for names, purpose, lack in lacking(catalog, section)]  # fmt: skip
-    if need:
-        console().print(Text(printable(f"a sizing still needs: {'; '.join(need)}")))
+    return [printable(f"a sizing still needs: {'; '.join(need)}")] if need else []
 
 
 def findings(found: Sequence[Finding], *, everything: bool = False) -> None:

@@ -52,6 +52,9 @@ function tabled(root) {
   for (const button of root.querySelectorAll(".sortable thead button")) {
     button.addEventListener("click", () => sortBy(button.closest("th")));
   }
+  for (const cell of root.querySelectorAll(".sets.sortable tbody td")) {
+    cell.dataset.head = cell.closest("table").tHead.rows[0].cells[cell.cellIndex].textContent;
+  }
   for (const box of root.querySelectorAll(".scroll")) {
     box.addEventListener("scroll", () => cue(box), { passive: true });
     resized.observe(box);
