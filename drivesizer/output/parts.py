@@ -102,6 +102,11 @@ class PartLine:
     url: str = ""
     note: str = ""  # what the catalogue remarks on number, price, mass or the part as a whole
 
+    @property
+    def together(self) -> float:
+        """The price of all of them."""
+        return self.quantity * self.price
+
 
 HEADS = {"said": "is", "mass": "mass_kg", "mass_low": "mass_low_kg", "mass_high": "mass_high_kg",
          "pieces": "price_from_pieces", "confidence": "part_confidence",

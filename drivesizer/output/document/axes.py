@@ -18,7 +18,6 @@ from drivesizer.output.document.candidates import percentiles_table, short_drive
 from drivesizer.output.document.content import Content, driven_over
 from drivesizer.output.document.part import datasheets
 from drivesizer.output.document.rows import (
-    CHECK_COLUMNS,
     check_row,
     check_table,
     consumers_table,
@@ -198,7 +197,7 @@ def _summary(content: MachineContent) -> Iterator[doc.Block]:
         for name, drive in found
         for check in tightest(drive.deciding if drive else (), 1)
     ]
-    by_axis = (doc.name("axis", "axis"), *CHECK_COLUMNS)
+    by_axis = (doc.name("axis", "axis"), *doc.declared()["checks"][1])
     yield doc.Table("The smallest margin of each axis", by_axis, tight, "axes_tightest", media="terminal")
     if sizing.checks:
         yield check_table("Checks of all axes together", sizing.checks, "machine_checks")

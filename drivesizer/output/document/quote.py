@@ -12,16 +12,6 @@ from drivesizer.output.document.axes import MachineContent
 from drivesizer.output.document.content import Content
 from drivesizer.output.parts import PartLine
 
-_COLUMNS = (
-    doc.Column("axis", "axis"), doc.number("quantity", "quantity"), doc.Column("role", "part"),
-    doc.Column("maker", "maker"), doc.Column("order_number", "order number"), doc.Column("description", "description"),
-    doc.Column("ordered_with", "ordered with"), doc.number("price", "price each"),
-    doc.number("together", "together", formula=("product", "quantity", "price")), doc.Column("currency", "currency"),
-    doc.number("price_from_pieces", "price from (pieces)"), doc.Column("price_date", "price date"),
-    doc.Column("seller", "seller"), doc.Column("delivery", "delivery"), doc.Column("source", "source of the price"),
-    doc.mark("confidence", "confidence"), doc.Column("missing", "missing to order"), doc.Column("note", "note"),
-)  # fmt: skip
-
 
 class Ordered(NamedTuple):
     """A line of a quote: of an axis, or of several, or of the whole machine."""
@@ -52,27 +42,19 @@ def lines_of(content: Content | MachineContent) -> list[Ordered]:
 
 def quote_table(caption: str, lines: Sequence[Ordered], catalog: Catalog) -> doc.Table:
     """The lines, and totals for each currency; by rates one for all, where there are several."""
-    columns = [column for column in _COLUMNS if column.key != "axis" or any(axis for axis, _ in lines)]
     axes = list(dict.fromkeys(axis for axis, _ in lines))
     rows = [_row(one) for one in lines]
     for axis in axes if len(axes) > 1 else ():
         rows += _totals([line for of, line in lines if of == axis], {}, axis or "common")
     rows += _totals([line for _, line in lines], catalog.rates, "machine" if len(axes) > 1 else "", catalog.currency)
-    return doc.Table(caption, columns, rows, "quote", "quote")
+    return doc.table("quote", caption, rows, without=() if any(axes) else ("axis",))
 
 
 def _row(one: Ordered) -> doc.Row:
     line = one.line
-    price, together = (doc.Quantity(n * line.price, line.currency, "money") for n in (1, line.quantity))
     named = line.family if line.part in (line.order_number, line.family, "") else f"{line.family} {line.part}".strip()
-    return doc.Row({
-        "axis": one.axis, "quantity": doc.Quantity(line.quantity), "role": line.role, "maker": line.maker,
-        "order_number": line.order_number, "description": ", ".join(filter(None, (named, line.said))),
-        "ordered_with": line.ordered_with, "price": price, "together": together, "currency": line.currency,
-        "price_from_pieces": "" if line.pieces is None else doc.Quantity(line.pieces), "price_date": line.price_date,
-        "seller": line.seller, "delivery": line.delivery, "source": line.price_source,
-        "confidence": (doc.Mark(line.price_confidence),), "missing": one.missing, "note": line.note,
-    }, name=line.role.replace(" ", "_"))  # fmt: skip
+    return doc.row("quote", line, name=line.role.replace(" ", "_"), axis=one.axis, missing=one.missing,
+                   description=", ".join(filter(None, (named, line.said))))  # fmt: skip
 
 
 def _totals(lines: Sequence[PartLine], rates: Mapping[str, float], axis: str, into: str = "") -> Iterator[doc.Row]:
@@ -110,7 +92,7 @@ def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
     lacks = [doc.Row({"role": one.line.role, "description": one.line.part or one.line.said, "axis": one.axis,
                       "missing": one.missing}) for one in whole if one.missing]  # fmt: skip
     if lacks:
-        heads = [column for column in _COLUMNS if column.key in ("axis", "role", "description", "missing")]
+        heads = [column for column in doc.declared()["quote"][1] if column.key in lacks[0].cells]
         tables["Missing"] = doc.Table("Missing to order", heads, lacks)
     for title, table in tables.items():
         yield doc.Printed(doc.Section(name="quote", title=title, blocks=lambda _: ()), title, [table])

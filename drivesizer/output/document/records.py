@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
 from math import isnan, nan
-from typing import Any, Literal, NamedTuple
+from operator import attrgetter
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.files.text import listed as rows_of_file
 from drivesizer.output.derivation import margin
 from drivesizer.output.words import likely
 from drivesizer.units import KINDS, from_si, label, show
@@ -163,22 +165,32 @@ WIDE = frozenset({"all", "wide", "listed"})
 BOOK = WIDE | {"book", "shown"}
 
 
+FORMS = ("text", "name", "number", "small", "status", "mark", "code", "math", "share", "bar")
+_MARKS: dict[str, type[_Marked]] = {"status": Status, "mark": Mark, "code": Code}
+
+
 @dataclass(frozen=True, slots=True)
 class Column:
     """A column of a table: the key of its cells, its head, the form of its cells, and its width as a share."""
 
     key: str
     head: str = ""
-    form: str = "text"  # text, name, number, strong, small, status, mark, code, math, share or bar
+    form: str = "text"  # of ``FORMS``
     width: float = 0.0  # 0: as wide as needed
     media: Media = "all"
     merged: bool = False  # equal cells below one another are one, on paper
     yields: bool = False  # left out at a terminal that has no room for it
     formula: tuple[str, ...] = ()  # ``product`` or ``margin``, and the keys of the cells that it is computed from
+    of: str = ""  # attribute of a record that its cells are, where it is not named as the key
+    unit: str = ""  # of these, or the attribute that has it; the record's own where it is empty
+    kind: str = ""
 
 
-name, number, small = (partial(Column, form=form) for form in ("name", "number", "small"))
-status, mark, code = (partial(Column, form=form) for form in ("status", "mark", "code"))
+def _column(form: str) -> Callable[..., Column]:
+    return lambda key, head="", **more: Column(key, head, form, **more)
+
+
+name, number, small, status, mark, code = map(_column, ("name", "number", "small", "status", "mark", "code"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +220,66 @@ class Table:
     halves: bool = False  # two columns of rows beside each other on paper
     media: Media = "all"
     file: str = ""  # end of the name of a CSV file of its own
+
+
+@cache
+def declared() -> dict[str, tuple[dict[str, Any], list[Column]]]:
+    """The tables that ``tables.txt`` declares: how each looks, and its columns."""
+    found: dict[str, tuple[dict[str, Any], list[Column]]] = {}
+    for head, cells in rows_of_file(__package__, "tables.txt"):
+        name, *looks = head.split()
+        if name not in found:
+            found[name] = {key: value or True for key, _, value in (look.partition("=") for look in looks)}, []
+        key, title, look, of, unit, formula = (*cells, *[""] * 5)[:6]
+        words, (unit, _, kind) = look.split(), unit.partition(" ")
+        found[name][1].append(Column(
+            key, title, next((word for word in words if word in FORMS), "text"),
+            next((float(word) for word in words if word[0].isdigit()), 0.0),
+            next((word for word in get_args(Media) if word in words), "all"),
+            "merged" in words, "yields" in words, tuple(formula.split()), of or key, unit, kind,
+        ))  # fmt: skip
+    return found
+
+
+def row(
+    table: str, record: Any, /, *, name: str | None = None, outcome: str = "", data: Mapping[str, str] | None = None,
+    **cells: Cell,
+) -> Row:  # fmt: skip
+    """A record as a row of a declared table: its attributes, and the cells that are none of them."""
+    for column in declared()[table][1]:
+        if column.key not in cells and (value := _attribute(record, column.of)) is not None:
+            cells[column.key] = _cell(value, column, record)
+    return Row(cells, getattr(record, "name", "") if name is None else name, outcome, data=data or {})
+
+
+def _attribute(record: Any, path: str) -> Any:
+    try:
+        return attrgetter(path)(record)
+    except AttributeError:  # a cell that this row has not
+        return None
+
+
+def _cell(value: Any, column: Column, record: Any) -> Cell:
+    if column.form in _MARKS:
+        return (_MARKS[column.form](value),)
+    if not isinstance(value, int | float):
+        found: Cell = value
+        return found
+    unit = getattr(record, column.unit, column.unit) if column.unit else getattr(record, "unit", "1")
+    return Quantity(value, unit, column.kind or getattr(record, "kind", "count"))
+
+
+def table(
+    kind: str, caption: Text, rows: Iterable[Row | Sequence[Cell]], /, *, heads: Mapping[str, str] | None = None,
+    without: Collection[str] = (), more: Sequence[Column] = (), **look: Any,
+) -> Table:  # fmt: skip
+    """A declared table of rows, each given as such or as its cells in order; some of its heads may be other ones."""
+    looks, every = declared()[kind]
+    own = heads or {}
+    columns = [replace(c, head=own.get(c.key, c.head)) for c in every if c.key not in without] + [*more]
+    made = [one if isinstance(one, Row) else Row({c.key: cell for c, cell in zip(columns, one, strict=False)})
+            for one in rows]  # fmt: skip
+    return Table(caption, columns, made, **looks | look)
 
 
 def listed(heads: Sequence[tuple[str, str]], rows: Iterable[Sequence[Cell]], caption: Text = "") -> Table:

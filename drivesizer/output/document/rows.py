@@ -18,15 +18,6 @@ from drivesizer.spec.robot import AS_SPECIFIED
 # -- checks
 
 
-CHECK_COLUMNS = (
-    doc.Column("part", "part", media="wide"), doc.name("title", "check", width=1.0),
-    doc.Column("method", "method", media="wide"), doc.Column("case", "load case", media="wide"),
-    doc.number("value", "demand"), doc.number("limit", "limit"),
-    doc.number("margin", "margin", formula=("margin", "value", "limit")),
-    doc.number("needed", "needed margin", media="wide"), doc.Column("used", "limit used", "bar", media="paper"),
-    doc.status("status"), doc.number("at", "at", media="wide"), doc.Column("note", "note", media="wide"),
-    doc.Column("origins", "figures that are not printed", media="wide"),
-)  # fmt: skip
 _CLOSE = 0.2  # least margin at the ends of the band of estimates, below which the band is shown
 _ALIKE = 0.01  # of a margin, within which it is that of two figures
 _TIGHTEST = 3
@@ -41,23 +32,19 @@ def check_row(c: Check) -> doc.Row:
     """A check: its demand, limit and margin, the share of the limit that it uses, and what is remarked on it."""
     bare = isnan(c.demand) and isnan(c.limit)  # a condition without figures
     at = nan if c.at_time is None else c.at_time
-    chosen = "selected to be so: not a measure of the load" if c.by_choice and c.status == "pass" else ""
-    note = c.note or chosen
-    remarks = ["" if bare or c.case == AS_SPECIFIED else case_of(c), "" if isnan(at) else f"at {_moment(at)}", note]
+    moment = f"{at:.0f} s" if at >= 1000.0 else f"{at:.4g} s"
+    note = c.note or ("selected to be so: not a measure of the load" if c.by_choice and c.status == "pass" else "")
+    remarks = ["" if bare or c.case == AS_SPECIFIED else case_of(c), "" if isnan(at) else f"at {moment}", note]
     needed = f"needs {margin(c.needed)}" if c.needed and not isnan(c.margin) else ""
-    return doc.Row({
-        "part": part_of(c.name), "title": (c.title, doc.Note("; ".join(filter(None, remarks)))), "method": c.method,
-        "case": c.case, "value": "" if bare else doc.Quantity(c.demand, c.unit, c.kind),
-        "limit": "" if bare else doc.Quantity(c.limit, c.unit, c.kind),
-        "margin": doc.Quantity(c.margin, "%", "margin", note=needed), "needed": doc.Quantity(c.needed, "%", "margin"),
-        "used": doc.Bar(use(c.margin), use(c.needed), c.status), "status": (doc.Status(c.status),),
-        "at": "" if isnan(at) else doc.Quantity(at, "s", "time"), "note": note,
-        "origins": "; ".join(f"{figure_words(*one[:2])}: {one.confidence}" for one in c.origins),
-    }, name=c.name, status=c.status, data={"check": c.name, "unit": c.unit})  # fmt: skip
-
-
-def _moment(time: float) -> str:
-    return f"{time:.0f} s" if time >= 1000.0 else f"{time:.4g} s"
+    return doc.row(
+        "checks", c, outcome=c.status, data={"check": c.name, "unit": c.unit}, part=part_of(c.name),
+        title=(c.title, doc.Note("; ".join(filter(None, remarks)))), note=note,
+        value="" if bare else doc.Quantity(c.demand, c.unit, c.kind),
+        limit="" if bare else doc.Quantity(c.limit, c.unit, c.kind),
+        margin=doc.Quantity(c.margin, "%", "margin", note=needed), used=doc.Bar(use(c.margin), use(c.needed), c.status),
+        at="" if isnan(at) else doc.Quantity(at, "s", "time"),
+        origins="; ".join(f"{figure_words(*one[:2])}: {one.confidence}" for one in c.origins),
+    )  # fmt: skip
 
 
 def _worst_end(c: Check) -> Iterator[doc.Row]:
@@ -80,7 +67,7 @@ def check_table(
     """Checks with their limits, margins and bars; under the part that they concern where they are grouped."""
     ordered = sorted_by_part([*checks]) if grouped else [*checks]
     rows = [row for check in ordered for row in (check_row(check), *_worst_end(check))]
-    return doc.Table(caption, CHECK_COLUMNS, rows, name, record, "checks", group="part" if grouped else "")
+    return doc.table("checks", caption, rows, name=name, record=record, group="part" if grouped else "")
 
 
 def tightest_table(caption: doc.Text, checks: Sequence[Check], name: str = "tightest") -> doc.Table:
@@ -94,44 +81,39 @@ def tight_of(drive: DriveSet, proof: Validation | None) -> tuple[str, str]:
     found += [(check, f"{proof.loop}: ") for check in tightest(proof.checks, 1)] if proof else []
     if not found:
         return "unknown", ""
-    check, where = min(found, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
+    check, where = smallest(found)
     title = f"{where}{check.title}"
     return ("none", f"{title}: not met") if isnan(check.margin) else (margin(check.margin), title)
+
+
+def smallest(found: Iterable[tuple[Check, str]]) -> tuple[Check, str]:
+    """The check of the smallest margin with its words; a condition that fails, which has none, comes first."""
+    return min(found, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
 
 
 # -- figures without a limit, requirements of the load, requirements on the machine
 
 
-_FIGURES = (doc.Column("title", "", width=1.0), doc.number("value"), doc.small("at"))
-
-
-def figure_row(f: Figure) -> doc.Row:
-    """A figure with the moment at which it is reached."""
-    at = "" if f.at_time is None else doc.Quantity(f.at_time, "s", "time", own=f"at {f.at_time:.4g} s")
-    return doc.Row({"title": f.title, "value": doc.Quantity(f.value, f.unit, f.kind), "at": at}, name=f.name)
-
-
-def figures_table(
-    caption: doc.Text, figures: Iterable[Figure], record: str = "figure", *, name: str = "", halves: bool = False
-) -> doc.Table:
-    """Names and figures without a limit."""
-    return doc.Table(caption, _FIGURES, [*map(figure_row, figures)], name, record, "figures", halves=halves)
-
-
-def requirements_table(caption: doc.Text, requirements: Iterable[Requirement], **more: Any) -> doc.Table:
-    """Requirements of a load with their symbols, and the paper's number of their equations."""
-    columns = (doc.number("equation", "equation", media="listed"), doc.Column("symbol", "", "math"),
-               doc.Column("title", "", width=1.0), doc.number("value"),
-               doc.Column("note", "note", media="wide"))  # fmt: skip
+def figures_table(caption: doc.Text, figures: Iterable[Figure], record: str = "figure", **look: Any) -> doc.Table:
+    """Names and figures without a limit, with the moment at which each is reached."""
     rows = [
-        doc.Row({"equation": doc.Quantity(r.equation, own=f"({r.equation})") if r.equation else "",
-             "symbol": (doc.Math(symbol(r.symbol), r.symbol),),
-             "title": (r.title, doc.Note("given" if r.note.startswith("given") else "")),
-             "value": doc.Quantity(float(r.value), r.unit,
-                               r.kind), "note": r.note}, name=r.name, data={"requirement": r.name})
+        doc.row("figures", f, at="" if f.at_time is None else doc.Quantity(f.at_time, "s", "time",
+                                                                           own=f"at {f.at_time:.4g} s"))
+        for f in figures
+    ]  # fmt: skip
+    return doc.table("figures", caption, rows, record=record, **look)
+
+
+def requirements_table(caption: doc.Text, requirements: Iterable[Requirement], **look: Any) -> doc.Table:
+    """Requirements of a load with their symbols, and the paper's number of their equations."""
+    rows = [
+        doc.row("requirements", r, data={"requirement": r.name}, symbol=(doc.Math(symbol(r.symbol), r.symbol),),
+                equation=doc.Quantity(r.equation, own=f"({r.equation})") if r.equation else "",
+                title=(r.title, doc.Note("given" if r.note.startswith("given") else "")),
+                value=doc.Quantity(float(r.value), r.unit, r.kind))
         for r in requirements
     ]  # fmt: skip
-    return doc.Table(caption, columns, rows, record="requirement", look="figures", **more)
+    return doc.table("requirements", caption, rows, **look)
 
 
 def required_table(caption: doc.Text, found: DriveSet) -> doc.Table | None:
@@ -144,26 +126,22 @@ def required_table(caption: doc.Text, found: DriveSet) -> doc.Table | None:
         upper = REQUIREMENTS[c.name] == "limit"
         demand, limit = (doc.Quantity(value, c.unit, c.kind) for value in (c.demand, c.limit))
         remarks = "; ".join(filter(None, ("" if c.case == AS_SPECIFIED else case_of(c), c.note)))
-        rows.append(doc.Row({"title": (c.title, doc.Note(remarks)), "bound": "≤" if upper else "≥", "required": limit
-                             if upper else demand, "reached": demand if upper else limit,
-                             "margin": doc.Quantity(c.margin, "%", "margin"), "status": (doc.Status(c.status),)},
-                            name=c.name))  # fmt: skip
-    columns = (doc.name("title", "requirement", width=1.0), doc.number("bound"), doc.number("required", "required"),
-               doc.number("reached", "reached"), doc.number("margin", "margin"), doc.status("status"))  # fmt: skip
-    return doc.Table(caption, columns, rows, record="required")
+        rows.append(doc.row("required", c, title=(c.title, doc.Note(remarks)), bound="≤" if upper else "≥",
+                            required=limit if upper else demand, reached=demand if upper else limit))  # fmt: skip
+    return doc.table("required", caption, rows)
 
 
 def changes_table(caption: str, changes: Sequence[Relaxation]) -> doc.Table:
     """Fields of the spec as they are and as they would have to be."""
     if any(one.status != "pass" for one in changes):
         caption = caption.replace(" passes,", " passes or fails no check,", 1)
-    columns = (doc.name("field", "field"), doc.number("value", "now"), doc.number("limit", "needed"),
-               doc.Column("title", "drive", width=1.0))  # fmt: skip
-    rows = [doc.Row({"field": r.field.replace("_", " ").replace(".", " › "), "value": doc.Quantity(r.before, r.unit,
-                                                                                                   r.kind, own=r.now),
-                     "limit": doc.Quantity(r.after, r.unit, r.kind, own=r.needed), "title": r.set_label}, name=r.field)
-            for r in changes]  # fmt: skip
-    return doc.Table(caption, columns, rows, record="change")
+    rows = [
+        doc.row("changes", r, name=r.field, field=r.field.replace("_", " ").replace(".", " › "),
+                value=doc.Quantity(r.before, r.unit, r.kind, own=r.now),
+                limit=doc.Quantity(r.after, r.unit, r.kind, own=r.needed))
+        for r in changes
+    ]  # fmt: skip
+    return doc.table("changes", caption, rows)
 
 
 # -- masses of the machine, consumers of its battery
@@ -171,34 +149,30 @@ def changes_table(caption: str, changes: Sequence[Relaxation]) -> doc.Table:
 
 def masses_table(masses: Sequence[MassRow], sums: Sequence[Figure]) -> doc.Table:
     """The masses of the machine one by one, and their sums."""
-    columns = (doc.name("title", "part", width=1.0), doc.number("number"), doc.number("each", "each"),
-               doc.number("value", "together", formula=("product", "number", "each")),
-               doc.status("status", media="wide"))  # fmt: skip
-    rows = [doc.Row({"title": one.name, "number": doc.Quantity(one.number, own=f"{one.number} ×"),
-                     "each": doc.Quantity(one.each, "kg", "mass", own=one.text(one.each, "kg") if one.band else ""),
-                     "value": doc.Quantity(one.total, "kg", "mass"), "status": (doc.Status("unknown"),)
-                     if isnan(one.each) else ""}, name=one.name) for one in masses]  # fmt: skip
-    rows += [
-        doc.Row({"title": f.title, "value": doc.Quantity(f.value, f.unit, f.kind)}, name=f.name, total=True)
-        for f in sums
+    rows = [
+        doc.row("masses", one, number=doc.Quantity(one.number, own=f"{one.number} ×"),
+                each=doc.Quantity(one.each, "kg", "mass", own=one.text(one.each, "kg") if one.band else ""),
+                status=(doc.Status("unknown"),) if isnan(one.each) else "")
+        for one in masses
+    ]  # fmt: skip
+    whole = [
+        doc.Row({"title": f.title, "value": doc.Quantity(f.value, f.unit, f.kind)}, f.name, total=True) for f in sums
     ]
-    return doc.Table("Masses of the machine", columns, rows, "masses", "mass", "figures")
+    return doc.table("masses", "Masses of the machine", rows + whole)
 
 
 def consumers_table(budget: EnergyBudget) -> doc.Table:
     """Mean and highest power of each consumer of the battery, and their sum."""
-    columns = (doc.name("title", "consumer", width=1.0), doc.number("number"), doc.number("value", "mean"),
-               doc.number("limit", "peak"), doc.number("duty", "on"), doc.small("note"))  # fmt: skip
-    rows = [doc.Row({"title": one.name, "number": doc.Quantity(one.number) if one.number > 1 else "",
-                     "value": doc.Quantity(one.mean, "W", "power"), "limit": doc.Quantity(one.peak, "W", "power"),
-                     "duty": "" if isnan(one.duty) or one.duty == 1.0 else doc.Quantity(one.duty, "%", "dimensionless"),
-                     "note": "assumed" if one.assumed else ""}, name=one.name) for one in budget.consumers if one.mean
-            or isnan(one.mean)]  # fmt: skip
+    rows = [
+        doc.row("consumers", one, number=doc.Quantity(one.number) if one.number > 1 else "",
+                duty="" if isnan(one.duty) or one.duty == 1.0 else doc.Quantity(one.duty, "%", "dimensionless"),
+                note="assumed" if one.assumed else "")
+        for one in budget.consumers if one.mean or isnan(one.mean)
+    ]  # fmt: skip
     lacks = any(isnan(one.mean) for one in budget.consumers)
-    rows.append(doc.Row({"title": "total", "value": doc.Quantity(budget.mean_power, "W", "power"),
-                         "limit": doc.Quantity(budget.peak_power, "W", "power"), "note": "of the known ones" if lacks
-                         else ""}, name="total", total=True))  # fmt: skip
-    return doc.Table("Consumers of the battery", columns, rows, "", "consumer", "consumers")
+    whole = doc.quantities("W", "power", value=budget.mean_power, limit=budget.peak_power)
+    total = doc.Row({"title": "total", **whole, "note": "of the known ones" if lacks else ""}, "total", total=True)
+    return doc.table("consumers", "Consumers of the battery", [*rows, total])
 
 
 def error_text(value: float) -> str:

@@ -32,29 +32,6 @@ from drivesizer.units import show_band
 # -- The parts list of the machine: families large, order numbers small, masses and prices with their totals.
 
 
-_PARTS = (
-    doc.number("quantity"), doc.name("role"), doc.Column("named", "part", media="print", width=1.6),
-    doc.Column("axes", "axes", media="all"), doc.Column("maker", "maker", media="wide"),
-    doc.Column("family", "family", media="wide"),
-    doc.Column("part", "part", media="wide"), doc.Column("order_number", "order number", media="wide"),
-    doc.small("is", media="paper"), doc.Column("said", "is", media="wide"),
-    doc.number("mass", "mass of one", media="wide"),
-    doc.number("mass_low", "from", media="wide"), doc.number("mass_high", "to", media="wide"),
-    doc.number("masses", "mass", formula=("product", "quantity", "mass")),
-    doc.number("price", "price each"),
-    doc.number("prices", "together", formula=("product", "quantity", "price")),
-    doc.Column("currency", "currency", media="wide"),
-    doc.number("price_from_pieces", "price from (pieces)", media="wide"),
-    doc.Column("price_date", "price date", media="wide"), doc.Column("seller", "seller", media="wide"),
-    doc.Column("delivery", "delivery", media="wide"),
-    doc.mark("price_confidence", "price confidence", media="wide"),
-    doc.Column("price_source", "price source", media="wide"),
-    doc.mark("part_confidence", "part confidence", media="wide"),
-    doc.Column("part_source", "part source", media="wide"), doc.Column("part_source_date", "source date", media="wide"),
-    doc.Column("url", "page", media="wide"), doc.Column("note", "note", media="wide"),
-)  # fmt: skip
-
-
 def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> doc.Table:
     """Parts to order with the axes that need them, and the totals of mass and price."""
     dated = (f"{x.price_date}{f' at {x.seller}' * bool(x.seller)}" for x, _ in lines if x.price_date)
@@ -62,19 +39,17 @@ def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequ
     remarks = [f"prices of {dates}"] if dates else []
     remarks += ["without cables, connectors and couplings"]
     remarks += ["≈ estimated"] if any(total.estimated for total in every) else []
-    columns = [column for column in _PARTS if column.key != "axes" or any(axes for _, axes in lines)]
     single = all(line.quantity == 1 for line, _ in lines)
-    columns = [
-        replace(c, yields=not single) if c.key == "price" else c for c in columns if not (single and c.key == "prices")
-    ]
+    price = "price" if single else "prices"
     mass, prices = (next((t for t in every if t.name == "mass"), None), _of_all_currencies(every))
     sums: dict[str, doc.Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
-    sums["price" if single else "prices"] = " + ".join(total_of(one).text for one in prices) or "unknown"
-    if len(prices) == 1:
-        sums["price" if single else "prices"] = total_of(prices[0])
-    rows = [_part_row(line, axes) for line, axes in lines]
-    rows.append(doc.Row(sums, name="total", total=True))
-    return doc.Table((caption, doc.Note("; ".join(remarks))), columns, rows, "parts", "part", "parts", file="parts")
+    sums[price] = total_of(prices[0]) if len(prices) == 1 else (
+        " + ".join(total_of(one).text for one in prices) or "unknown")  # fmt: skip
+    rows = [*(_part_row(line, axes) for line, axes in lines), doc.Row(sums, name="total", total=True)]
+    left_out = [key for key, out in (("axes", not any(axes for _, axes in lines)), ("prices", single)) if out]
+    table = doc.table("parts", (caption, doc.Note("; ".join(remarks))), rows, without=left_out)
+    columns = [replace(c, yields=c.key == "price" and not single) for c in table.columns]
+    return replace(table, columns=columns)
 
 
 def _of_all_currencies(every: Sequence[Total]) -> list[Total]:
@@ -103,26 +78,15 @@ def lacking_words(every: Sequence[Total]) -> Iterator[doc.Block]:
 
 
 def _part_row(line: PartLine, axes: str) -> doc.Row:
-    named = named_part(line)
-    mass, low, high = (doc.Quantity(value, "g", "mass") for value in (line.mass, line.mass_low, line.mass_high))
     guessed = not isnan(line.mass_low)
     masses = doc.Quantity(line.quantity * line.mass, "g", "mass", 2 if guessed else 4)
-    if guessed:
-        masses = doc.Quantity(masses.value, "g", "mass", own=f"≈ {masses.text}")
-    price, prices = (doc.Quantity(n * line.price, line.currency, "money") for n in (1, line.quantity))
-    return doc.Row({
-        "quantity": doc.Quantity(line.quantity, own=f"{line.quantity} ×"), "role": line.role, "named": named,
-        "axes": axes,
-        "maker": line.maker, "family": line.family, "part": line.part, "order_number": line.order_number,
-        "is": line.said if line.part and not line.said.endswith(OWN_SUPPLY) else "", "said": line.said, "mass": mass,
-        "mass_low": low if guessed else "", "mass_high": high if guessed else "",
-        "masses": masses, "currency": line.currency, "price": price, "prices": prices,
-        "price_from_pieces": "" if line.pieces is None else doc.Quantity(line.pieces), "price_date": line.price_date,
-        "seller": line.seller, "delivery": line.delivery,
-        "price_confidence": (doc.Mark(line.price_confidence),), "price_source": line.price_source,
-        "part_confidence": (doc.Mark(line.confidence),), "part_source": line.document, "part_source_date": line.date,
-        "url": line.url, "note": line.note,
-    }, name=line.role.replace(" ", "_"))  # fmt: skip
+    low, high = (doc.Quantity(end, "g", "mass") if guessed else "" for end in (line.mass_low, line.mass_high))
+    return doc.row(
+        "parts", line, name=line.role.replace(" ", "_"), axes=axes, named=named_part(line),
+        quantity=doc.Quantity(line.quantity, own=f"{line.quantity} ×"), mass_low=low, mass_high=high,
+        masses=replace(masses, digits=4, own=f"≈ {masses.text}") if guessed else masses,
+        **{"is": line.said if line.part and not line.said.endswith(OWN_SUPPLY) else ""},
+    )  # fmt: skip
 
 
 def named_part(line: PartLine) -> doc.Text:
@@ -176,11 +140,11 @@ def summary(content: Content) -> Iterator[doc.Block]:
 def _title_table(content: Content) -> doc.Table:
     """The machine in a workbook, which has no title page."""
     result = content.result
-    said = {"Machine": result.spec.name, "Kind": machine_words(result.spec), **dict(content.title_block)}
+    said: dict[str, doc.Text] = {"Machine": result.spec.name, "Kind": machine_words(result.spec)}
+    said |= dict(content.title_block)
     said |= {"Ranked by": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
-    rows = [doc.Row({"title": title, "note": text}) for title, text in said.items()]
-    rows.append(doc.Row({"title": "Verdict", "note": (doc.Status(content.status),)}))
-    return doc.Table("Drive sizing", (doc.Column("title"), doc.Column("note")), rows, media="book")
+    said |= {"Verdict": (doc.Status(content.status),)}
+    return doc.table("notes", "Drive sizing", said.items(), media="book", look="wide")
 
 
 def outcome_texts(content: Content) -> Iterator[Any]:
@@ -301,9 +265,8 @@ def grounds(content: Content) -> Iterator[doc.Block]:
     if content.drive:
         number = Counter(check.status for check in content.drive.deciding)
         said = f"{number['pass']} of {number_of(len(content.drive.deciding), 'check')} pass"
-        rows = [doc.Row({"title": title, "note": text}) for title, text in _grounds(content, content.drive)]
-        columns = doc.name("title"), doc.Column("note", "", width=1.0)
-        yield doc.Table(f"Confidence in the verdict: {said}", columns, rows, "confidence", look="figures")
+        rows = _grounds(content, content.drive)
+        yield doc.table("notes", f"Confidence in the verdict: {said}", rows, name="confidence")
 
 
 def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, doc.Text]]:
@@ -388,30 +351,22 @@ _TITLES = {"found": "The selected drive", "unsure": "The most probable drive", "
 def drive(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """A drive part by part; for other programs its ratios, mass and price."""
     yield doc.Words((f"{drive.label}: ", doc.Status(drive.status)), media="paper")
-    rows = []
+    rows: list[tuple[doc.Cell, ...]] = []
     for role, part in drive.parts.items():
         if part is None:
             why = drive.without_controller if role == "controller" else ""
-            rows.append(doc.Row({"role": role, "part": "unknown", "note": why or "none is listed for this motor"}))
-            continue
-        name, number, figures, doubt = part_figures(role, part, of.catalog, drive)
-        rows.append(
-            doc.Row(
-                {
-                    "role": role,
-                    "part": (doc.Strong(name), doc.Small(number)),
-                    "note": (figures, doc.Small(doubt)) if doubt else figures,
-                }
-            )
-        )
+            rows.append((role, "unknown", why or "none is listed for this motor"))
+        else:
+            name, number, figures, doubt = part_figures(role, part, of.catalog, drive)
+            note: doc.Text = (figures, doc.Small(doubt)) if doubt else figures
+            rows.append((role, (doc.Strong(name), doc.Small(number)), note))
     if "gearhead" not in drive.parts and "motor" in drive.parts:
-        rows.insert(1, doc.Row({"role": "gearhead", "part": "none", "note": "the motor drives the load itself"}))
+        rows.insert(1, ("gearhead", "none", "the motor drives the load itself"))
     if drive.belt_ratio != 1.0 and not drive.belt_drive:
         efficient = doc.Quantity(drive.belt_efficiency, "%", "dimensionless").text
-        place = 1 + next((n for n, row in enumerate(rows) if row.cells["role"] in ("gearhead", "actuator")), 0)
-        rows.insert(place, doc.Row({"role": "belt", "part": f"{drive.belt_ratio:g}", "note": f"{efficient} efficient"}))
-    columns = doc.name("role"), doc.Column("part"), doc.Column("note", width=1.0)
-    yield doc.Table("", columns, rows, media="terminal", look="figures")
+        place = 1 + next((n for n, (role, *_) in enumerate(rows) if role in ("gearhead", "actuator")), 0)
+        rows.insert(place, ("belt", f"{drive.belt_ratio:g}", f"{efficient} efficient"))
+    yield doc.table("drive", "", rows)
     yield _identity(drive)
     if any(r.declared for r in drive.requirements):
         yield requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="wide")
@@ -424,37 +379,30 @@ def _identity(s: DriveSet) -> doc.Table:
     parts |= s.belt_drive.parts if s.belt_drive else {}
     parts |= {"screw": s.chosen_screw.screw} if s.chosen_screw else {}
     rows = [
-        doc.Row({"title": f"{part.manufacturer} {part.family}" if part else "", "value": part.part if part else "",
-             "status": "" if part else (doc.Status("unknown"),)}, name=role.replace(" ", "_"))
+        doc.Row({"title": f"{part.manufacturer} {part.family}", "value": part.part, "status": ""} if part
+                else {"title": "", "value": "", "status": (doc.Status("unknown"),)}, name=role.replace(" ", "_"))
         for role, part in parts.items()
     ]  # fmt: skip
     guessed = f"; estimated: {', '.join(s.mass_estimated)}" if s.mass_estimated else ""
-    figures: dict[str, tuple[str, doc.Cell, str]] = {
-        "gearhead_ratio": ("Ratio of the gearhead", doc.Quantity(s.gearhead.ratio, "1", "plain"), ""),
-        "belt_ratio": ("Ratio of the belt", doc.Quantity(s.belt_ratio, "1", "plain"), ""),
-        "total_ratio": ("Total ratio", doc.Quantity(s.total_ratio, "1", "plain"), ""),
-        "mass": ("Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}{guessed}"),
-        "price": ("Price", doc.Quantity(s.price, s.currency, "money"),
-                  f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
-        "objective": ("Objective", doc.Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
-    }  # fmt: skip
-    if s.belt_drive:
-        figures["centre_distance"] = "Centre distance", doc.Quantity(s.belt_drive.centre_distance, "mm", "length"), ""
-        figures["teeth_in_mesh"] = "Teeth in mesh", doc.Quantity(s.belt_drive.teeth_in_mesh, "1", "plain"), ""
-    if s.chosen_screw:
-        figures["screw_length"] = "Length of the screw", doc.Quantity(s.chosen_screw.length, "mm", "length"), ""
-    rows += [
-        doc.Row({"title": title, "value": value, "note": note}, name=name)
-        for name, (title, value, note) in figures.items()
-    ]
+    figures: list[tuple[str, str, doc.Quantity, str]] = [
+        ("gearhead_ratio", "Ratio of the gearhead", doc.Quantity(s.gearhead.ratio, "1", "plain"), ""),
+        ("belt_ratio", "Ratio of the belt", doc.Quantity(s.belt_ratio, "1", "plain"), ""),
+        ("total_ratio", "Total ratio", doc.Quantity(s.total_ratio, "1", "plain"), ""),
+        ("mass", "Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}{guessed}"),
+        ("price", "Price", doc.Quantity(s.price, s.currency, "money"),
+         f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
+        ("objective", "Objective", doc.Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
+    ]  # fmt: skip
+    if belt := s.belt_drive:
+        figures += [
+            ("centre_distance", "Centre distance", doc.Quantity(belt.centre_distance, "mm", "length"), ""),
+            ("teeth_in_mesh", "Teeth in mesh", doc.Quantity(belt.teeth_in_mesh, "1", "plain"), ""),
+        ]
+    if screw := s.chosen_screw:
+        figures.append(("screw_length", "Length of the screw", doc.Quantity(screw.length, "mm", "length"), ""))
+    rows += [doc.Row({"title": title, "value": value, "note": note}, name=name) for name, title, value, note in figures]
     rows.append(doc.Row({"title": "All checks", "status": (doc.Status(s.status),)}, name="verdict"))
-    columns = (
-        doc.Column("title", "what"),
-        doc.number("value", "value"),
-        doc.status("status"),
-        doc.Column("note", "note"),
-    )
-    return doc.Table("Parts, ratios, mass and price", columns, rows, record="set", media="wide")
+    return doc.table("identity", "Parts, ratios, mass and price", rows)
 
 
 @doc.section("checks", "Checks", level=2, of_drive=True)
@@ -479,28 +427,12 @@ def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     yield doc.Words("No data sheet gives these figures; they are estimated from parts of the same kind that have them. "
                 "One part in twenty lies below the band, one above. A check passes where it passes at both ends.",
                 "note")  # fmt: skip
-    columns = (doc.name("title", "figure"), doc.number("value", "estimate"),
-               doc.number("low", "from"),
-               doc.number("high", "to"), doc.small("note", "terms; peers", width=1.0))  # fmt: skip
-    rows = [
-        doc.Row({"title": one.title, "note": one.law.removeprefix("; "),
-                 **doc.quantities(one.unit, one.kind, value=one.value, low=one.low, high=one.high)},
-                name=f"{one.part}_{one.figure}")
-        for one in drive.estimated
-    ]  # fmt: skip
-    yield doc.Table("Estimated figures", columns, rows, record="estimate")
+    rows = [doc.row("estimates", one, name=f"{one.part}_{one.figure}", note=one.law.removeprefix("; "))
+            for one in drive.estimated]  # fmt: skip
+    yield doc.table("estimates", "Estimated figures", rows)
     hanging = [check for check in drive.own_checks if check.status == "open"]
     if hanging:
-        heads = (
-            doc.name("title", "check"),
-            doc.Column("chance", "it passes with"),
-            doc.small("note", "estimated figures behind it", width=1.0),
-        )
-        yield doc.Table(
-            "Open checks",
-            heads,
-            [doc.Row({"title": c.title, "chance": about(c.probability), "note": c.note}) for c in hanging],
-        )
+        yield doc.table("open", "Open checks", [(c.title, about(c.probability), c.note) for c in hanging])
 
 
 @doc.section(
@@ -522,19 +454,14 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
                     "same drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
     checks = check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
     yield replace(checks, media=media)
-    columns = (doc.name("title", "demand"), doc.number("paper", "paper"), doc.status("by_paper"),
-               doc.number("physics", "physics"), doc.status("by_physics"),
-               doc.small("note", "why they differ", width=1.0))  # fmt: skip
     rows = [
-        doc.Row({"title": pair.paper.title, "note": pair.why,
-             "paper": doc.Quantity(pair.paper.demand, pair.paper.unit,
-                               pair.paper.kind), "by_paper": (doc.Status(pair.paper.status),),
-             "physics": doc.Quantity(pair.physics.demand, pair.physics.unit, pair.physics.kind),
-             "by_physics": (doc.Status(pair.physics.status),)}, name=pair.paper.name)
+        doc.row("methods", pair, name=pair.paper.name,
+                **{key: doc.Quantity(one.demand, one.unit, one.kind)
+                   for key, one in (("paper", pair.paper), ("physics", pair.physics))})
         for pair in drive.comparison
     ]  # fmt: skip
     if rows:
-        yield doc.Table("Both methods where they check the same limit", columns, rows, record="comparison", media=media)
+        yield doc.table("methods", "Both methods where they check the same limit", rows, media=media)
 
 
 # -- Assumptions and warnings, and the figures that are unknown or not from a document.
@@ -556,17 +483,11 @@ def unknown_blocks(content: Content) -> Iterator[doc.Block]:
     best = content.drive
     if best is None:
         return
-    unknown = [doc.Row({"title": title, "note": lacks}) for title, lacks in unknown_figures(best)]
-    yield doc.Table(f"Unknown checks{', and the figures that they lack' if unknown else ': none'}",
-                (doc.name("title", "check"), doc.Column("note", "not known",
-                                                          width=1.0)), unknown, "unknown")  # fmt: skip
-    marked = [doc.Row({"title": name, "value": value, "mark": (doc.Mark(mark),), "note": checks})
-              for name, value, mark, checks in marked_figures(best)]  # fmt: skip
-    if not marked:
+    unknown = unknown_figures(best)
+    yield doc.table("unknown", f"Unknown checks{', and the figures that they lack' if unknown else ': none'}", unknown)
+    marked = [(name, value, (doc.Mark(mark),), checks) for name, value, mark, checks in marked_figures(best)]
+    if marked:
+        yield doc.table("marked", "Figures that a check rests on and that are not from a document: to be confirmed "
+                        "before anything is built", marked)  # fmt: skip
+    else:
         yield doc.Words("No check rests on a figure that is derived, recalled or estimated.")
-        return
-    columns = (doc.name("title", "figure"), doc.number("value", "value"), doc.mark("mark", "is"),
-               doc.small("note", "checks that rest on it", width=1.0, merged=True))  # fmt: skip
-    yield doc.Table("Figures that a check rests on and that are not from a document: to be confirmed before anything "
-                "is built",
-                columns, marked, "marked")  # fmt: skip
