@@ -10,7 +10,7 @@ from typing import Any
 from drivesizer.output.derivation import minus
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, none_reaches
-from drivesizer.output.document.rows import error_text, margin_quantity
+from drivesizer.output.document.rows import error_text, margin_quantity, margins
 from drivesizer.output.parts import unknown_of
 from drivesizer.output.words import confidence, likely, loop_text, meeting, moved, number_of, reported
 from drivesizer.results.check import Driver, Reliability, Spread, Uncertainty, worst
@@ -29,11 +29,6 @@ def every_list(result: SizingResult, *, front: bool = True) -> list[tuple[str, D
 # -- Drives in rows: names with their part numbers, mass, price, energy, smallest margin.
 
 
-_SHORT = (
-    doc.name("drive", "drive", width=1.3), doc.number("objective"), doc.number("mass", "mass"),
-    doc.number("price", "price"), doc.number("energy", "energy"), doc.number("margin", "margin"),
-    doc.small("tight", "smallest margin", width=1.0, media="paper"), doc.status("status", yields=True),
-)  # fmt: skip
 _SHOWN = {"mass", "price", "energy", "margin"}  # objectives that have a column whatever ranks
 
 
@@ -56,24 +51,20 @@ def short_drive(one: DriveSet, shared: Sequence[str] = (), objective: str = "mas
     The ``first`` is without its order numbers, which the parts list has.
     """
     tight, energy = worst(one.deciding), objective_figure(one, "energy")
-    name, numbers = short_name(one), numbers_of(one)
-    lacks = []
+    name, small = short_name(one), [] if first else [numbers_of(one)]
     for status in ("unknown", "open"):
         titles = [check.title for check in one.deciding if check.status == status and check.title not in shared]
-        lacks += [f"{status}: {titles[0] if len(titles) == 1 else f'{len(titles)} checks'}"] if titles else []
-    numbers = "" if first else numbers
+        small += [f"{status}: {titles[0] if len(titles) == 1 else f'{len(titles)} checks'}"] if titles else []
     least = "≥ " if unknown_of(one, one.price_of) and one.price_of else ""
-    own: doc.Cell = "" if objective in _SHOWN else objective_quantity(one, objective)
-    return doc.Row({
-        "drive": (doc.Strong(name) if one.rank == 1 else name, doc.Small("; ".join(filter(None, [numbers, *lacks])))),
-        "objective": own,
-        "mass": mass_quantity(one),
-        "price": doc.Quantity(one.price, one.currency, "money",
-                              own="" if isnan(one.price) else f"{least}{one.price:.0f} {one.currency}"),
-        "energy": doc.Quantity(energy.value, energy.unit, energy.kind, own="–" if isnan(energy.value) else ""),
-        "margin": doc.Quantity(tight.margin, "%", "margin") if tight else "–", "tight": tight.title if tight else "",
-        "status": (doc.Status(one.status),),
-    }, name=f"{one.motor.part}_{one.gearhead.part}", status=one.status, data={"rank": str(one.rank)})  # fmt: skip
+    price = "" if isnan(one.price) else f"{least}{one.price:.0f} {one.currency}"
+    return doc.row(
+        "short", one, name=f"{one.motor.part}_{one.gearhead.part}", outcome=one.status, data={"rank": str(one.rank)},
+        drive=(doc.Strong(name) if one.rank == 1 else name, doc.Small("; ".join(filter(None, small)))),
+        objective="" if objective in _SHOWN else objective_quantity(one, objective), mass=mass_quantity(one),
+        price=doc.Quantity(one.price, one.currency, "money", own=price),
+        energy=doc.Quantity(energy.value, energy.unit, energy.kind, own="–" if isnan(energy.value) else ""),
+        margin=doc.Quantity(tight.margin, "%", "margin") if tight else "–", tight=tight.title if tight else "",
+    )  # fmt: skip
 
 
 def mass_quantity(one: DriveSet) -> doc.Quantity:
@@ -99,14 +90,11 @@ def short_table(caption: str, drives: Sequence[DriveSet], objective: str, name: 
     """Drives in rows; what is unknown of all of them is said once, below."""
     each = [[check.title for check in one.deciding if check.status == "unknown"] for one in drives]
     shared = [title for title in each[0] if all(title in other for other in each)] if len(drives) > 1 else []
-    own = [] if objective not in _SHOWN else ["objective"]
-    columns = [
-        replace(c, head=objective.replace("_", " ")) if c.key == "objective" else c for c in _SHORT if c.key not in own
-    ]
     braked = "brake, " if any(one.brake for one in drives) else ""
     said = caption, f": one drive each, mass with {braked}encoder and controller", doc.Note("energy per cycle of all")
     rows = [short_drive(one, shared, objective, first=one is drives[0]) for one in drives]
-    yield doc.Table(said, columns, rows, name, "drive", "alternatives", dense=True, media="print")
+    yield doc.table("short", said, rows, name=name, heads={"objective": objective.replace("_", " ")},
+                    without=["objective"] if objective in _SHOWN else ())  # fmt: skip
     if shared:
         yield doc.Words(f"Unknown of each: {shared[0] if len(shared) == 1 else f'{len(shared)} checks'}.", "note")
 
@@ -143,24 +131,19 @@ def screws(content: Content) -> Iterator[doc.Block]:
     if found is None or len(found.tried) < 2:
         return
     objective = content.result.objective.replace("_", " ")
-    columns = (doc.number("lead", "lead"), doc.name("title", "screw", width=1.0), doc.number("mass", "mass"),
-               doc.Column("drive", "best drive", width=1.2), doc.number("value", objective))  # fmt: skip
     rows = []
     for one in found.tried:
         chosen = one.screw == f"{found.screw.manufacturer} {found.screw.part}"
-        cells: dict[str, doc.Cell] = {"lead": doc.Quantity(one.lead, "mm", "length"), "drive": one.drive}
-        if not one.screw:
-            cells |= {"title": f"none holds: {one.failed}"}
-        else:
-            cells |= {
-                "title": (doc.Strong(one.screw),) if chosen else one.screw,
-                "mass": doc.Quantity(one.mass, "g", "mass"),
-            }
-            cells |= {"drive": one.drive or "none passes"}
-        cells |= {"value": doc.Quantity(f.value, f.unit, f.kind)} if (f := one.objective) else {}
-        rows.append(doc.Row(cells, name=f"lead_{1e3 * one.lead:.4g}_mm"))
+        screw: doc.Cell = (doc.Strong(one.screw),) if chosen else one.screw
+        figure = one.objective
+        rows.append(doc.row(
+            "screws", one, name=f"lead_{1e3 * one.lead:.4g}_mm", title=screw if one.screw else
+            f"none holds: {one.failed}", mass=doc.Quantity(one.mass, "g", "mass") if one.screw else "",
+            drive=one.drive or ("none passes" if one.screw else ""),
+            value=doc.Quantity(figure.value, figure.unit, figure.kind) if figure else "",
+        ))  # fmt: skip
     caption = f"The smallest screw of each lead that holds, and its best drive; {objective} of the drive without it"
-    yield doc.Table(caption, columns, rows, "screws", "screw", dense=True)
+    yield doc.table("screws", caption, rows, heads={"value": objective})
 
 
 # -- The best drives and the closest rejected ones, why the others were rejected, and the Pareto front.
@@ -190,55 +173,41 @@ def candidates(content: Content) -> Iterator[doc.Block]:
 
 def _drives(content: Content) -> doc.Table:
     result = content.result
-    check = "smallest margin or failed check" if result.misses else "check of the smallest margin"
-    columns = (doc.number("rank", "rank"), doc.Column("motor", "motor", width=1.0), doc.Column("gearhead", "gearhead",
-                                                                                               width=1.2),
-               doc.number("ratio", "ratio"), doc.number("mass", "mass"),
-               doc.number("price", f"price ({result.catalog.currency})"),
-               doc.number("margin", "margin"), doc.Column("check", check, width=1.5), doc.status("status"))  # fmt: skip
     required = result.uncertainty.confidence if result.uncertainty else None
     reach = f" that reach the confidence of {confidence(required)}" if required is not None else ""
     below = ", and below them the closest rejected" if result.misses else ""
     caption = f"The best drives{reach}{below}" if result.sets else "The closest rejected drives"
-    rows = [doc.Row({"rank": doc.Quantity(one.rank), "motor": one.motor_name, "gearhead": gearhead_words(one,
-                                                                                                         belt=False),
-                     "ratio": doc.Quantity(one.total_ratio, "1", "plain"), "mass": mass_quantity(one),
-                     "price": doc.Quantity(one.price, one.currency, "money", own="" if isnan(one.price)
-                                           else f"{one.price:.2f}"), "margin": doc.Quantity(_smallest(one), "%",
-                                                                                            "margin"),
-                     "check": _limiting(one), "status": (doc.Status(one.status),)}, status=one.status,
-                    data={"rank": str(one.rank)}) for one in (*result.sets, *result.misses)]  # fmt: skip
-    return doc.Table(caption, columns, rows, "sets", look="sets", dense=True, sortable=True, media="paper")
+    heads = {
+        "price": f"price ({result.catalog.currency})",
+        "check": "smallest margin or failed check" if result.misses else "check of the smallest margin",
+    }
+    return doc.table("sets", caption, map(_drive_row, (*result.sets, *result.misses)), heads=heads)
 
 
-def _smallest(one: DriveSet) -> float:
-    tight = worst(one.deciding)
-    return tight.margin if tight else nan
-
-
-def _limiting(one: DriveSet) -> str:
-    """The first failed check, and how many more there are; else the one of the smallest margin."""
+def _drive_row(one: DriveSet) -> doc.Row:
+    """A drive with the check of its smallest margin, or the first failed one and how many more there are."""
     failed, tight = [c.title for c in one.deciding if c.status == "fail"], worst(one.deciding)
-    if failed:
-        return failed[0] + (f" and {len(failed) - 1} more" if len(failed) > 1 else "")
-    return tight.title if tight else ""
+    check = failed[0] + (f" and {len(failed) - 1} more" if len(failed) > 1 else "") if failed else ""
+    return doc.row(
+        "sets", one, name="", outcome=one.status, data={"rank": str(one.rank)}, mass=mass_quantity(one),
+        gearhead=gearhead_words(one, belt=False), check=check or (tight.title if tight else ""),
+        price=doc.Quantity(one.price, one.currency, "money", own="" if isnan(one.price) else f"{one.price:.2f}"),
+        margin=doc.Quantity(tight.margin if tight else nan, "%", "margin"),
+    )  # fmt: skip
 
 
 def candidate_numbers(content: Content) -> list[dict[str, Any]]:
     """The drives of the table as texts, and under ``exact`` mass [g], price and margin [%]; None: unknown."""
     found = []
     for row in _drives(content).rows:
-        texts = {key: cell.text for key, cell in row.cells.items() if isinstance(cell, doc.Quantity)}
-        texts |= {key: cell for key, cell in row.cells.items() if isinstance(cell, str)}
+        figures = {key: cell for key, cell in row.cells.items() if isinstance(cell, doc.Quantity)}
+        texts = {key: cell for key, cell in row.cells.items() if isinstance(cell, str)}
+        texts |= {key: cell.text for key, cell in figures.items()}
         texts["price"] += "" if texts["price"] == "unknown" else f" {content.result.catalog.currency}"
-        exact = {key: _known(cell.number) for key, cell in row.cells.items() if isinstance(cell, doc.Quantity)}
+        exact = {key: None if isnan(cell.number) else cell.number for key, cell in figures.items()}
         exact["percent"] = None if exact["margin"] is None else 100.0 * exact["margin"]
         found.append({**texts, "status": row.status, "exact": exact})
     return found
-
-
-def _known(value: float) -> float | None:
-    return None if isnan(value) else value
 
 
 def gearhead_words(one: DriveParts, *, belt: bool = True) -> str:
@@ -253,13 +222,8 @@ def rejected(content: Content) -> Iterator[doc.Block]:
     """The checks that reject the others."""
     result, counts = content.result, content.result.counts
     if result.misses:
-        columns = (doc.name("motor", "motor"), doc.Column("gearhead", "gearhead"), doc.Column("check", "fails on",
-                                                                                              width=1.0),
-                   doc.number("value", "demand"), doc.number("limit", "limit"))  # fmt: skip
         belts = len({one.belt_ratio for one in result.misses}) > 1
-        yield doc.Table(
-            "Closest rejected", columns, [_rejected_row(one, belts) for one in result.misses], media="terminal"
-        )
+        yield doc.table("misses", "Closest rejected", [_rejected_row(one, belts) for one in result.misses])
     titles, budget = CHECKS[result.method], CHECKS["budget"]
     fails = [(f"failed_{name}", titles[name].title, n) for name, n in counts.failed_by.items()]
     fails += [
@@ -267,24 +231,17 @@ def rejected(content: Content) -> Iterator[doc.Block]:
         for name, n in counts.failed_by_budget.items()
     ]
     if fails:
-        heads = (
-            doc.name("title", "check", width=1.0),
-            doc.number("value", "drives"),
-            doc.Column("share", "", "share", 1.0, "paper"),
-        )
         rows = [
             doc.Row({"title": title, "value": doc.Quantity(n), "share": doc.Bar(n / counts.considered)}, name=name)
             for name, title, n in sorted(fails, key=lambda one: -one[-1])
         ]
-        caption = "Rejected candidates by check: one counts at every check that it fails"
-        yield doc.Table(caption, heads, rows, record="count", look="fell")
-    numbers = {"considered": ("Combinations that were examined", counts.considered),
-               "feasible": ("Drives that fail no check", counts.feasible), "passing": ("Drives that meet all limits",
-                                                                                       counts.passing)}  # fmt: skip
-    if counts.undecided:
-        numbers["undecided"] = ("Drives behind them that may, not computed", counts.undecided)
-    rows = [doc.Row({"title": title, "value": doc.Quantity(n)}, name=name) for name, (title, n) in numbers.items()]
-    yield doc.Table("Counts", (doc.Column("title"), doc.number("value")), rows, record="count", media="wide")
+        yield doc.table("fails", "Rejected candidates by check: one counts at every check that it fails", rows)
+    numbers = {"considered": "Combinations that were examined", "feasible": "Drives that fail no check",
+               "passing": "Drives that meet all limits"}  # fmt: skip
+    numbers |= {"undecided": "Drives behind them that may, not computed"} if counts.undecided else {}
+    rows = [doc.Row({"title": title, "value": doc.Quantity(getattr(counts, name))}, name=name)
+            for name, title in numbers.items()]  # fmt: skip
+    yield doc.table("counts", "Counts", rows)
 
 
 def _rejected_row(one: DriveSet, belts: bool) -> doc.Row:
@@ -296,8 +253,8 @@ def _rejected_row(one: DriveSet, belts: bool) -> doc.Row:
     bare = isnan(check.demand) and isnan(check.limit) and check.status != "unknown"
     demand, limit = ("" if bare else doc.Quantity(x, check.unit, check.kind) for x in (check.demand, check.limit))
     belt = f" × {one.belt_name or 1}" if belts else ""
-    return doc.Row({"motor": one.motor_name, "gearhead": f"{one.gearhead_name}{belt}", "check": check.title + others,
-                    "value": demand, "limit": limit})  # fmt: skip
+    return doc.row("misses", one, name="", gearhead=f"{one.gearhead_name}{belt}", check=check.title + others,
+                   value=demand, limit=limit)  # fmt: skip
 
 
 @doc.section("pareto", "Pareto front", level=2, early="answer")
@@ -309,20 +266,15 @@ def front(content: Content) -> Iterator[doc.Block]:
     if not result.front:
         return
     shown = result.front[:_LONGEST_FRONT]
-    titles = [objective_figure(shown[0], name).title for name in result.pareto]
-    columns = (doc.number("rank", "rank"), doc.Column("motor", "motor", width=1.1), doc.Column("gearhead", "gearhead",
-                                                                                               width=1.4),
-               *(doc.number(name, title) for name, title in zip(result.pareto, titles, strict=True)),
-               doc.status("status"))  # fmt: skip
+    columns = [doc.number(name, objective_figure(shown[0], name).title) for name in result.pareto]
     rows = []
     for one in shown:
         figures = [objective_figure(one, name) for name in result.pareto]
-        cells: dict[str, doc.Cell] = {"rank": doc.Quantity(one.rank), "title": one.label, "motor": one.motor_name}
-        cells |= {"gearhead": gearhead_words(one)}
-        cells |= {f.name: doc.Quantity(f.value, f.unit, f.kind) for f in figures}
-        rows.append(doc.Row(cells | {"status": (doc.Status(one.status),)}, data={"rank": str(one.rank)}))
+        cells: dict[str, doc.Cell] = {f.name: doc.Quantity(f.value, f.unit, f.kind) for f in figures}
+        rows.append(doc.row("front", one, name="", data={"rank": str(one.rank)}, title=one.label,
+                            gearhead=gearhead_words(one), status=(doc.Status(one.status),), **cells))  # fmt: skip
     caption = "The Pareto front: no other drive equals or beats one of these in all of its figures"
-    yield doc.Table(caption, columns, rows, "front", "front", "front", dense=True, sortable=True)
+    yield doc.table("front", caption, rows, more=[*columns, doc.status("status")])
     if len(result.front) > len(shown):
         yield doc.Words(f"And {len(result.front) - len(shown)} more, which the CSV report has.")
     yield doc.Picture("front", "The front by its first two figures, numbered as in the table.",
@@ -377,31 +329,24 @@ def sampled_words(sampled: Uncertainty, none: str = "") -> doc.Bullets:
 def probability_table(caption: str, drives: Sequence[DriveSet], name: str) -> doc.Table:
     """Drives with the probability that all checks pass, and where it is weakest."""
     looped = any(one.reliability and one.reliability.loop for one in drives)
-    columns = (
-        doc.number("rank"), doc.name("drive", "drive", width=1.0), doc.number("value", "all pass"),
-        doc.number("error", "error"), doc.Column("weakest", "weakest check", width=0.9),
-        doc.number("low", "margin 5 %"), doc.number("middle", "50 %"),
-        doc.number("high", "95 %", media="wide"),
-        *((doc.number("loop", "in closed loop"), doc.Column("loop_weakest", "weakest in closed loop", media="wide"),
-           doc.number("loop_samples", "samples in closed loop", media="wide")) if looped else ()),
-    )  # fmt: skip
     rows = []
     for one in drives:
         found = one.reliability
         assert found is not None
         more = [loop_text(found), f"unknown: {'; '.join(found.unknown)}" if found.unknown else ""]
-        cells: dict[str, doc.Cell] = {
-            "rank": doc.Quantity(one.rank), "drive": one.label, "value": _chance(found.probability, found.unknown),
-            "error": doc.Quantity(found.error, "%", "probability", own=error_text(found.error)),
-            "weakest": (found.weakest, doc.Note("; ".join(filter(None, more)))), "low": margin_quantity(found.low),
-            "middle": margin_quantity(found.middle), "high": margin_quantity(found.high),
-        }  # fmt: skip
+        cells: dict[str, doc.Cell] = {}
         if looped:
             loop = found.loop
             cells["loop"] = _chance(loop.probability, loop.unknown, error_text(loop.error)) if loop else "–"
             cells |= {"loop_weakest": loop.weakest, "loop_samples": doc.Quantity(loop.samples)} if loop else {}
-        rows.append(doc.Row(cells, name="all_checks", data={"rank": str(one.rank)}))
-    return doc.Table(caption, columns, rows, name, "reliability", "probability", dense=True)
+        rows.append(doc.row(
+            "reliability", one, name="all_checks", data={"rank": str(one.rank)},
+            value=_chance(found.probability, found.unknown),
+            error=doc.Quantity(found.error, "%", "probability", own=error_text(found.error)),
+            weakest=(found.weakest, doc.Note("; ".join(filter(None, more)))), **margins(found), **cells,
+        ))  # fmt: skip
+    left_out = () if looped else ("loop", "loop_weakest", "loop_samples")
+    return doc.table("reliability", caption, rows, name=name, without=left_out)
 
 
 def _chance(probability: float, unknown: Sequence[str], error: str = "") -> doc.Quantity:
@@ -432,7 +377,7 @@ def reliability(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
         yield _drivers("What its smallest margin depends on most: share of its variance, and the margin with this "
                        "alone at its 5 % and 95 % quantile", found.drivers[:_MOST_DRIVERS])  # fmt: skip
         if found.drivers[_MOST_DRIVERS:]:
-            yield replace(_drivers("Other assumptions", found.drivers[_MOST_DRIVERS:]), name="", media="wide")
+            yield _drivers("Other assumptions", found.drivers[_MOST_DRIVERS:], name="", media="wide")
     yield doc.Picture(
         "tornado", f"The smallest margin of all checks of {drive.label} with one assumption at its 5 % and at its 95 % "
         "quantile, all others nominal; at the right the share of the variance that each makes alone. Left of the line "
@@ -442,47 +387,22 @@ def reliability(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 
 def spreads_table(caption: str, checks: Sequence[Spread], name: str) -> doc.Table:
     """Checks over the samples."""
-    columns = (doc.name("title", "check", width=1.0), doc.number("value", "passes"), doc.number("fails", "fails",
-                                                                                                media="wide"),
-               doc.number("weakest", "tightest of all", media="wide"), doc.number("low", "margin 5 %"),
-               doc.number("middle", "50 %"), doc.number("high", "95 %"))  # fmt: skip
-    rows = [
-        doc.Row({"title": one.title, "low": margin_quantity(one.low), "middle": margin_quantity(one.middle),
-                 "high": margin_quantity(one.high),
-                 **doc.quantities("%", "probability", value=one.passes, fails=one.fails, weakest=one.weakest)},
-                name=one.name)
-        for one in checks
-    ]  # fmt: skip
-    return doc.Table(caption, columns, rows, name, "reliability", "probability")
+    return doc.table("spreads", caption, [doc.row("spreads", one, **margins(one)) for one in checks], name=name)
 
 
 def percentiles_table(caption: str, found: Reliability, name: str) -> doc.Table:
     """Figures over the samples."""
-    columns = (
-        doc.name("title", "figure", width=1.0),
-        *(doc.number(key, f"{q} %") for key, q in (("low", 5), ("middle", 50), ("high", 95))),
-    )
+    return doc.table("percentiles", caption, [doc.row("percentiles", one) for one in found.figures], name=name)
+
+
+def _drivers(caption: str, drivers: Sequence[Driver], **look: Any) -> doc.Table:
     rows = [
-        doc.Row(
-            {"title": f.title, **doc.quantities(f.unit, f.kind, low=f.low, middle=f.middle, high=f.high)}, name=f.name
-        )
-        for f in found.figures
-    ]
-    return doc.Table(caption, columns, rows, name, "percentile", "probability")
-
-
-def _drivers(caption: str, drivers: Sequence[Driver]) -> doc.Table:
-    columns = (doc.name("title", "assumption", width=1.0), doc.number("value", "share"),
-               doc.number("correlation", "rank correlation", media="wide"),
-               doc.number("low", "margin at 5 %"), doc.small("low_at", "at"),
-               doc.number("high", "margin at 95 %"), doc.small("high_at", "at"))  # fmt: skip
-    rows = [doc.Row({"title": one.title, "value": doc.Quantity(one.share, "%", "probability",
-                                                               own=f"{100 * one.share:.0f} %"),
-                     "correlation": doc.Quantity(one.rank_correlation, "1", "plain"),
-                     "low": margin_quantity(one.low_margin), "low_at": minus(one.low),
-                     "high": margin_quantity(one.high_margin), "high_at": minus(one.high)}, name=one.name)
-            for one in drivers]  # fmt: skip
-    return doc.Table(caption, columns, rows, "probability-drivers", "driver", "probability")
+        doc.row("drivers", one, value=doc.Quantity(one.share, "%", "probability", own=f"{100 * one.share:.0f} %"),
+                low=margin_quantity(one.low_margin), low_at=minus(one.low),
+                high=margin_quantity(one.high_margin), high_at=minus(one.high))
+        for one in drivers
+    ]  # fmt: skip
+    return doc.table("drivers", caption, rows, **look)
 
 
 @doc.section("uncertain", level=2)
@@ -494,10 +414,8 @@ def uncertain(content: Content) -> Iterator[doc.Block]:
 
 def uncertain_table(sampled: Uncertainty) -> doc.Table:
     """The uncertain figures with their tolerances."""
-    columns = doc.name("title", "figure"), doc.Column("value", "tolerance"), doc.Column("note", "from", width=1.0)
-    rows = [doc.Row({"title": one.title, "value": one.text, "note": one.source}, name=one.name)
-            for one in sampled.assumptions]  # fmt: skip
-    return doc.Table("Uncertain figures", columns, rows, "uncertain", "uncertain", "probability")
+    rows = [doc.row("uncertain", one) for one in sampled.assumptions]
+    return doc.table("uncertain", "Uncertain figures", rows)
 
 
 # -- Drives in rows with all that they are, do and hold, for other programs; SI.

@@ -10,7 +10,7 @@ from typing import Any
 from drivesizer.control.validation import Validation
 from drivesizer.output.derivation import margin, symbol, use
 from drivesizer.output.document import records as doc
-from drivesizer.results.check import Check, Figure, tightest
+from drivesizer.results.check import Check, Figure, Reliability, Spread, tightest
 from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, figure_words, part_of, sorted_by_part
 from drivesizer.results.drive_set import DriveSet, EnergyBudget, MassRow, Relaxation, Requirement
 from drivesizer.spec.robot import AS_SPECIFIED
@@ -183,3 +183,8 @@ def error_text(value: float) -> str:
 def margin_quantity(value: float) -> doc.Quantity:
     """A margin over samples; a dash where there is none."""
     return doc.Quantity(value if isfinite(value) else nan, "%", "margin", own="" if isfinite(value) else "–")
+
+
+def margins(found: Reliability | Spread) -> dict[str, doc.Cell]:
+    """The quantiles of a margin over samples."""
+    return {key: margin_quantity(getattr(found, key)) for key in ("low", "middle", "high")}
