@@ -83,22 +83,9 @@ FOLLOWING = "Path following: largest deviations"
 SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
 
 
-def speed_heads(found: PermittedSpeeds) -> list[str]:
-    """Heads of the columns: direction, motors, and each failed wheel."""
-    return ["direction", failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
-
-
 def failed_motors_text(found: PermittedSpeeds) -> str:
     """Motors that drive where no further one fails: ``all motors``, or without the failed ones."""
     return f"without {', '.join(map(str, found.failed))}" if found.failed else "all motors"
-
-
-def speed_rows(found: PermittedSpeeds) -> Iterator[tuple[str, str, list[float]]]:
-    """Direction, what limits it, and speeds [m/s], with all motors and without each; of a quarter turn."""
-    for degrees in range(0, 91, 15):
-        here = found.at(degrees)
-        if not isnan(here[0][0]):
-            yield f"{degrees} °", here[0][1], [speed for speed, _ in here.values()]
 
 
 def speed_text(speed: float) -> str:

@@ -101,27 +101,20 @@ def repeat_blocks(
 
     few = catalogs.items() if len(catalogs) <= _FEW else ()
     made = {"drivesizer": __version__, "method": method, "objective": objective.replace("_", " ")}
-    rows = [doc.Row({"title": title, "note": said}) for title, said in made.items()]
-    rows += [doc.Row({"title": f"catalogue {name}, digest", "note": (doc.Code(digest),)}) for name, digest in few]
-    columns = doc.name("title"), doc.Column("note", "", width=1.0)
-    yield doc.Table("", columns, rows, look="figures")
+    rows: dict[str, doc.Cell] = {**made}
+    rows |= {f"catalogue {name}, digest": (doc.Code(digest),) for name, digest in few}
+    yield doc.table("notes", "", rows.items())
     if not few:
         yield doc.Fragment("digests", [list(one) for one in catalogs.items()])
-        listed = [doc.Row({"title": f"catalogue {name}, digest", "note": digest}) for name, digest in catalogs.items()]
-        yield doc.Table("Catalogues", columns, listed, media="book")
-    yield doc.Table("Words", columns, [doc.Row({"title": word, "note": meaning}) for word, meaning in _MEANING.items()],
-                    media="book")  # fmt: skip
+        digests = {f"catalogue {name}, digest": digest for name, digest in catalogs.items()}
+        yield doc.table("words", "Catalogues", digests.items(), media="book")
+    yield doc.table("words", "Words", _MEANING.items(), media="book")
     lines = text.splitlines()
     if lines:
         yield doc.Fragment("file", [file or "spec.yaml", *lines])
     written = lines or yaml.safe_dump(dict(entered), allow_unicode=True, sort_keys=False).splitlines()
-    numbered = [doc.Row({"line": doc.Quantity(number), "text": line}) for number, line in enumerate(written, 1)]
-    yield doc.Table(
-        f"The spec file: {file or 'spec'}",
-        (doc.number("line", "line"), doc.Column("text", file or "spec", "code")),
-        numbered,
-        media="book",
-    )
+    numbered = [(doc.Quantity(number), line) for number, line in enumerate(written, 1)]
+    yield doc.table("file", f"The spec file: {file or 'spec'}", numbered, heads={"text": file or "spec"})
 
 
 # -- data sheets
@@ -152,11 +145,7 @@ def figures_of_parts(content: Content) -> Iterator[doc.Block]:
         return
     once = {(section_of(part), part.part): part for part in content.drive.parts.values() if part is not None}
     rows = [row for (section, _), part in once.items() for row in _part_rows(section, part, content.result.catalog)]
-    columns = (doc.Column("role", "part"), doc.Column("maker", "maker"), doc.Column("family", "family"),
-               doc.Column("number", "number"), doc.Column("title", "figure"), doc.number("value", "value"),
-               doc.mark("confidence", "confidence"), doc.Column("note", "note"), doc.Column("date", "source date"),
-               doc.Column("source", "source"))  # fmt: skip
-    yield doc.Table("Figures of the parts with their sources", columns, rows)
+    yield doc.table("sources", "Figures of the parts with their sources", rows)
 
 
 def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[doc.Row]:

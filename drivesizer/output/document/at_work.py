@@ -124,15 +124,13 @@ def _compared(content: Content) -> doc.Table:
     load: Any = content.result.spec.load
     if "maximum_torque" in found:
         found["maximum_force"] = doc.Quantity(2.0 * found["maximum_torque"].value / load.wheel_diameter, "N", "force")
-    columns = (doc.name("title", width=1.0), doc.number("nominal", "nominal"), doc.number("maximum", "maximum"),
-               doc.number("rms", "RMS"), doc.small("note", "equations"))  # fmt: skip
     rows = [
         doc.Row({"title": title, "note": note, "nominal": found.get(nominal, ""), "maximum": found[most],
                  "rms": found.get(rms, "")}, name=most.removeprefix("maximum_"))
         for title, nominal, most, rms, note in _COMPARED if most in found
     ]  # fmt: skip
     caption = "In the order of the paper's section 3.1; the largest force is the largest torque at the wheels' radius"
-    return doc.Table(caption, columns, rows, "paper_order", "paper", "figures", media="print")
+    return doc.table("compared", caption, rows)
 
 
 def _equation(r: Requirement) -> doc.Equation:
@@ -143,30 +141,15 @@ def _equation(r: Requirement) -> doc.Equation:
 # -- The motor's own torque piece by piece of the motion: accelerate, run, brake, rest, and over the whole cycle.
 
 
-_FIGURES = (  # key, head, unit and kind of each figure
-    ("start", "from", "s", "time"), ("duration", "for", "s", "time"), ("speed", "speed", "rpm", "rotary_speed"),
-    ("load_torque", "load torque", "N*m", "torque"), ("motor_torque", "motor torque", "mN*m", "torque"),
-    ("rms_torque", "RMS", "mN*m", "torque"), ("current", "current", "A", "current"),
-    ("rms_current", "RMS current", "A", "current"),
-)  # fmt: skip
-
-
 @doc.section("pieces", "The motor piece by piece", level=2, of_drive=True)
 def pieces(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """The motor in each piece of the motion."""
-    columns = (doc.Column("case", "load case", media="wide"), doc.name("piece", "piece"),
-               *(doc.number(key, head, media="paper" if key in ("start", "rms_current") else "all")
-                 for key, head, *_ in _FIGURES))  # fmt: skip
     for case, pieces in groupby(drive.pieces, key=lambda one: one.case):
         of = f" in load case {case}" if case else ""
-        rows = []
-        for one in pieces:
-            cells: dict[str, doc.Cell] = {"case": one.case, "piece": one.name, "title": one.name}
-            cells |= {key: doc.Quantity(getattr(one, key), unit, kind) for key, _, unit, kind in _FIGURES}
-            name = "_".join(filter(None, (one.case, one.name))).replace(" ", "_")
-            rows.append(doc.Row(cells, name=name, total=one.name == "cycle"))
+        rows = [replace(doc.row("pieces", one, name="_".join(filter(None, (case, one.name))).replace(" ", "_"),
+                                title=one.name), total=one.name == "cycle") for one in pieces]  # fmt: skip
         caption = f"The motor in each piece of the motion{of}: largest figures, and RMS; below 0 torque brakes."
-        yield doc.Table(caption, columns, rows, "pieces", "pieces", "figures", dense=True)
+        yield doc.table("pieces", caption, rows)
 
 
 # -- The drive over the load cycle: torque and speed, current and voltage, heat, energy.
@@ -337,14 +320,10 @@ def remedies(v: Validation, axis: str = "") -> doc.Table:
     rows = []
     for one in sorted(v.tried, key=lambda one: one.status == "fail"):
         tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
-        rows.append(doc.Row({"title": one.what, "entry": (doc.Code(one.entry),), "tight": tight,
-                             "status": (doc.Status(one.status),)}))  # fmt: skip
+        rows.append(doc.row("remedies", one, name="", tight=tight))
     helps = any(one.status != "fail" for one in v.tried)
     caption = "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps"
-    caption = f"{axis}: {caption[0].lower()}{caption[1:]}" if axis else caption
-    columns = (doc.name("title", "change", width=1.0), doc.code("entry", "entered as", width=1.4),
-               doc.small("tight", "tightest", width=0.8), doc.status("status"))  # fmt: skip
-    return doc.Table(caption, columns, rows, record="remedy")
+    return doc.table("remedies", f"{axis}: {sentence_case(caption)}" if axis else caption, rows)
 
 
 @doc.section("loop-details")
@@ -366,29 +345,17 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
     shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
     yield doc.Picture("loop", shown + _cut(len(windows(v.series))), f"{v.loop} over time", about="shows it over time.",
                       floats=True)  # fmt: skip
-    columns = (
-        doc.name("title", "gain", width=1.0),
-        doc.number("value", "value"),
-        doc.Column("note", "note", media="wide"),
-    )
     rule = f"{v.gains.rule}. Source: {v.gains.source}."
-    gains = [
-        doc.Row({"title": row.title, "value": _gain(row.value, row.unit), "note": rule}, name=row.name)
-        for row in gain_rows(v.gains)
-    ]
+    gains = [doc.row("gains", one, value=_gain(one.value, one.unit), note=rule) for one in gain_rows(v.gains)]
     yield doc.Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
-                   [doc.Table(f"{v.set_up} of the controller", columns, gains, record="validation", look="figures"),
+                   [doc.table("gains", f"{v.set_up} of the controller", gains),
                     doc.Words(f"Rule of the {v.set_up.lower()}: {rule}", "note")])  # fmt: skip
     if v.controller_gains:
-        columns3 = (
-            doc.code("place", "object"),
-            doc.name("title", "gain", width=1.0),
-            doc.number("value", "value"),
-        )
-        own = [doc.Row({"place": (doc.Code(g.place),), "title": g.name,
-                    "value": doc.Quantity(g.value, g.unit, "count", own=f"{g.value} {g.unit}")},
-                   name=g.place) for g in v.controller_gains]  # fmt: skip
-        yield doc.Table("The same gains as they are written into the controller", columns3, own, record="validation")
+        own = [
+            doc.row("controller_gains", g, name=g.place, value=doc.Quantity(g.value, g.unit, own=f"{g.value} {g.unit}"))
+            for g in v.controller_gains
+        ]
+        yield doc.table("controller_gains", "The same gains as they are written into the controller", own)
     yield from _linear_run(v)
     if v.assumptions:
         yield doc.Bullets("Assumptions of the simulation:", list(v.assumptions))
@@ -411,9 +378,6 @@ def _linear_run(v: Validation) -> Iterator[doc.Block]:
     if v.linear is None:
         yield doc.Words(NO_LINEAR, "note")
         return
-    columns = (doc.name("title", "figure", width=1.0), doc.number("linear", "python-control"), doc.number("linear_at",
-                                                                                                          "at"),
-               doc.number("engine", "engine"), doc.number("engine_at", "at"))  # fmt: skip
     rows = []
     for one in v.linear.figures:
         cells: dict[str, doc.Cell] = {"title": one.linear.title}
@@ -424,7 +388,7 @@ def _linear_run(v: Validation) -> Iterator[doc.Block]:
                 doc.Quantity(f.at_time, "s", "time") if f is not None and known and f.at_time is not None else ""
             )
         rows.append(doc.Row(cells, name=one.linear.name))
-    yield doc.Table(BESIDE, columns, rows, "python-control", dense=True)
+    yield doc.table("linear_run", BESIDE, rows)
     yield doc.Words(left_out(v.linear), "note")
 
 
@@ -439,13 +403,9 @@ def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
                 "of both directions") if directed else ""  # fmt: skip
     yield doc.Words(f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all "
                 "its poles lie inside 1.")  # fmt: skip
-    figures = loop_figures(loops[0])
-    columns = (
-        doc.name("title", "loop", width=1.0),
-        *(doc.number(f.name, f.title, yields=n > 5) for n, f in enumerate(figures)),
-    )
-    yield doc.Table("The loops by linear analysis, from the inside out; gain margin as a factor", columns,
-                    [*map(_loop_row, loops)], "loops", "loop", "loops", dense=True)  # fmt: skip
+    figures = [doc.number(f.name, f.title, yields=n > 5) for n, f in enumerate(loop_figures(loops[0]))]
+    yield doc.table("loops", "The loops by linear analysis, from the inside out; gain margin as a factor",
+                    map(_loop_row, loops), more=figures)  # fmt: skip
     line = " It is longer than the margin that is given where the other direction of power has the lesser one."
     none = " An unstable loop has no margins." if unstable else ""
     yield doc.Picture(

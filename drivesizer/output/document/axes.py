@@ -184,13 +184,10 @@ def _verdict(content: MachineContent) -> Iterator[Any]:
 def _summary(content: MachineContent) -> Iterator[doc.Block]:
     sizing = content.sizing
     yield doc.Verdict(sizing.status != "fail", [tuple(_verdict(content))])
-    columns = (doc.name("axis", "axis", width=0.7), doc.Column("drive", "drive", width=1.2), doc.number("mass", "mass"),
-               doc.number("price", "price"), doc.number("energy", "energy"), doc.number("margin", "margin"),
-               doc.small("tight", "tightest check", width=0.8, yields=True), doc.status("status"))  # fmt: skip
     caption = (
         "The axes: mass of other axes' drives on each, mass and price of one drive as far as known, energy of its cycle"
     )
-    yield doc.Table(caption, columns, [*map(_axis_row, content.axes)], "axes", "axis", dense=True)
+    yield doc.table("axes", caption, map(_axis_row, content.axes))
     found = [(one.name, one.content.drive) for one in content.axes]
     tight = [
         doc.Row({**check_row(check).cells, "axis": name})
@@ -278,16 +275,10 @@ def _power(content: MachineContent) -> Iterator[doc.Block]:
     yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
     if power.exceeded:
         titles = {check.name: check.title for check in power.checks}
-        columns = (doc.name("title", "limit of the supply", width=1.0), doc.number("value", "power"),
-                   doc.number("least", "share of the time, from"), doc.number("most", "to"))  # fmt: skip
-        rows = [
-            doc.Row({"title": titles.get(one.check, one.check), **doc.quantities("W", "power", value=one.limit),
-                     **doc.quantities("%", "dimensionless", least=one.least, most=one.most)}, name=one.check)
-            for one in power.exceeded
-        ]  # fmt: skip
-        yield doc.Table(
-            "Share of the time in which axes at random phases draw more than the supply gives", columns, rows
-        )
+        caption = "Share of the time in which axes at random phases draw more than the supply gives"
+        rows = [doc.row("exceeded", one, name=one.check, title=titles.get(one.check, one.check))
+                for one in power.exceeded]  # fmt: skip
+        yield doc.table("exceeded", caption, rows)
     if power.braking and any(figure.value for figure in power.braking.figures):
         of = f" with brake resistor {power.braking.name}" if power.braking.name else ""
         yield figures_table(f"What is regenerated, stored and burnt{of}", power.braking.figures, "braking")
@@ -337,13 +328,9 @@ def _carried(content: MachineContent) -> Iterator[doc.Block]:
             cells |= {"distance": doc.Quantity(found.distance, "mm", "length")} if found.distance is not None else {}
         cells |= {"on": doc.Quantity(axis.carried_mass, "g", "mass")} if axis.carried else {}
         rows.append(doc.Row(cells, name=branch.name))
+    caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
     turning = any("distance" in row.cells for row in rows)
-    columns = (doc.name("axis", "axis", width=0.8), doc.Column("drive", "drive", width=1.2),
-               doc.number("own", "drives on the axis above"), *([
-               doc.number("distance", "at")] if turning else []),
-               doc.number("on", "all drives on it"))  # fmt: skip
-    yield doc.Table("Each axis below the one that carries its drives; masses are in the load of the carrying axis",
-                    columns, rows, "riding", look="wide carried")  # fmt: skip
+    yield doc.table("carried", caption, rows, without=() if turning else ["distance"], look="wide carried")
     yield doc.Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the "
                 "upper end of its band.", "note")  # fmt: skip
 
@@ -353,18 +340,8 @@ def _loops(content: MachineContent) -> Iterator[doc.Block]:
     if not content.proofs:
         return
     rows = [_loop_row(one) for one in content.axes if one.sizing.best]
-    columns = (doc.name("axis", "axis", width=0.7), doc.Column("over", "simulated in", width=1.0),
-               doc.small("title", "tightest check", width=1.0),
-               doc.number("value", "demand"), doc.number("limit", "limit"),
-               doc.number("margin", "margin"),
-               doc.status("status"))  # fmt: skip
-    yield doc.Table(
-        "Every axis simulated in its hardest load case, with the drives that ride on it",
-        columns,
-        rows,
-        "axes_loops",
-        "loop",
-    )
+    caption = "Every axis simulated in its hardest load case, with the drives that ride on it"
+    yield doc.table("axes_loops", caption, rows)
     yield doc.Words("Figures, gains and the loop over time are in the chapter of each axis.", "note")
 
 

@@ -21,9 +21,6 @@ _TITLES = {
     "hold": "Holding {hold} at rest for {duration}",
     "work": "Running against {load} for {duration}",
 }
-_COLUMNS = (
-    doc.name("title", width=1.0), doc.number("value", "nominal"), doc.number("p5", "5 %"), doc.number("p95", "95 %")
-)  # fmt: skip
 
 
 def prediction_blocks(found: Prediction) -> Iterator[doc.Block]:
@@ -38,18 +35,12 @@ def prediction_blocks(found: Prediction) -> Iterator[doc.Block]:
     yield doc.Words(", ".join(around))
     for group, some in groupby(found.figures, key=lambda one: one.group):
         listed = list(some)
-        yield doc.Table(_TITLES[group].format(**words), _COLUMNS, [*map(_row, listed)], record=group)
+        yield doc.table("predicted", _TITLES[group].format(**words), map(_row, listed), record=group)
         missing = dict.fromkeys(name for one in listed for name in one.missing)
         if missing:
             yield doc.Words(f"missing: {', '.join(missing)}", "note")
     if found.estimates:
-        columns = (
-            doc.name("title", "not on the data sheet"),
-            doc.Column("value", "5 to 95 %"),
-            doc.Column("note", "from", width=1.0),
-        )
-        rows = [doc.Row({"title": one.title, "value": one.text, "note": one.law}) for one in found.estimates]
-        yield doc.Table("", columns, rows)
+        yield doc.table("not_printed", "", [doc.row("not_printed", one, name="") for one in found.estimates])
     bands = "; ".join(f"{name[0].lower()}{name[1:]} {text}" for name, text, _ in found.tolerances)
     yield doc.Bullets((doc.Note(f"5 to 95 % of {found.samples} samples: {bands}."),), list(found.assumptions))
 

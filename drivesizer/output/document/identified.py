@@ -19,12 +19,7 @@ def identification_blocks(found: Identification) -> Iterator[doc.Block]:
     )
     driven = {"none": "steady figures of a file"}.get(found.driven, f"the model is driven by the logged {found.driven}")
     yield doc.Words(f"{rows}{driven}")
-    columns = (
-        doc.name("title", width=1.0), doc.number("value", "identified"), doc.number("low", "from"),
-        doc.number("high", "to"), doc.number("printed", "printed"), doc.number("deviation", "off by"),
-        doc.Column("basis", "band by", yields=True),
-    )  # fmt: skip
-    yield doc.Table("", columns, [_row(one) for one in found.figures], record="figure")
+    yield doc.table("identified", "", map(_row, found.figures))
     bands = "from .. to: 95 %, the widest of formal, bootstrap and subsets"
     sheet = (
         "; off by: in standard deviations of band and data sheet"
@@ -36,12 +31,7 @@ def identification_blocks(found: Identification) -> Iterator[doc.Block]:
         yield doc.Words(f"{bands}{sheet}{condition}", "note")
     yield from _findings(found.findings)
     if found.inseparable:
-        heads = doc.name("figures", "not separated", width=1.0), doc.Column("reason", "because", width=1.0), \
-            doc.Column("needs", "needed", width=1.0)  # fmt: skip
-        lines = [
-            doc.Row({"figures": one.figures, "reason": one.reason, "needs": one.needs}) for one in found.inseparable
-        ]
-        yield doc.Table("", heads, lines, record="inseparable")
+        yield doc.table("inseparable", "", [(one.figures, one.reason, one.needs) for one in found.inseparable])
     if found.remarks:
         yield doc.Bullets("", list(found.remarks))
 
@@ -66,10 +56,6 @@ def _findings(found: Sequence[LogFinding]) -> Iterator[doc.Block]:
 
 def comparison_blocks(found: Comparison) -> Iterator[doc.Block]:
     """A log beside its sizing: check by check, and what would explain the difference."""
-    columns = (
-        doc.name("title", width=1.0), doc.number("promised", "promised"), doc.number("measured", "measured"),
-        doc.number("limit", "limit"), doc.number("margin", "margin"), doc.number("left", "left"), doc.status("status"),
-    )  # fmt: skip
     rows = []
     for one in found.checks:
         cells: dict[str, doc.Cell] = {"title": one.title, "status": (doc.Status(one.status),)}
@@ -78,17 +64,14 @@ def comparison_blocks(found: Comparison) -> Iterator[doc.Block]:
         cells |= {key: doc.Quantity(x, "%", "margin") for key, x in (("margin", one.margin), ("left", one.left))
                   if not isnan(x)}  # fmt: skip
         rows.append(doc.Row(cells, name=one.name, status=one.status))
-    yield doc.Table("", columns, rows, record="check")
+    yield doc.table("log", "", rows)
     yield from _findings(found.findings)
     if isfinite(found.difference):
         off, whole = (show(x, "mN*m", "torque", 3) for x in (found.difference, found.torque))
         yield doc.Words(f"Torque of the motor: the spec is off by {off} RMS, of {whole} that the log needs.")
     if found.explanations:
-        heads = (doc.name("field", "would explain it"), doc.number("entered", "in the spec"),
-                 doc.number("explains", "by the log"), doc.number("share", "of the difference"))  # fmt: skip
-        shares = [doc.Quantity(one.share, "%", "dimensionless", 2) for one in found.explanations]
-        lines = [doc.Row({"field": one.field, "entered": one.entered, "explains": one.explains, "share": share})
-                 for one, share in zip(found.explanations, shares, strict=True)]  # fmt: skip
-        yield doc.Table("", heads, lines, record="explanation")
+        rows = [doc.row("explanations", one, share=doc.Quantity(one.share, "%", "dimensionless", 2))
+                for one in found.explanations]  # fmt: skip
+        yield doc.table("explanations", "", rows)
     if found.remarks:
         yield doc.Bullets("", list(found.remarks))

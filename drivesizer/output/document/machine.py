@@ -19,9 +19,7 @@ from drivesizer.output.platform import (
     formula,
     platform_numbers,
     printed,
-    speed_heads,  # fmt: skip
     speed_remarks,
-    speed_rows,
 )
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.platform.robot_figures import Numbers
@@ -117,18 +115,18 @@ def permitted(content: Content) -> Iterator[doc.Block]:
 def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
     """Speeds of a quarter turn, and what limits them."""
     with_motors = failed_motors_text(found) if found.failed else "with all motors"
-    direction, *heads = speed_heads(found)
-    columns = [doc.number("title", direction)]
-    keys = [re.sub(r"\W+", "_", head) for head in heads]
-    columns += [doc.number(key, head) for key, head in zip(keys, heads, strict=True)]
-    columns.append(doc.small("note", f"limited, {with_motors}, by", media="paper"))
+    heads = [failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
+    columns = [*(doc.number(re.sub(r"\W+", "_", head), head) for head in heads),
+               doc.small("note", f"limited, {with_motors}, by", media="paper")]  # fmt: skip
     rows = []
-    for degrees, by, speeds in speed_rows(found):
-        cells: dict[str, doc.Cell] = {"title": degrees, "note": by}
-        for key, v in zip(keys, speeds, strict=True):
-            cells[key] = doc.Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
-        rows.append(doc.Row(cells, name=degrees.removesuffix(" °")))
-    yield doc.Table(SPEEDS, columns, rows, "permitted", dense=True)
+    for degrees in range(0, 91, 15):
+        here = list(found.at(degrees).values())
+        speeds = [doc.Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
+                  for v, _ in here]  # fmt: skip
+        if not isnan(here[0][0]):
+            cells = {c.key: cell for c, cell in zip(columns, [*speeds, here[0][1]], strict=True)}
+            rows.append(doc.Row({"title": f"{degrees} °", **cells}, name=str(degrees)))
+    yield doc.table("permitted", SPEEDS, rows, more=columns)
     yield doc.Bullets("In these speeds:", [*speed_remarks(found)])
 
 
@@ -154,9 +152,7 @@ def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Fo
 
     keys = ("position", "heading", "slip", "torque of a wheel", "use of the floor's grip")
     head = "model, speed loops, poses, what the model knows" if len(runs) > 4 else "run"
-    columns = [doc.name("title", head, width=1.0),
-               *(doc.number(key, key, media="all" if len(runs) < 5 or key in keys[:2] else "paper")
-                 for key in keys),
+    columns = [*(doc.number(key, key, media="all" if len(runs) < 5 or key in keys[:2] else "paper") for key in keys),
                doc.number("limited", "at the torque limit")]  # fmt: skip
     measured = path.spec.platform.following.measured if path.spec.platform else ()
     rows = [doc.Row({"title": f"{one.name}, measured", "position": doc.Quantity(one.position, "m", "length", 3),
@@ -169,7 +165,7 @@ def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Fo
         }
         limited = doc.Quantity(float(run.limited.max()), "%", "dimensionless", 3)
         rows.append(doc.Row({"title": name, **cells, "limited": limited}, name=_slug(name)))
-    yield doc.Table(FOLLOWING, columns, rows, "followed", dense=True)
+    yield doc.table("followed", FOLLOWING, rows, heads={"title": head}, more=columns)
     yield doc.Bullets("In this simulation:", [*assumed(path, drive)])
 
 
@@ -227,9 +223,8 @@ def numbers_table(numbers: Numbers) -> doc.Table:
     named = ", ".join(f"({number})" for number in numbers.equations)
     caption = f"{numbers.meaning} {named}: {formula(numbers)}" if named else numbers.meaning
     caption += f", in {shown.unit}" if shown.unit else ""
-    columns = [doc.name("title", width=1.0)]
-    columns += [doc.number(key, head) for key, head in zip(keys, shown.heads, strict=True)]
-    return doc.Table(caption, columns, rows, record="platform", look="figures", dense=True)
+    columns = [doc.number(key, head) for key, head in zip(keys, shown.heads, strict=True)]
+    return doc.table("numbers", caption, rows, more=columns)
 
 
 def _slug(name: str) -> str:
@@ -242,24 +237,16 @@ _KIND = {"deg": "angle", "mm": "length"}
 # -- a platform on its path: its wheels, a drive there, its speeds and how it follows
 
 
-_OF_A_WHEEL = (  # requirement, head of its column
-    ("nominal_speed", "speed"), ("maximum_torque_per_motor", "torque"), ("rms_torque_per_motor", "RMS"),
-    ("maximum_power_per_motor", "power"), ("returned_power_per_motor", "returned"),
-)  # fmt: skip
-
-
 def driving_blocks(
     found: Driving, drive: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None
 ) -> Iterator[doc.Block]:
     """Requirements at each wheel, checks of a drive on the path, its speeds by direction, the runs that follow it."""
-    columns = (doc.number("wheel", "wheel"), *(doc.number(name, head) for name, head in _OF_A_WHEEL),
-               doc.number("friction", "friction needed"))  # fmt: skip
     rows = []
     for wheel in found.wheels:
         cells: dict[str, doc.Cell] = {"wheel": doc.Quantity(wheel.number), "friction": _friction(wheel.grip, found)}
         cells |= {r.name: doc.Quantity(float(r.value), r.unit, r.kind) for r in wheel.requirements}
         rows.append(doc.Row(cells, name=f"wheel_{wheel.number}"))
-    yield doc.Table("Requirements at the wheels", columns, rows)
+    yield doc.table("wheels", "Requirements at the wheels", rows)
     if drive:
         yield doc.Words(drive.label)
         yield check_table("The drive on this path", drive.checks)

@@ -12,7 +12,18 @@ from rich.text import Text
 from drivesizer.catalog import Catalog
 from drivesizer.output.document import SECTIONS, at_work, candidates, machine, printed
 from drivesizer.output.document.content import Content, OfDrives, OfLoop
-from drivesizer.output.document.records import TERMINAL, Column, Printed, Quantity, Row, Section, Status, Table
+from drivesizer.output.document.records import (
+    TERMINAL,
+    Cell,
+    Printed,
+    Quantity,
+    Row,
+    Section,
+    Status,
+    Table,
+    row,
+    table,
+)
 from drivesizer.output.document.rows import check_row
 from drivesizer.output.tables import changes_by_outcome
 from drivesizer.output.terminal import render
@@ -149,23 +160,17 @@ def validations(proofs: Sequence[Validation], objective: str) -> None:
     """Print several drives in closed loop, a line each, best first."""
     out, first = console(), proofs[0]
     heading(out, f"{first.spec.name}: {first.profile}", f"{number_of(len(proofs), 'drive')} in {first.loop}", "")
-    rows = [_proof_row(proof, {"place": Quantity(place), "was": Quantity(proof.drive_set.rank),
-                               "drive": proof.drive_set.label,
-                               "objective": candidates.objective_quantity(proof.drive_set, objective)})
+    rows = [_proof_row(proof, place=Quantity(place), was=Quantity(proof.drive_set.rank),
+                       objective=candidates.objective_quantity(proof.drive_set, objective))
             for place, proof in enumerate(proofs, 1)]  # fmt: skip
-    columns = (Column("place", "", "number"), Column("was", "was", "number"), Column("drive", "drive", width=1.0),
-               Column("objective", objective.replace("_", " "), "number"), *_PROOF)  # fmt: skip
-    render.blocks(out, [Table("", columns, rows)])
+    render.blocks(out, [table("proofs", "", rows, heads={"objective": objective.replace("_", " ")})])
 
 
-_PROOF = Column("title", "tightest", width=1.0), Column("margin", "", "number"), Column("status", "", "status")
-
-
-def _proof_row(proof: Validation, cells: Mapping[str, object]) -> Row:
+def _proof_row(proof: Validation, **cells: Cell) -> Row:
     """A closed loop by its tightest check."""
     tight = worst(proof.checks)
-    found = {"title": tight.title if tight else "–", "margin": Quantity(tight.margin, "%", "margin") if tight else ""}
-    return Row({**cells, **found, "status": (Status(proof.status),)})  # type: ignore[dict-item]
+    margin = Quantity(tight.margin, "%", "margin") if tight else ""
+    return row("proofs", proof, name="", title=tight.title if tight else "–", margin=margin, **cells)
 
 
 # -- machines of several axes
@@ -202,15 +207,11 @@ def machine_explained(name: str, found: Mapping[str, Explanation]) -> None:
         status = gravest([one.status for one in pair.sets])
         one = next(each for each in pair.sets if each.status == status)
         tight = next(iter(tightest(one.deciding, 1)), None)
-        cells = dict(check_row(tight).cells) if tight else {"title": "–"}
+        cells = dict(check_row(tight).cells) if tight else {}
         belt = f", belt {one.belt_ratio:g}:1" if len(pair.sets) > 1 else ""
-        rows.append(
-            Row({**cells, "axis": axis, "title": f"{tight.title if tight else '–'}{belt}", "status": (Status(status),)})
-        )
-    columns = (Column("axis", "axis", "name"), Column("title", "", width=1.0), Column("value", "demand", "number"),
-               Column("limit", "limit", "number"),
-               Column("margin", "margin", "number"), Column("status", "", "status"))  # fmt: skip
-    render.blocks(out, [Table("", columns, rows)])
+        title = f"{tight.title if tight else '–'}{belt}"
+        rows.append(Row({**cells, "axis": axis, "title": title, "status": (Status(status),)}))
+    render.blocks(out, [table("pairs", "", rows)])
 
 
 def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
@@ -219,14 +220,9 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
     failed = [axis for axis, proof in proofs.items() if proof.status == "fail"]
     loops = " and ".join(dict.fromkeys(proof.loop for proof in proofs.values()))
     heading(out, name, f"FAIL: {', '.join(failed)}" if failed else loops, STYLE["fail"] * bool(failed))
-    rows = [_proof_row(proof, {"axis": axis, "drive": proof.drive_set.label}) for axis, proof in proofs.items()]
-    render.blocks(
-        out,
-        [
-            Table("", (Column("axis", "axis", "name"), Column("drive", "drive", width=1.0), *_PROOF), rows),
-            *(at_work.remedies(proof, axis) for axis, proof in proofs.items() if proof.tried),
-        ],
-    )
+    rows = [_proof_row(proof, axis=axis) for axis, proof in proofs.items()]
+    helping = [at_work.remedies(proof, axis) for axis, proof in proofs.items() if proof.tried]
+    render.blocks(out, [table("proofs", "", rows), *helping])
 
 
 # -- a set at the bench, a platform on its path
