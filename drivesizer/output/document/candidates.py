@@ -270,7 +270,7 @@ def front(content: Content) -> Iterator[doc.Block]:
     rows = []
     for one in shown:
         figures = [objective_figure(one, name) for name in result.pareto]
-        cells: dict[str, doc.Cell] = {f.name: doc.Quantity(f.value, f.unit, f.kind) for f in figures}
+        cells: dict[str, Any] = {f.name: doc.Quantity(f.value, f.unit, f.kind) for f in figures}
         rows.append(doc.row("front", one, name="", data={"rank": str(one.rank)}, title=one.label,
                             gearhead=gearhead_words(one), status=(doc.Status(one.status),), **cells))  # fmt: skip
     caption = "The Pareto front: no other drive equals or beats one of these in all of its figures"
@@ -334,7 +334,7 @@ def probability_table(caption: str, drives: Sequence[DriveSet], name: str) -> do
         found = one.reliability
         assert found is not None
         more = [loop_text(found), f"unknown: {'; '.join(found.unknown)}" if found.unknown else ""]
-        cells: dict[str, doc.Cell] = {}
+        cells: dict[str, Any] = {}
         if looped:
             loop = found.loop
             cells["loop"] = _chance(loop.probability, loop.unknown, error_text(loop.error)) if loop else "–"

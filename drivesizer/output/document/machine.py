@@ -124,7 +124,7 @@ def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
         speeds = [doc.Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
                   for v, _ in here]  # fmt: skip
         if not isnan(here[0][0]):
-            cells = {c.key: cell for c, cell in zip(columns, [*speeds, here[0][1]], strict=True)}
+            cells = dict[str, doc.Cell](zip((c.key for c in columns), [*speeds, here[0][1]], strict=True))
             rows.append(doc.Row({"title": f"{degrees} °", **cells}, name=str(degrees)))
     yield doc.table("permitted", SPEEDS, rows, more=columns)
     yield doc.Bullets("In these speeds:", [*speed_remarks(found)])

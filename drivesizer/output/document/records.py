@@ -166,7 +166,7 @@ BOOK = WIDE | {"book", "shown"}
 
 
 FORMS = ("text", "name", "number", "small", "status", "mark", "code", "math", "share", "bar")
-_MARKS: dict[str, type[_Marked]] = {"status": Status, "mark": Mark, "code": Code}
+_MARKS: dict[str, type[Status | Mark | Code]] = {"status": Status, "mark": Mark, "code": Code}
 
 
 @dataclass(frozen=True, slots=True)

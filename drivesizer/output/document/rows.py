@@ -185,6 +185,6 @@ def margin_quantity(value: float) -> doc.Quantity:
     return doc.Quantity(value if isfinite(value) else nan, "%", "margin", own="" if isfinite(value) else "–")
 
 
-def margins(found: Reliability | Spread) -> dict[str, doc.Cell]:
+def margins(found: Reliability | Spread) -> dict[str, Any]:
     """The quantiles of a margin over samples."""
     return {key: margin_quantity(getattr(found, key)) for key in ("low", "middle", "high")}

@@ -85,7 +85,7 @@ def _part_row(line: PartLine, axes: str) -> doc.Row:
         "parts", line, name=line.role.replace(" ", "_"), axes=axes, named=named_part(line),
         quantity=doc.Quantity(line.quantity, own=f"{line.quantity} ×"), mass_low=low, mass_high=high,
         masses=replace(masses, digits=4, own=f"≈ {masses.text}") if guessed else masses,
-        **{"is": line.said if line.part and not line.said.endswith(OWN_SUPPLY) else ""},
+what=line.said if line.part and not line.said.endswith(OWN_SUPPLY) else "",
     )  # fmt: skip
 
 
@@ -456,8 +456,8 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     yield replace(checks, media=media)
     rows = [
         doc.row("methods", pair, name=pair.paper.name,
-                **{key: doc.Quantity(one.demand, one.unit, one.kind)
-                   for key, one in (("paper", pair.paper), ("physics", pair.physics))})
+                paper=doc.Quantity(pair.paper.demand, pair.paper.unit, pair.paper.kind),
+                physics=doc.Quantity(pair.physics.demand, pair.physics.unit, pair.physics.kind))
         for pair in drive.comparison
     ]  # fmt: skip
     if rows:

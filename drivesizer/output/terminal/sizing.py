@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.text import Text
@@ -14,7 +14,6 @@ from drivesizer.output.document import SECTIONS, at_work, candidates, machine, p
 from drivesizer.output.document.content import Content, OfDrives, OfLoop
 from drivesizer.output.document.records import (
     TERMINAL,
-    Cell,
     Printed,
     Quantity,
     Row,
@@ -166,7 +165,7 @@ def validations(proofs: Sequence[Validation], objective: str) -> None:
     render.blocks(out, [table("proofs", "", rows, heads={"objective": objective.replace("_", " ")})])
 
 
-def _proof_row(proof: Validation, **cells: Cell) -> Row:
+def _proof_row(proof: Validation, **cells: Any) -> Row:
     """A closed loop by its tightest check."""
     tight = worst(proof.checks)
     margin = Quantity(tight.margin, "%", "margin") if tight else ""
