@@ -307,8 +307,7 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
     names = evaluation.sampled_checks(index)
     if not names or evaluation.spec.method != "physics":
         return checks, nan
-    controller, brake = evaluation.controller[[index]], evaluation.brake[[index]]
-    one = evaluation.candidates.on(np.array([index]))._replace(controller=controller, brake=brake)
+    one = evaluation.chosen(np.array([index]))
     probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
     own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
     found = []

@@ -380,9 +380,7 @@ def _probabilities(problem: Problem, sets: Candidates) -> Array:
     few, found = by_physics(problem, sets, "open"), np.full(len(sets.motor), np.nan)
     for place in range(len(found)):
         if names := few.sampled_checks(place):
-            one = few.candidates.on(np.array([place]))
-            one = one._replace(controller=few.controller[[place]], brake=few.brake[[place]])
-            found[place] = passing(problem, one, names, each=False)[""]
+            found[place] = passing(problem, few.chosen(np.array([place])), names, each=False)[""]
     return found
 
 

@@ -1,5 +1,7 @@
 """Which encoder and controller go with a motor: those that are known to do, and advice where nobody asked for any."""
 
+import re
+
 import pytest
 from specs import estimates_off
 
@@ -71,9 +73,10 @@ select: {catalogs: [parts.yaml]}
 def fan(tmp_path):
     """The fan, with encoders of the light motor and what is asked of one: 1200 rpm and 8400 electrical ones."""
 
-    def of(light="E", needs="", catalog=PARTS):
+    def of(light="E", needs="", catalog=PARTS, spec=FAN):
         (tmp_path / "parts.yaml").write_text(catalog.replace("LIGHT", light), encoding="utf-8")
-        return read_spec(YamlSource(FAN + (f"needs: {{{needs}}}\n" if needs else ""), str(tmp_path / "fan.yaml")))
+        text = spec + (f"needs: {{{needs}}}\n" if needs else "")
+        return read_spec(YamlSource(text, str(tmp_path / "fan.yaml")))
 
     return of
 
@@ -94,6 +97,34 @@ def test_the_encoder_with_the_fewest_counts_that_is_known_to_do(fan, needs, enco
     found = size(fan(needs=needs)).sets[0]
     assert found.encoder.part == encoder
     assert found.status == ("unknown" if "unknown" in encoder else "pass")
+
+
+@pytest.mark.parametrize(
+    ("inertia", "ramp", "encoder", "status"),
+    [
+        ("null", "2 s", "wheel", "pass"),
+        ("5000", "2 s", "wheel", "pass"),
+        ("5000", "0.16 s", "ring", "pass"),
+        ("5000", "0.14 s", "ring", "fail"),
+    ],
+)
+def test_the_lightest_encoder_with_which_the_drive_passes(fan, inertia, ramp, encoder, status):
+    """A wheel of 20 g and 5 kg·cm², a ring of 35 g: of 20 A, 1.96 N·m, fan and friction take 0.22 N·m at 1200 rpm.
+
+    20 + 0.9 kg·cm² in 0.16 s are 1.64 N·m, with the wheel 2.03; in 0.14 s they are 1.88 without it.
+    """
+    parts = PARTS.replace("max_frequency (kHz)]", "max_frequency (kHz), mass (g), inertia (g*cm^2)]")
+    parts = re.sub(r"(?<=columns: \[part, counts_per_turn)(.*?    rows:\n).*?(?=controllers)",
+                   rf"\1      - [ring, 500, 6000, 100, 35, 1]\n      - [wheel, 500, 6000, 100, 20, {inertia}]\n",
+                   parts, flags=re.S).replace("      - [large, 10, 30, 50000, 5]\n", "")  # fmt: skip
+    quick = FAN.replace("2 s", ramp).replace("nominal: 24 V", "nominal: 36 V")
+    spec = fan(
+        needs="encoder_counts: 450", catalog=parts, spec=quick.replace("yaml]", "yaml], controller: {part: known}")
+    )
+    (one,) = explain(spec, "light", "direct")
+    assert (one.encoder.part, one.status) == (encoder, status)
+    found = size(spec, top=1)
+    assert [(s.encoder.part, s.status) for s in found.sets] == ([(encoder, status)] if status == "pass" else [])
 
 
 def test_an_encoder_that_nobody_asked_for_decides_nothing(fan):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,9 +26,10 @@ from drivesizer.spec.robot import RobotSpec
 
 # -- An encoder for every candidate at once: of those that meet the requirements one whose own limits are known to hold.
 #
-# Encoders come in the order of their counts, then of their part numbers. Before that order goes what is known of
-# their speed and frequency at the candidate's highest speed: known to hold, then unknown, then failing. Where
-# neither counts nor a resolution, family or part are required, the encoder is a proposal and its figures are advice.
+# Before all goes what is known of their speed and frequency at the candidate's highest speed: known to hold, then
+# unknown, then failing; then what they add to the objective, their counts and their part numbers. Where a drive fails
+# with the best, one that is easier to turn may do. Where neither counts nor a resolution, family or part are required,
+# the encoder is a proposal and its figures are advice.
 
 
 Array = NDArray[np.float64]
@@ -65,12 +67,12 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
         by_frequency = table["max_frequency"] * 2 * np.pi / counted
         known = ~np.isnan(table["max_speed"] + by_frequency)
         fastest = np.nan_to_num(np.fmin(table["max_speed"], by_frequency), nan=np.inf)
-        worth = summed_share(spec, table, catalog)
-        inertia = np.nan_to_num(np.append(table["inertia"], 0.0))[row]
+        inertia = np.nan_to_num(table["inertia"])
+        worth = summed_share(spec, replace(table, columns={**table.columns, "inertia": inertia}), catalog)
         least = float(max(needed or 0, choice.min_counts or 0))
         return EncoderOffers(
             row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row],
-            np.append(worth, np.inf)[row], inertia, last, least,
+            np.append(worth, np.inf)[row], np.append(inertia, 0.0)[row], last, least,
         )  # fmt: skip
 
     offered: EncoderOffers = catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
@@ -90,13 +92,20 @@ def _first_of_each(fitting: NDArray[np.bool_], order: NDArray[np.int64]) -> NDAr
 
 
 def encoders_for(
-    spec: RobotSpec, offered: EncoderOffers, motor: NDArray[np.int64], speed: Array, reduction: Array
-) -> NDArray[np.int64]:
-    """Row of each candidate's encoder, -1 where none is listed for its motor.
+    spec: RobotSpec,
+    offered: EncoderOffers,
+    motor: NDArray[np.int64],
+    speed: Array,
+    reduction: Array,
+    below: Array | float = np.inf,
+) -> tuple[NDArray[np.int64], Array]:
+    """Row of each candidate's encoder, -1 where none is listed for its motor, and its inertia where one is easier to
+    turn, else 0.
 
     Notes
     -----
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
+    ``below``: inertia of the encoders that are left [kg*m^2].
     """
     counts, fastest, worth = (x[motor] for x in (offered.counts, offered.fastest, offered.worth))
     geared = reduction if spec.gear is None else reduction * spec.gear.ratio
@@ -110,10 +119,11 @@ def encoders_for(
             own = np.fmin(ratio, counts / offered.least if offered.least else np.inf)
         worth = 1.0 / np.maximum(own, 1e-9) + worth / LAST
     best, inertia = good.max(axis=1, initial=0), offered.inertia[motor]
-    alike = good == best[:, None]  # of these the first in order, or a better one that is as hard to turn
-    first = np.take_along_axis(inertia, alike.argmax(axis=1)[:, None], axis=1)
-    place = np.where(alike & (inertia == first), worth, np.inf).argmin(axis=1)
-    return np.where(best > 0, offered.row[motor, place], offered.last[motor])
+    alike = (good == best[:, None]) & (inertia < np.reshape(below, (-1, 1)))
+    place = np.where(alike, worth, np.inf).argmin(axis=1)
+    own = inertia[np.arange(len(motor)), place]
+    easier = (best > 0) & (alike & (inertia < own[:, None])).any(axis=1)
+    return np.where(best > 0, offered.row[motor, place], offered.last[motor]), np.where(easier, own, 0.0)
 
 
 def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> list[CheckColumn]:

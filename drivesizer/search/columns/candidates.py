@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.results.problem import Problem
 
-FREE = -2  # in place of a controller's row: one is chosen
+FREE = -2  # in place of a part's row: one is chosen
 
 
 class Candidates(NamedTuple):
@@ -22,7 +22,8 @@ class Candidates(NamedTuple):
     belt: NDArray[np.float64]
     listed: NDArray[np.bool_]
     controller: NDArray[np.int64] | None = None  # row of a controller, or FREE; None: one is chosen for each
-    brake: NDArray[np.int64] | None = None  # the same of a brake
+    brake: NDArray[np.int64] | None = None  # the same of a brake,
+    encoder: NDArray[np.int64] | None = None  # and of an encoder
 
     def on(self, rows: NDArray[Any] | slice) -> Candidates:
         """Some of them."""

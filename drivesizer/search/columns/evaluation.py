@@ -126,6 +126,11 @@ class Evaluation(NamedTuple):
         """Of some of the candidates."""
         return Evaluation(self.problem, *on(self[1:], rows))
 
+    def chosen(self, rows: NDArray[np.int64] | slice = slice(None)) -> Candidates:
+        """Some of the candidates, each with the parts that were chosen for it."""
+        parts = {name: getattr(self, name)[rows] for name in ("controller", "brake", "encoder")}
+        return self.candidates.on(rows)._replace(**parts)
+
     def fails(self, index: int) -> bool:
         """Whether one candidate fails a check that is not mere advice."""
         return any(check.failed[index] for check in self.checks if not check.advice)
@@ -197,7 +202,7 @@ def _by_the_paper(problem: Problem, candidates: Candidates, rejected: bool = Tru
     usable, of_controller = usable_controllers(spec, catalog), Rows(catalog.controllers, controller)
     total = catalog.gearheads["ratio"].take(sets.gearhead) * sets.belt
     speed = found.wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
-    encoder = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)
+    encoder, _ = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)
     checks = [
         *found.checks,
         usable.available(sets.motor, controller),
@@ -218,17 +223,17 @@ def _over_bands(
 ) -> Evaluation:
     """Candidates at the middle of the bands of their estimated figures; each check holds what it is at both ends.
 
-    Controller and brake are those of the unfavourable end: one drive is judged, not three.
+    Its parts are those of the unfavourable end: one drive is judged, not three.
     """
     rows = estimated(problem, candidates, method)
     if not len(rows):
         return at(problem, candidates)
     some, (favourable, unfavourable) = candidates.on(rows), at_ends(problem)
     hard = at(unfavourable, some)
-    easy = at(favourable, some._replace(controller=hard.controller, brake=hard.brake))
+    easy = at(favourable, hard.chosen())
     if (easy.failed | easy.unknown).any():
         hard, easy = _with_others(at, (unfavourable, hard), (favourable, easy), some)
-    middle = at(problem, _with_parts(candidates, rows, hard.controller, hard.brake))
+    middle = at(problem, _with_parts(candidates, rows, hard))
     ends = {e.name: (e, h) for e, h in zip(easy.checks, hard.checks, strict=True)}  # some checks no drive of these has
     checks = [over_ends(m, ends[m.name], rows) if m.name in ends else m for m in middle.checks]
     return middle._replace(candidates=candidates, checks=checks)
@@ -241,10 +246,10 @@ def _with_others(
     some: Candidates,
 ) -> tuple[Evaluation, Evaluation]:
     """Both ends of a band, with the controller of the favourable one of candidates of which less then is undecided."""
-    free = at(easy[0], some._replace(controller=np.full(len(some.motor), FREE), brake=hard[1].brake))
+    free = at(easy[0], hard[1].chosen()._replace(controller=np.full(len(some.motor), FREE)))
     if (free.controller == hard[1].controller).all():
         return hard[1], easy[1]
-    given = some._replace(controller=free.controller, brake=hard[1].brake)
+    given = free.chosen()
     other = at(hard[0], given)
     better = _undecided(other) + _undecided(free) < _undecided(hard[1]) + _undecided(easy[1])
     given = given._replace(controller=np.where(better, free.controller, hard[1].controller))
@@ -258,13 +263,11 @@ def _undecided(found: Evaluation) -> NDArray[np.int64]:
     return unmet
 
 
-def _with_parts(
-    candidates: Candidates, rows: NDArray[np.int64], controller: NDArray[np.int64], brake: NDArray[np.int64]
-) -> Candidates:
-    """Candidates, of which some rows have their controller and brake."""
-    parts = np.full((2, len(candidates.motor)), FREE)
-    parts[:, rows] = controller, brake
-    return candidates._replace(controller=parts[0], brake=parts[1])
+def _with_parts(candidates: Candidates, rows: NDArray[np.int64], found: Evaluation | Drives) -> Candidates:
+    """Candidates, of which some rows have the parts that were chosen for them."""
+    parts = np.full((3, len(candidates.motor)), FREE)
+    parts[:, rows] = found.controller, found.brake, found.encoder
+    return candidates._replace(controller=parts[0], brake=parts[1], encoder=parts[2])
 
 
 def figures_by_physics(
@@ -274,7 +277,7 @@ def figures_by_physics(
     rows = estimated(problem, candidates)
     if len(rows):
         _, hard = _in_order_of_belts(at_ends(problem)[1], candidates.on(rows), waveform)
-        candidates = _with_parts(candidates, rows, hard.controller, hard.brake)
+        candidates = _with_parts(candidates, rows, hard)
     return _in_order_of_belts(problem, candidates, waveform)[1].figures
 
 
@@ -299,7 +302,8 @@ def _in_order_of_belts(
     place = np.empty_like(order)
     place[order] = np.arange(len(order))
     checks = together([(order[one.drives.rows], one.checks) for one in examined], len(order))
-    return checks, on(joined([one.drives for one in examined]), place)
+    drives = joined([one.drives for one in examined])
+    return checks, on(drives, np.argsort(drives.rows)[place])
 
 
 def smallest_margin(checks: list[CheckColumn]) -> NDArray[np.float64]:

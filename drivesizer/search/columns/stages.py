@@ -25,7 +25,7 @@ from drivesizer.results.check_columns import CheckColumn, fits, over_ends, toget
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.columns import brakes, limits, steppers
-from drivesizer.search.columns.candidates import Candidates, Crossed, Rows
+from drivesizer.search.columns.candidates import FREE, Candidates, Crossed, Rows
 from drivesizer.search.columns.controllers import Usable, usable_controllers
 from drivesizer.search.columns.limits_over_time import Waveform
 from drivesizer.search.columns.powered import Moving, powered
@@ -145,17 +145,37 @@ class _Sieve:
     ) -> None:
         self.rows, self.amount, self.margins, self.staged, self.known = rows, amount, margins, staged, known
         self.checks: list[CheckColumn] = []
+        self.aside: list[tuple[NDArray[np.int64], Array]] = []
         self.failed_by: Counter[str] = Counter()
         self.rejected: list[tuple[NDArray[np.int64], Array]] = []
 
-    def part(self, rows: slice) -> _Sieve:
-        """Some of the candidates that are left; what was counted goes with the first."""
+    def on(self, rows: NDArray[np.int64] | slice) -> _Sieve:
+        """Some of the candidates that are left, of which nothing is counted."""
         kind = {"margins": self.margins, "staged": self.staged, "known": self.known}
         some = _Sieve(self.rows[rows], on(self.amount, rows), **kind)
         some.checks = [check.on(rows) for check in self.checks]
+        return some
+
+    def part(self, rows: slice) -> _Sieve:
+        """Some of the candidates that are left; what was counted goes with the first."""
+        some = self.on(rows)
+        some.aside = self.aside
         if not rows.start:
             some.failed_by, some.rejected = self.failed_by, self.rejected
         return some
+
+    def with_encoders(self, inertia: Array, checks: list[CheckColumn]) -> NDArray[np.int64] | slice:
+        """The same of candidates with encoders; what fails with one than which another is easier to turn is set aside.
+
+        ``inertia``: of these encoders [kg*m^2]; 0 where none is easier.
+        """
+        lost = (inertia > 0.0) & np.logical_or.reduce([check.failed for check in checks if not check.advice])
+        if not lost.any():
+            return self.through(checks)
+        self.aside.append((self.rows[lost], inertia[lost]))
+        left = np.flatnonzero(~lost)
+        self.rows, self.amount, self.checks, checks = on((self.rows, self.amount, self.checks, checks), left)
+        return left[self.through(checks)]
 
     def through(self, checks: Sequence[CheckColumn]) -> NDArray[np.int64] | slice:
         """Keep what does not fail; which of the rows these are. In stages advice does not count."""
@@ -334,10 +354,20 @@ def _together(counts: Sequence[int], most: int) -> Iterator[slice]:
 
 
 def _combined(
-    problem: Problem, offered: Offers, sieve: _Sieve, sets: Candidates, waveform: Waveform, each: Collection[str]
+    problem: Problem,
+    offered: Offers,
+    sieve: _Sieve,
+    sets: Candidates,
+    waveform: Waveform,
+    each: Collection[str],
+    below: Array | float = np.inf,
 ) -> Iterator[Examined]:
-    """Candidates of which no part fails, some at a time."""
+    """Candidates of which no part fails, some at a time; those that fail with an encoder again with an easier one.
+
+    ``below``: inertia of the encoders that are left [kg*m^2].
+    """
     catalog, spec, steps = problem.catalog, problem.spec, has_steppers(problem.catalog)
+    entered, every = sieve.on(slice(None)), sets
     cycles, cases = _behind(problem, sets.belt), problem.cases
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
 
@@ -353,12 +383,12 @@ def _combined(
         at_rest += limits.size_limits(spec, motor, gearhead)
     keep = sieve.through(at_rest + limits.worst_of_all(problem, on_shaft))
     sets, cycles = sets.on(keep), [cycle.on(keep) for cycle in cycles]
-    parts = parts_of(problem, offered, cycles, sets, motor.on(keep), gearhead.on(keep))
+    parts, turned = parts_of(problem, offered, cycles, sets, motor.on(keep), gearhead.on(keep), below)
     if not sieve.staged:  # in stages each motor was judged by what there is for it
         sieve.through(brakes.counts_check(spec, catalog, parts.encoder.rows))
     if offered.brakes:
         keep = sieve.through(limits.size_limits(spec, parts.motor, parts.gearhead, parts.brake))
-        parts, cycles = parts.on(keep), [cycle.on(keep) for cycle in cycles]
+        parts, cycles, turned = on((parts, cycles, turned), keep)
 
     def moved(k: int, each: Parts) -> Moving:
         turning = each._replace(motor=steppers.Frictionless(each.motor)) if steps else each
@@ -387,8 +417,8 @@ def _combined(
         rows = np.arange(len(parts.motor.rows))
         return [over_ends(c, [ends[c.name]], rows) if c.name in _BY_INERTIA else c for c in checks]
 
-    keep = sieve.through(limits.worst_of_all(problem, by_moments))
-    parts, cycles, moving = parts.on(keep), [c.on(keep) for c in cycles], [on(case, keep) for case in moving]
+    keep = sieve.with_encoders(turned, limits.worst_of_all(problem, by_moments))
+    parts, cycles, moving, turned = on((parts, cycles, moving, turned), keep)
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]  # that of the mean
     for rows in _computed_together(problem, cycles[0], len(parts.motor.rows), steps):
         some, few = sieve.part(rows), parts.on(rows)
@@ -398,29 +428,47 @@ def _combined(
             found = steppers.stepped(problem, offered.controllers, behind, demand, few, staged=sieve.staged)
         else:
             found = powered(problem, offered.controllers, behind, of_cases, few, waveform=waveform, each=each)
-        keep = some.through(found.checks)
+        keep = some.with_encoders(turned[rows], found.checks)
         brake = np.full(len(few.motor.rows), -1) if few.brake is None else few.brake.rows
         chosen = on((few.encoder.rows, found.controller, brake, found.figures), keep)
         none = some.rows[:0], np.zeros(0)
         rejected = [np.concatenate(columns) for columns in zip(none, *some.rejected, strict=True)]
         yield Examined(Drives(some.rows, some.amount, *chosen), some.checks, some.failed_by, *rejected)
+    if sieve.aside:
+        again, inertia = (np.concatenate(columns) for columns in zip(*sieve.aside, strict=True))
+        rows = np.searchsorted(entered.rows, again)
+        yield from _combined(problem, offered, entered.on(rows), every.on(rows), waveform, each, inertia)
 
 
 def parts_of(
-    problem: Problem, offered: Offers, cycles: Sequence[AtGearhead], sets: Candidates, motor: Rows, gearhead: Rows
-) -> Parts:
-    """Parts of candidates: an encoder that does in the fastest of all load cases, a brake that holds in all of them."""
+    problem: Problem,
+    offered: Offers,
+    cycles: Sequence[AtGearhead],
+    sets: Candidates,
+    motor: Rows,
+    gearhead: Rows,
+    below: Array | float,
+) -> tuple[Parts, Array]:
+    """Parts of candidates: an encoder that does in the fastest of all load cases, a brake that holds in all of them.
+
+    With them the inertia of encoders than which another is easier to turn, else 0.
+    """
     catalog, ratio = problem.catalog, gearhead["ratio"]
     fastest = np.maximum.reduce([
         cycle.peak_speed * (1.0 + case.spec.margins.speed) for case, cycle in zip(problem.cases, cycles, strict=True)
     ])  # fmt: skip
-    row = brakes.encoders_for(problem.spec, offered.encoders, motor.rows, fastest * ratio, ratio * cycles[0].belt)
+    row, turned = brakes.encoders_for(
+        problem.spec, offered.encoders, motor.rows, fastest * ratio, ratio * cycles[0].belt, below
+    )
+    if sets.encoder is not None:
+        free = sets.encoder == FREE
+        row, turned = np.where(free, row, sets.encoder), np.where(free, turned, 0.0)
     controller = None if sets.controller is None else Rows(catalog.controllers, sets.controller)
     parts = Parts(motor, gearhead, Rows(catalog.encoders, row), controller)
     if offered.brakes is None:
-        return parts
+        return parts, turned
     brake = brakes.brakes_for(problem, offered.brakes, cycles, parts, sets.brake)
-    return parts._replace(brake=Rows(catalog.brakes, brake))
+    return parts._replace(brake=Rows(catalog.brakes, brake)), turned
 
 
 def in_motion(case: LoadCase, cycle: AtGearhead, parts: Parts) -> Moving:
