@@ -67,6 +67,15 @@ def test_the_amplifier_of_a_mains_servo_is_assumed_and_has_its_rating():
     assert {catalog.sources[row].confidence for row in catalog.controllers.source[rows].tolist()} == {"derived"}
 
 
+@pytest.mark.parametrize("part", ["SGM7A-15A", "SGM7A-20A"])
+def test_a_servo_of_unknown_friction_has_its_amplifier(part: str):
+    """Friction takes no more of the current than what the printed torque leaves: SGM7A-15A 4.9 of 0.4817*11.39 N*m."""
+    (one,) = explain(load_spec(servo()), part, "direct")
+    assert one.controller is not None and one.controller.part == f"amplifier for {part}"
+    (idle,) = [each for each in one.estimated if each.figure == "no_load_current"]
+    assert one.motor.torque_constant * (one.motor.nominal_current - idle.high) > one.motor.nominal_torque / 1.15
+
+
 def test_an_assumed_amplifier_is_of_its_motor_alone_and_of_no_other_supply():
     (one,) = explain(load_spec(servo() | {"supply": {"nominal": "48 V", "current": "50 A"}}), "SGM7J-C2A", "direct")
     assert one.controller is None and "none is listed for 48 V" in one.without_controller

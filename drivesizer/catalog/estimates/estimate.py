@@ -40,6 +40,7 @@ _TAU = ("winding_time_constant", "motor_time_constant")
 _LEAST = {"brushed": 358.15, "brushless": 373.15}  # K: 85 and 100 degC, of 326 and 356 motors that print one
 _STALL = {"nominal_torque": "stall_torque", "nominal_current": "stall_current"}
 _LEAST_SHARE = 0.2  # of its stall torque that an actuator is rated for, for a moment: makers of servos advise as much
+_ABOVE = 1.14  # of k_t I_N, which printed torques of slotted motors reach, as the law in ``laws.yaml`` has it
 _MOST = 10.0  # times its continuous torque, for a moment; of the 201 that print both 192 have 1.3 to 5, 196 up to 10
 
 
@@ -79,14 +80,21 @@ def assumed_mass(section: str) -> tuple[float, float, float]:
 def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
     """Estimates in accord with the printed nominal current.
 
-    At that current no winding is hotter in the long run than is permitted, or than the best thermal class is where no
-    permitted temperature is printed: estimated thermal resistances are no larger. What such a winding then reaches the
-    maker permits, by the part's own rating and that of no other part. A brushed motor, of which brushes or gears may
-    set the rating, permits anything from there to the best class.
+    What it gives beside the printed torque no friction takes: k_t (I_N - I_0) is no less. At that current no winding is
+    hotter in the long run than is permitted, or than the best thermal class is where no permitted temperature is
+    printed: estimated thermal resistances are no larger. What such a winding then reaches the maker permits, by the
+    part's own rating and that of no other part. A brushed motor, of which brushes or gears may set the rating, permits
+    anything from there to the best class.
     """
     if "max_winding_temperature" not in table.columns:
         return found
     unstated, rating = np.isnan(table["max_winding_temperature"]), _rated_current(table)
+    if table.section == "motors" and (idle := found.get("no_load_current")):
+        for_torque = np.minimum(table["nominal_torque"] / table["torque_constant"], rating) / _ABOVE
+        most = (rating - np.nan_to_num(for_torque))[idle.rows]
+        low, high = np.fmin(idle.low, most), np.fmin(idle.high, most)
+        value = np.where(idle.value > high, np.sqrt(low * high), idle.value)
+        found = found | {"no_load_current": idle._replace(value=value, low=low, high=high)}
     winding, housing = (_filled(table, found, name) for name in _R_TH)
     share = np.fmin(1.0, _largest_resistance(table, rating) / (winding + housing))
     limited = {name: _scaled(found[name], share) for name in _R_TH if name in found}
