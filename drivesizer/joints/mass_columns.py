@@ -230,6 +230,7 @@ class JointTorques:
     joints: tuple[str, ...]  # those that move, in the order of the description
     held: Mapping[str, float]  # rad or m, of joints that do not
     points: tuple[str, ...]  # of the columns behind the description's own: drives by joint, then the payload, ""
+    holding: Mapping[str, tuple[str, float]]  # of a drive that its link's mass is said to hold: the link and that mass
     cases: tuple[JointsCase, ...]  # the trajectory first
     carried: Mapping[str, tuple[str, ...]]  # by joint, those whose drives ride beyond it and so count in its load
     coupling: Array  # angles of drives per angle of joints, shape (drives, joints)
@@ -244,7 +245,8 @@ class JointTorques:
         joint
             One that moves.
         masses
-            Of the drive of each joint [kg]; 0 of those that are not named.
+            Of the drive of each joint [kg]; 0 of those that are not named. Of one that its link holds counts what it
+            is heavier than the link.
         case
             Number of the load case; 0 is the trajectory.
 
@@ -257,7 +259,8 @@ class JointTorques:
         unknown = sorted(set(masses) - set(self.joints))
         if unknown:
             raise ValueError(f"no joint of the robot moves: {', '.join(unknown)}")
-        carried = [self.cases[case].payload if name == _PAYLOAD else masses.get(name, 0.0) for name in self.points]
+        beyond = dict(masses) | self.beyond_links(masses)
+        carried = [self.cases[case].payload if name == _PAYLOAD else beyond.get(name, 0.0) for name in self.points]
         weights = np.array([1.0, *carried])
         torque, static, inertia = (weights @ values[:, :, column] for values in self.cases[case].torques)
         resisting, coulomb = self._friction(motion, column)
@@ -272,6 +275,11 @@ class JointTorques:
             kind="recorded", file=cycle.name, motors=motors, smoothing=0.0, inertia=0.0, cycle=cycle, joint=joint,
             case=self.cases[case].name,
         )  # fmt: skip
+
+    def beyond_links(self, masses: Mapping[str, float]) -> dict[str, float]:
+        """Mass by which drives are heavier than the links that are said to hold them [kg]."""
+        held = {name: mass for name, (_, mass) in self.holding.items() if name in masses}
+        return {name: max(masses[name] - mass, 0.0) for name, mass in held.items()}
 
     def _friction(self, motion: JointMotion, column: int) -> tuple[Array, float]:
         """Friction of joints at the drive of one: by their speeds, and Coulomb's against its own speed.
@@ -308,6 +316,11 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
         place = section.drives.get(joint)
         radius_of(robot.joints[joint], place.travel_per_turn if place else None)
     carried = carried_by(robot, drives, motion.joints)
+    holding = dict[str, tuple[str, float]]()
+    if section.masses == "with_drives":
+        riding = {name: drives[name].link for on_it in carried.values() for name in on_it}
+        holding = {name: (link, robot.links[link].mass) for name, link in riding.items()}
+        carried = dict.fromkeys(carried, ())
     order, coupled = outermost_first(carried), coupling(section, robot, held, motion.joints)
     turn = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw]))
     down, start = turn.T[:, 2] * -gravity, motion.position[0, 0]
@@ -342,7 +355,7 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
             raise InputError(f"{where} moves no mass; expected <inertial> of its links, or a payload")
     notes = (*robot.notes, *_notes(section, robot, motion, held))
     return JointTorques(
-        section, robot, motion.joints, held, tuple(points), tuple(cases), carried, coupled, order, notes
+        section, robot, motion.joints, held, tuple(points), holding, tuple(cases), carried, coupled, order, notes
     )
 
 
@@ -352,7 +365,7 @@ def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mappi
         places = ", ".join(f"{name} at {value:.4g} {unit_of(robot.joints[name])}" for name, value in held.items())
         yield f"joints that the trajectory does not move are held: {places}"
     if section.masses == "with_drives":
-        yield "the links' masses hold their drives (robot.masses): none is added, whatever its mass"
+        yield "the links' masses hold their drives (robot.masses): none is added, but what it is heavier than its link"
     elif "masses" not in section.model_fields_set and drive_places(section, robot, motion.joints):
         yield (
             "each drive's mass is added to the link that it rides on; where the description's masses hold the drives "

@@ -109,9 +109,7 @@ def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
 
 
 def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> dict[str, Attached]:
-    """Points of links at which the drives of joints hang; those on the base, and those that the
-    links' masses hold already, hang on none and are left out.
-    """
+    """Points of links at which the drives of joints hang; those on the base hang on none and are left out."""
     for name in section.drives:
         if name not in joints:
             field = ("robot", "drives", name)
@@ -122,7 +120,7 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
     found: dict[str, Attached] = {}
     pairs = {one.joints[1]: one.joints[0] for one in section.couplings}  # whose drives sit side by side
     on_frame = {name for one in section.couplings if one.kind == "corexy" for name in one.joints}
-    for name in joints if section.masses != "with_drives" else ():
+    for name in joints:
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
         if place.on == "base" or name in on_frame:
             continue

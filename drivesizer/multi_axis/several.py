@@ -36,7 +36,7 @@ from drivesizer.sizing import size
 from drivesizer.spec.drive import OBJECTIVES, Ranking
 from drivesizer.spec.machine import MachineSpec, carrying, joint_axis, sizing_order
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.robot_section import DrivePlace, RobotSection
+from drivesizer.spec.robot_section import RobotSection
 from drivesizer.units import show
 
 TorquesOf = Callable[[RobotSection, str, float], JointTorques]
@@ -81,24 +81,31 @@ def rises(torques: JointTorques, joint: str, masses: Mapping[str, float]) -> boo
     return True
 
 
-def joint_notes(torques: JointTorques, drives: Mapping[str, tuple[DriveSet, float]]) -> Iterator[str]:
-    """Sentences on chosen drives: heavier than the link that is said to hold them; rotors beyond a joint."""
-    robot, section = torques.robot, torques.section
+def joint_notes(
+    torques: JointTorques, drives: Mapping[str, tuple[DriveSet, float]], beyond: Mapping[str, float]
+) -> Iterator[str]:
+    """Sentences on chosen drives: heavier than the link that is said to hold them; rotors beyond a joint.
+
+    ``beyond``: mass of heavier ones with which the machine was sized [kg].
+    """
+    robot, masses = torques.robot, {name: mass for name, (_, mass) in drives.items() if name in torques.joints}
     quickest = np.abs(torques.cases[0].motion.acceleration).max(axis=(0, 1))
     for joint in torques.joints:
-        place, mass = section.drives.get(joint, DrivePlace()), drives[joint][1] if joint in drives else 0.0
-        link = robot.links[place.link or robot.joints[joint].parent]
-        carried = place.on != "base" and any(one.name in torques.joints for one in robot.chain(link.name))
-        if section.masses == "with_drives" and carried and mass > link.mass:
-            both = show(mass, "kg", "mass"), show(link.mass, "kg", "mass")
-            heavier = f"{both[0]}, is heavier than its link {link.name}, {both[1]}"
+        link, held = torques.holding.get(joint, ("", inf))
+        if joint in beyond:
+            own, of_link = show(beyond[joint], "kg", "mass"), show(held, "kg", "mass")
+            whole = f"{own}, where the link, said to hold it, has {of_link} (robot.masses)"
+            yield f"sized again with the drive of {joint} on link {link}: {whole}"
+        if masses.get(joint, 0.0) > max(held, beyond.get(joint, 0.0)) + _SAME:
+            both = show(masses[joint], "kg", "mass"), show(held, "kg", "mass")
+            heavier = f"{both[0]}, is heavier than its link {link}, {both[1]}"
             yield f"the drive of {joint}, {heavier}, which is said to hold it (robot.masses)"
         spun = fsum(
             drives[one][0].total_ratio * drives[one][0].motor.rotor_inertia * quickest[n]
             for n, one in enumerate(torques.joints)
             if one in drives and any(moved.name == joint for moved in robot.chain(robot.joints[one].parent))
         )
-        largest = float(np.abs(torques.load(joint, {}).cycle.torque).max())
+        largest = float(np.abs(torques.load(joint, masses).cycle.torque).max())
         if robot.joints[joint].turns and spun > _WORTH_SAYING * largest:
             share = show(spun / largest, "%", "dimensionless", 2)
             yield (
@@ -123,8 +130,9 @@ class Options(NamedTuple):
 class AxisSizings:
     """Sizings of the axes with drives of some masses on them, each made once."""
 
-    def __init__(self, machine: MachineSpec, how: Options) -> None:
+    def __init__(self, machine: MachineSpec, how: Options, beyond: Mapping[str, float]) -> None:
         machine, self.torques = with_joints(machine, how.torques)
+        self.beyond = beyond  # kg, of drives that are heavier than the links that are said to hold them
         self.how, self.ranking = how, how.objective
         self.price = machine.budget.price if machine.budget else None
         self.made: dict[tuple[str, Masses], SizingResult] = {}
@@ -273,7 +281,7 @@ class AxisSizings:
         """The spec of an axis with carried drives of these masses [kg] in its load; of a joint payloads as cases."""
         spec, torques = self.machine.axis(axis).spec, self.torques
         if torques is not None and axis in torques.joints:
-            on_it = dict(zip(self.carried[axis], masses, strict=True))
+            on_it = {**self.beyond, **dict(zip(self.carried[axis], masses, strict=True))}
             if self.moves_its_drive(axis):
                 on_it[axis] = self.own.get((axis, masses), 0.0)
             loads = [torques.load(axis, on_it, case) for case in range(len(torques.cases))]
@@ -333,11 +341,29 @@ def carried_mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...
 
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
+_ROUNDS = 5  # with drives that are heavier than the links that are said to hold them
 
 
 def sized(machine: MachineSpec, how: Options) -> MachineSizing:
-    """Size all axes of a machine of several; where one has no drive, those that it would carry are still sized."""
-    sizings = AxisSizings(machine, how)
+    """Size all axes of a machine of several; where one has no drive, those that it would carry are still sized.
+
+    Drives that are heavier than the links that are said to hold them count on these, in rounds until none is heavier.
+    """
+    beyond = dict[str, float]()
+    for _ in range(_ROUNDS):
+        sizings = AxisSizings(machine, how, beyond)
+        found = _once(sizings)
+        masses = {axis.name: carried_mass(axis.result.problem, axis.best)[0] for axis in found.axes if axis.best}
+        more = sizings.torques.beyond_links(masses) if sizings.torques else {}
+        heavier = {name: masses[name] for name, kg in more.items() if kg > 0.0 and masses[name] > beyond.get(name, 0.0)}
+        if not heavier:
+            break
+        beyond = beyond | heavier
+    return _over_tolerances(found, how.sampling)
+
+
+def _once(sizings: AxisSizings) -> MachineSizing:
+    """All axes of a machine, with the drives that are heavier than their links as they were before."""
     machine = sizings.machine
 
     def choices(axis: str, masses: tuple[float, ...]) -> list[Choice]:
@@ -352,7 +378,7 @@ def sized(machine: MachineSpec, how: Options) -> MachineSizing:
         best = _with_few_kinds(sizings, found, best, machine.few_kinds)
     elif best.complete:
         best = _within_limits(sizings, found, best)
-    return _over_tolerances(best, how.sampling)
+    return best
 
 
 def laden(machine: MachineSpec, axis: str) -> RobotSpec:
@@ -441,7 +467,8 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
             yield f"{axis.name} moves its own drive, and no drive carries itself"
     if sizings.torques:
         chosen = {one.name: one.best for one in axes if one.best and one.name in found.chosen}
-        yield from joint_notes(sizings.torques, {n: (one, found.chosen[n].mass) for n, one in chosen.items()})
+        masses = {name: (one, found.chosen[name].mass) for name, one in chosen.items()}
+        yield from joint_notes(sizings.torques, masses, sizings.beyond)
     currencies = {axis.name: axis.result.catalog.currency for axis in axes}
     if len(set(currencies.values())) > 1 and any(axis.result.spec.counts_price for axis in axes):
         said = ", ".join(f"{name} in {code}" for name, code in currencies.items())

@@ -61,12 +61,14 @@ def test_weight_of_links_drives_and_payload_by_hand(tmp_path: Path) -> None:
 
 
 def test_masses_that_hold_the_drives_are_not_counted_twice(tmp_path: Path) -> None:
-    """By hand: the links alone, whatever the drives weigh; without a word on it the note says what is assumed."""
+    """By hand: the links alone, and of the elbow's 3 kg 1 kg beyond the 2 kg of its link; else the note says so."""
     made, file = section(tmp_path, masses="with_drives", friction="leave")
     found = joint_torques(made, file)
     loads = loads_of(found, {"shoulder": 5.0, "elbow": 3.0})
-    assert loads["shoulder"].cycle.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8) * G, rel=1e-12)
-    assert found.carried == {"shoulder": (), "elbow": ()} and not found.points
+    assert loads["shoulder"].cycle.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8 + 1 * 0.6) * G, rel=1e-12)
+    light = found.load("shoulder", {"shoulder": 5.0, "elbow": 1.9}).cycle
+    assert light.torque[0] == pytest.approx((2 * 0.3 + 1 * 0.8) * G, rel=1e-12)
+    assert found.carried == {"shoulder": (), "elbow": ()}
     assert any("hold their drives" in note for note in found.notes)
     silent = joint_torques(section(tmp_path)[0], file)
     assert any("robot: {masses: with_drives}" in note for note in silent.notes)

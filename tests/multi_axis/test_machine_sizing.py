@@ -13,6 +13,7 @@ from small_arms import arm, catalogue, least_of_all, two_joints
 
 from drivesizer.errors import InputError
 from drivesizer.joints.mass_columns import joint_torques
+from drivesizer.machine.budgets import riding_mass
 from drivesizer.machine.problem import problem
 from drivesizer.multi_axis.sizing import alone, size_machine
 from drivesizer.output.json.documents import as_text, report
@@ -143,7 +144,7 @@ def test_the_elbow_s_drive_is_load_of_the_shoulder_at_its_place(tmp_path: Path) 
     assert float(elbow.spec.load.cycle.torque[0, 0]) == pytest.approx(-9.80665 * 0.5 * 0.3, rel=1e-6)
 
 
-def test_rotors_beyond_a_joint_and_drives_too_heavy_for_their_links_are_said(tmp_path: Path) -> None:
+def test_rotors_beyond_a_joint_are_said_and_drives_too_heavy_for_their_links_count(tmp_path: Path) -> None:
     """By hand: k J_m of the elbow's drive, 2197:27 and 542 g*cm^2, at 20 rad/s^2: 88 mN*m at the shoulder.
 
     Beside a weight of 1 kg at 0.4 m and 0.5 kg at 0.7 m, 7.35 N*m.
@@ -157,8 +158,11 @@ def test_rotors_beyond_a_joint_and_drives_too_heavy_for_their_links_are_said(tmp
     spun, peak = 2197 / 27 * 542e-7 * 20, float(np.abs(found.axis("shoulder").spec.load.cycle.torque).max())
     assert 7.35 < peak < 2 * 7.35
     assert f"add {show(spun, 'N*m', 'torque', 2)} at most" in said and f"({100 * spun / peak:.2g} %" in said
-    (heavy,) = [note for note in found.notes if "heavier than its link upper, 1 kg" in note]
-    assert heavy.startswith("the drive of elbow, ")
+    (heavy,) = [note for note in found.notes if note.startswith("sized again")]
+    own = riding_mass(found.axis("elbow").result.problem, found.axis("elbow").best)
+    assert heavy.startswith(f"sized again with the drive of elbow on link upper: {show(own, 'kg', 'mass')}, ")
+    level = 9.80665 * (1.0 * 0.4 + 0.5 * 0.7 + (own - 1.0) * 0.4)  # what it has beyond the link, at the elbow
+    assert float(found.axis("shoulder").spec.load.cycle.torque[0, 0]) == pytest.approx(-level, rel=1e-9)
 
 
 def test_a_drive_on_the_base_is_no_load(tmp_path: Path) -> None:

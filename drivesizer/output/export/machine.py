@@ -167,7 +167,8 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
     robot = read_description(path_from_spec(file, section.description, "robot.description"))
     joints = tuple(name for name in robot.joints if name in exports)
     held = fixed_positions(section, robot, joints)
-    places, turned = drive_places(section, robot, joints), coupling(section, robot, held, joints)
+    places = drive_places(section, robot, joints) if section.masses == "without" else {}  # else the links hold them
+    turned = coupling(section, robot, held, joints)
     drives = []
     for name, row in zip(joints, turned.tolist(), strict=True):
         axis, place = sizing.axis(name), section.drives.get(name, DrivePlace())
