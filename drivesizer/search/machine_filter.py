@@ -79,7 +79,7 @@ def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
     catalog, case = problem.catalog, problem.cases[number]
     cycles = [one.at_belt.behind(sets.belt) for one in problem.cases]
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
-    parts = parts_of(problem, offers(problem), cycles, sets, motor, gearhead)
+    parts, _ = parts_of(problem, offers(problem), cycles, sets, motor, gearhead)
     demand, heating = in_motion(case, cycles[number], parts)
     cold = np.asarray(resistance_at(resistance_25(motor), case.spec.environment.ambient))
     turning = demand.total_ratio * cycles[number].mean_with(demand.coefficients, SPEED)

@@ -436,8 +436,9 @@ def _combined(
         yield Examined(Drives(some.rows, some.amount, *chosen), some.checks, some.failed_by, *rejected)
     if sieve.aside:
         again, inertia = (np.concatenate(columns) for columns in zip(*sieve.aside, strict=True))
-        rows = np.searchsorted(entered.rows, again)
-        yield from _combined(problem, offered, entered.on(rows), every.on(rows), waveform, each, inertia)
+        in_order = np.argsort(again)
+        left = np.searchsorted(entered.rows, again[in_order])
+        yield from _combined(problem, offered, entered.on(left), every.on(left), waveform, each, inertia[in_order])
 
 
 def parts_of(
@@ -447,7 +448,7 @@ def parts_of(
     sets: Candidates,
     motor: Rows,
     gearhead: Rows,
-    below: Array | float,
+    below: Array | float = np.inf,
 ) -> tuple[Parts, Array]:
     """Parts of candidates: an encoder that does in the fastest of all load cases, a brake that holds in all of them.
 
