@@ -251,8 +251,10 @@ def priced(catalog: Catalog, limit: str = "", rates: Mapping[str, str] | None = 
         found = replace(catalog, currency=currency, rates=factors(rates, currency), unpriced=catalog)
         return found.with_tables({section: _priced(found, section, pieces) for section in PARTS}, {})
 
+    if catalog.unpriced:  # it is priced, and may be a view without some of the parts
+        return catalog
     found: Catalog = catalog.once(("priced", limit, str(rates), pieces), make)
-    return catalog if catalog.unpriced else found
+    return found
 
 
 def _priced(catalog: Catalog, section: str, pieces: int) -> Table[Any]:

@@ -145,6 +145,13 @@ def test_a_drive_with_its_driver_passes(path: Path) -> None:
     assert values["energy"] == pytest.approx(12.8 * T, rel=1e-6)  # what accelerates comes back into the windings
 
 
+def test_a_price_list_of_motors_that_are_no_steppers_changes_nothing(path: Path) -> None:
+    """Banebots prices its motors in a list; the search for steppers has none of these."""
+    spec = load_spec(spec_of(path, select={"catalogs": [str(path), "banebots"]}))
+    (best,) = size(spec, catalog=load_parts(spec), top=1).sets
+    assert best.label == sized(path).sets[0].label
+
+
 def test_drivers_by_current_and_supply(path: Path) -> None:
     at = {one.motor.part: one for one in sized(path).sets}
     assert at["A3"].controller is not None
