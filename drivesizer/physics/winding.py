@@ -11,7 +11,14 @@ from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead, P
 from drivesizer.physics.drive_train import nominal_friction
 from drivesizer.physics.figures import Array, Columns, Figure, Figures, once_per_part
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.thermal import rated_ambient, resistance_25, resistance_at, steady_winding
+from drivesizer.physics.thermal import (
+    rated_ambient,
+    resistance_25,
+    resistance_at,
+    steady_winding,
+    steady_winding_temperature,
+    two_bodies,
+)
 
 # -- Heat and electrical stress of motors over a load cycle, on columns: losses, warm resistance, current, voltage.
 
@@ -168,8 +175,15 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Figures,
     return Stress(torque.value, Peak(torque.value / k_t, torque.time), volts)
 
 
-def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: Stress, motor: Figures) -> Array:
-    """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K].
+def temperature_at_most(
+    ambient: Figure, cycle: AtGearhead, demands: Demands, heat: Heat, stress: Stress, motor: Figures
+) -> Array:
+    r"""Temperature that no winding exceeds over a cycle [K]: the lower one of two bounds.
+
+    In the long run at the largest current and loss all the time; and as a cycle of duration t warms it at most, the
+    copper's heat of a whole cycle stored in the winding, that of the losses in the housing:
+
+    .. math:: T_w \le T_a + (R_{th1} + R_{th2} + t / C_w) R(T_w) I_{rms}^2 + (R_{th2} + t / C_h) P_h
 
     Parameters
     ----------
@@ -177,6 +191,8 @@ def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: 
         Temperature around the motors [K].
     cycle
         The load cycle at the gearhead's output.
+    demands
+        Required torque and current of each candidate.
     heat, stress
         Losses and largest current of each candidate.
     motor
@@ -186,10 +202,23 @@ def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: 
     -------
     array
         Temperature of each candidate [K]; infinite at thermal runaway, NaN where a figure is unknown.
+
+    Notes
+    -----
+    What a pulse of heat leaves of the rise of the body into which it goes falls monotonously and convexly, so that in a
+    cycle which repeats it is nowhere above its mean by more than the pulse over that body's capacity. From cold on it
+    is less. A resistance as at the highest temperature makes it no less.
     """
     fast = cycle.peak_speed
     loss = heat.friction * fast + heat.iron * fast**2
-    return np.asarray(steady_winding(motor, ambient, stress.current.value, loss))
+    lasting = steady_winding(motor, ambient, stress.current.value, loss)
+    bodies, total = two_bodies(motor), cycle.load_cycle.total
+    with np.errstate(divide="ignore", invalid="ignore"):
+        R_th1, of_losses = bodies.R_th1 + total / bodies.capacity_w, 1.0 + total / bodies.tau_h
+    pulsed = steady_winding_temperature(
+        ambient, bodies.R_25, R_th1, bodies.R_th2, demands.rms_current, heat.mean * of_losses
+    )
+    return np.fmin(lasting, np.where(bodies.known, pulsed, np.inf))
 
 
 def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:

@@ -198,10 +198,11 @@ def at_most(
     passed, failed = over[-1] <= least, over[0] > most
     at_high_end = None if least is most else failed & ~(most == least)
     limit = least if at_high_end is None else np.where(at_high_end, most, least)
-    idle, endless, unlimited = (high == zero) & ~(over[-1] > limit), high == np.inf, limit == np.inf
-    if np.count_nonzero(idle | endless | unlimited):  # of most columns nothing is
+    if not (passed | failed).all() or np.isposinf(high).any():  # most columns are finite and known
+        endless, unlimited = high == np.inf, limit == np.inf
         passed, failed = passed & ~endless, failed | (low == np.inf)  # it passes no limit, known or not
-        idle = idle | (unlimited & ~endless)  # without a limit any demand will do
+        # nothing is demanded, or without a limit any demand will do
+        idle = (high == zero) & ~(over[-1] > limit) | (unlimited & ~endless)
         passed, failed = passed | idle, failed & ~idle
     failed = failed & ~passed
     demand = low if low is high else np.where(passed, high, low)

@@ -42,6 +42,12 @@ def stage_of(controller: Controller | None, volts: float, given: sections.PowerS
     return power_stage(controller or Controller(), volts, given, assume=assume)
 
 
+@lru_cache(maxsize=64)
+def _stages(volts: float, given: sections.PowerStage, assume: bool) -> Callable[[Figures], StageFigures]:
+    """The power stages of many controllers, once for each."""
+    return once_per_part(lambda part: power_stage(part, volts, given, assume=assume))
+
+
 def fed(
     stage: StageFigures, supply: sections.Supply, motors: int, brake: Figures | None, released: float = 1.0
 ) -> Feed:
@@ -218,9 +224,8 @@ class RobotSpec(fields.Section, OfFile):
 
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
         """
-        volts, given, assume = self.supply.nominal, self.power_stage, self.select.estimates == "on"
-        stage = once_per_part(lambda part: power_stage(part, volts, given, assume=assume))(controller)
-        return fed(stage, self.supply, self.load.motors, brake, self._brake_released)
+        stages = _stages(self.supply.nominal, self.power_stage, self.select.estimates == "on")
+        return fed(stages(controller), self.supply, self.load.motors, brake, self._brake_released)
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
         """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""

@@ -46,6 +46,7 @@ class EncoderOffers(NamedTuple):
     inertia: Array  # kg*m^2, as it counts: 0 where it is unknown
     last: NDArray[np.int64]  # the one with the most counts, -1 where there is none
     least: float  # counts that are required; 0 where none are
+    enough: NDArray[np.bool_]  # which have so many
 
 
 def angle_per_edge(counts: Any, reduction: Any) -> Any:
@@ -70,9 +71,10 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
         inertia = np.nan_to_num(table["inertia"])
         worth = summed_share(spec, replace(table, columns={**table.columns, "inertia": inertia}), catalog)
         least = float(max(needed or 0, choice.min_counts or 0))
+        counts = np.append(counted, np.nan)[row]
         return EncoderOffers(
-            row, np.append(counted, np.nan)[row], np.append(fastest, np.nan)[row], np.append(known, False)[row],
-            np.append(worth, np.inf)[row], np.append(inertia, 0.0)[row], last, least,
+            row, counts, np.append(fastest, np.nan)[row], np.append(known, False)[row], np.append(worth, np.inf)[row],
+            np.append(inertia, 0.0)[row], last, least, (counts >= least) & (row >= 0),
         )  # fmt: skip
 
     offered: EncoderOffers = catalog.once(("encoders", repr(choice), needed, repr(spec.select.objective)), made)
@@ -107,16 +109,17 @@ def encoders_for(
     Where none has counts enough it is the one with the most, so that its check can say by how much it falls short.
     ``below``: inertia of the encoders that are left [kg*m^2].
     """
-    counts, fastest, worth = (x[motor] for x in (offered.counts, offered.fastest, offered.worth))
-    geared = reduction if spec.gear is None else reduction * spec.gear.ratio
-    edge, speed = angle_per_edge(counts, geared[:, None]), np.asarray(speed)[:, None]
-    finest = np.inf if spec.needs.resolution_at_load is None else spec.needs.resolution_at_load
-    enough = (counts >= offered.least) & (offered.row[motor] >= 0) & ((edge <= finest) | np.isposinf(finest))
-    good = np.where(enough, 1 + (speed <= fastest) + ((speed <= fastest) & offered.known[motor]), 0)
+    fastest, worth, speed = offered.fastest[motor], offered.worth[motor], np.asarray(speed)[:, None]
+    enough, finest, holds = offered.enough[motor], spec.needs.resolution_at_load, speed <= fastest
+    if finest is not None:
+        geared = reduction if spec.gear is None else reduction * spec.gear.ratio
+        edge = angle_per_edge(offered.counts[motor], geared[:, None])
+        enough &= edge <= finest
+    good = np.where(enough, np.int8(1) + holds + (holds & offered.known[motor]), 0)
     if "margin" in spec.select.weights and spec.wants_encoder:
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.fmin(fastest / speed, finest / edge)
-            own = np.fmin(ratio, counts / offered.least if offered.least else np.inf)
+            own = fastest / speed if finest is None else np.fmin(fastest / speed, finest / edge)
+            own = np.fmin(own, offered.counts[motor] / offered.least if offered.least else np.inf)
         worth = 1.0 / np.maximum(own, 1e-9) + worth / LAST
     best, inertia = good.max(axis=1, initial=0), offered.inertia[motor]
     alike = (good == best[:, None]) & (inertia < np.reshape(below, (-1, 1)))

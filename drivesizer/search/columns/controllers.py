@@ -54,6 +54,21 @@ class Ranks(NamedTuple):
         found: NDArray[Any] = figure[place, 0 if figure.shape[1] == 1 else np.arange(len(place))]
         return found
 
+    def before(self, reached: NDArray[np.float64], most: NDArray[np.float64] | float) -> NDArray[np.bool_]:
+        """Which controllers may go before what was reached: in the columns of :meth:`best`, infinite where it fails."""
+        unknown, place = np.minimum(self.lacking + self.hanging, LOST), np.arange(len(self.lacking))[:, None]
+        less: NDArray[np.bool_] = place < reached[3]
+        for figure, limit in ((self.unprinted, reached[2]), (self.worth(most), reached[1]), (unknown, reached[0])):
+            less = (figure < limit) | ((figure == limit) & less)
+        return less & (unknown < LOST)
+
+    def worth(self, most: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        """Share of each controller in the objective, with the margin's; ``most``: margin of all other checks."""
+        worth = self.share
+        if self.weight:
+            worth = worth + self.weight / (1.0 + np.maximum(np.minimum(self.margin, most), -0.999))
+        return np.round(worth, 9)
+
     def best(
         self, most: NDArray[np.float64] | float = np.inf, barred: NDArray[np.bool_] | None = None
     ) -> NDArray[np.float64]:
@@ -62,12 +77,10 @@ class Ranks(NamedTuple):
         The less of the first the better, then of the second: the share of the objective, in digits without rounding.
         ``most``: margin of all other checks.
         """
-        unknown, worth = np.minimum(self.lacking + self.hanging, LOST), self.share
+        unknown = np.minimum(self.lacking + self.hanging, LOST)
         if barred is not None:
             unknown[barred] = LOST
-        if self.weight:
-            worth = worth + self.weight / (1.0 + np.maximum(np.minimum(self.margin, most), -0.999))
-        rank: Any = np.round(worth, 9)
+        rank: Any = self.worth(most)
         worth, fewest, last = rank, unknown.min(axis=0), float("inf")
         if worth.shape[1] == 1:  # the same order for all
             rank = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)

@@ -124,7 +124,7 @@ def bus_limit(spec: Any, bus: Any, limit: Any, **more: Any) -> CheckColumn:
     return at_most("bus_voltage", bus, limit, **more)
 
 
-def _kept_on_the_bus(spec: Any) -> Any:
+def kept_on_the_bus(spec: Any) -> Any:
     """Share of the returned energy that the supply does not accept: it has to stay on the bus."""
     share = 1.0 - np.asarray(spec.supply.regeneration)
     return 0.0 * share if spec.accepts_all else share
@@ -156,7 +156,7 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Range:
 def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
     """Lower and upper bounds over the waveform; upper ones of windings that pass."""
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
-    warmest, hot = _warmest(ambient, cycle, heating, stresses, motor)
+    warmest, hot = _warmest(ambient, cycle, demand, heating, stresses, motor)
     low = lowest(spec, cycle, demand, heating, stresses, parts)
     k_t, current = motor["torque_constant"], stresses.current.value
     at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, low.voltage)
@@ -177,9 +177,11 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     return low, high
 
 
-def _warmest(ambient: Any, cycle: AtGearhead, heating: Heat, stresses: Stress, motor: Any) -> tuple[Array, Array]:
+def _warmest(
+    ambient: Any, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, motor: Any
+) -> tuple[Array, Array]:
     """Temperature that no winding exceeds, and its resistance so warm, or as warm as it fails by its heat."""
-    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
+    warmest = temperature_at_most(ambient, cycle, demand, heating, stresses, motor)
     return warmest, np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
 
 
@@ -207,11 +209,11 @@ def _least_kept(
 
     with a winding as warm as it may be, the share s that is kept, and work W_- of all that brakes.
     """
-    share, found = _kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
+    share, found = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
     if not share > 0.0 or not cycle.base.hardest_braking:
         return found
     motor, stage = parts.motor, spec.feed(parts.controller).stage
-    _, hot = _warmest(spec.environment.ambient, cycle, heating, stresses, motor)
+    _, hot = _warmest(spec.environment.ambient, cycle, demand, heating, stresses, motor)
     c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
     apart = np.abs(demand.surplus(motor["torque_constant"])) * cycle.belt
     for together, against, total in cycle.base.hardest_braking:
@@ -234,7 +236,7 @@ def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) 
 
     Infinite where more may be returned than is drawn, or that is unknown.
     """
-    share = _kept_on_the_bus(spec)
+    share = kept_on_the_bus(spec)
     if not share > 0.0:
         return np.zeros_like(demand.rms_current)
     ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.base.braked)
@@ -262,7 +264,7 @@ def exact(
     the voltage what lies in a band; of samples, which have a factor each, that alone.
     """
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
-    kept = _kept_on_the_bus(spec)
+    kept = kept_on_the_bus(spec)
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
     drives = drives_of(
         ambient, cycle, demand, heating, motor, feed, leads=feed.leads if spec.resists else 0.0, kept=kept,
@@ -271,7 +273,7 @@ def exact(
     every, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
     if not len(rows):
         return _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
-    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), every.shape)
+    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, demand, heating, stresses, motor), every.shape)
     mean = np.broadcast_to(heating.winding, every.shape)
     held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
     drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
@@ -295,14 +297,16 @@ def over_waveform(
         return least(found, cycle, demand, heating, stresses)
     found = bounds(spec, cycle, demand, heating, stresses, parts)
     if what == "open":
-        left = left_open(spec, found, parts) & alive
-        limits = waveform_limits(spec, found[1], found[1], parts)
+        limits = waveform_limits(spec, *found, parts)
+        wanted = alive & demand.complete  # else it stays unknown whatever the waveform says
+        rows = np.flatnonzero(wanted & ~np.logical_and.reduce([check.passed for check in limits]))
+        few = on((cycle, demand, heating, stresses, parts), rows)
+        left = left_open(spec, on(found, rows), few[-1])
         if {check.name for check in limits} & {*each}:
-            left |= np.logical_or.reduce([~check.passed for check in limits])
-        rows = np.flatnonzero(left & demand.complete)  # else it stays unknown whatever the waveform says
-        if len(rows):
-            few = on((cycle, demand, heating, stresses, parts), rows)
-            found = put(found, rows, exact(spec, *few, "limits"))
+            high = on(found[1], rows)
+            left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, high, high, few[-1])])
+        if left.any():
+            found = put(found, rows[left], exact(spec, *on(few, left), "limits"))
     return least(found, cycle, demand, heating, stresses)
 
 

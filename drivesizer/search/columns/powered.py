@@ -36,6 +36,7 @@ from drivesizer.spec.robot import RobotSpec
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 UNDECIDED = "undecided"  # figure of a candidate: above 0 where bounds leave open whether the waveform meets its limits
+_AT_ONCE = 1 << 13  # controllers of candidates times segments of a cycle that are computed at once
 OVER_WAVEFORM = ("winding_temperature", *HANGING)  # checks that bounds may leave open
 _OF_CONTROLLER = (
     "controller_continuous_current", "controller_peak_current", "controller_speed", "encoder_frequency", *HANGING,
@@ -165,8 +166,9 @@ class _Candidates(NamedTuple):
     def by_lower_bounds(self, row: NDArray[np.int64], ranks: Ranks, free: Mask) -> NDArray[np.int64]:
         """Controllers that are the best by lower bounds over the waveform; what has one that meets these keeps it."""
         parts, unmet = self.with_controllers(row), np.full(len(row), bool(ranks.weight))
-        for k in range(0 if ranks.weight else len(self.cycles)):
-            unmet |= ~np.logical_and.reduce([c.passed for c in self._hanging(k, parts, self._lowest(k, parts))])
+        for k, spec in enumerate(self.specs):
+            if over_time.kept_on_the_bus(spec) > 0.0 and not ranks.weight:
+                unmet |= ~np.logical_and.reduce([c.passed for c in self._hanging(k, parts, self._lowest(k, parts))])
         rows = np.flatnonzero(unmet & free & (row >= 0) & self.complete)
         if not len(rows):
             return row
@@ -249,7 +251,7 @@ class _Candidates(NamedTuple):
                 lacks |= ~(check.passed | check.failed)
         return found._replace(undecided=np.where(left & ~found.failed(), 1.0 + lacks, 0.0))
 
-    def reached(self, ranks: Ranks, row: NDArray[np.int64], found: _Judged, others: Array | float) -> Array:
+    def reached(self, ranks: Ranks, row: NDArray[np.int64], found: _Judged) -> Array:
         """Columns as ``Ranks.best`` gives them, as computed with a controller each; infinite where a check fails."""
         some = [c for c in found.checks if c.name in _OF_CONTROLLER and not c.advice]
         unknown = np.sum([~(c.passed | c.failed) for c in some], axis=0) + (self.usable.unclear[row] | (row < 0))
@@ -259,7 +261,8 @@ class _Candidates(NamedTuple):
         place = place[row]
         share, unprinted = ranks.at(ranks.share, place), ranks.at(ranks.unprinted, place)
         if ranks.weight:
-            share = share + ranks.weight / (1.0 + np.maximum(np.minimum(found.margin(True), others), -0.999))
+            least = np.minimum(found.margin(True), found.margin(False))
+            share = share + ranks.weight / (1.0 + np.maximum(least, -0.999))
         return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
@@ -281,26 +284,35 @@ def _best_of_all(
     rows = np.flatnonzero(wanting & (some.complete | found.failed()))
     if not len(rows):
         return row, found
-    some, ranks, new, one = some.some(rows), ranks.on(rows), on(found, rows), row[rows]
-    tried, best = np.zeros((len(usable.order), len(rows)), bool), np.full((4, len(rows)), np.inf)
-    while True:
-        others = new.margin(False) if ranks.weight else np.inf
-        reached = some.reached(ranks, one, new, others)
-        taken = np.flatnonzero(_before(reached, best))
-        best[:, taken] = reached[:, taken]
-        row, found = put(row, rows[taken], one[taken]), put(found, rows[taken], on(new, taken))
-        tried |= usable.order[:, None] == one
-        ranks = some.ranks(ranks, one, new)
-        then, fails = ranks.best(others, tried), np.isinf(best[0])
-        lost = then[0] == LOST
-        none = lost & fails & usable.partial[some.parts.motor.rows]
-        going = none | (~lost & _before(then, best) & (some.complete | fails))
-        left = np.flatnonzero(going & (one >= 0) & ~new.failed(HANGING))
-        if not len(left):
-            return row, found
-        one = np.where(none, -1, usable.order[then[3].astype(np.int64)])[left]
-        some, rows, ranks, tried, best = some.some(left), rows[left], ranks.on(left), tried[:, left], best[:, left]
-        new = some.judged(one)
+    some, ranks, kept, chosen = some.some(rows), ranks.on(rows), on(found, rows), row[rows]
+    best, tried = some.reached(ranks, chosen, kept), usable.order[:, None] == chosen
+    few = _AT_ONCE // some.problem.segments
+    left, here, new, one = np.arange(len(rows)), some, kept, chosen
+    while len(left):
+        ranks, others = here.ranks(ranks, one, new), new.margin(False) if ranks.weight else np.inf
+        could = ranks.before(best[:, left], others) & ~tried[:, left] & (here.complete | np.isinf(best[0, left]))
+        place, at = np.nonzero(could)
+        if len(at) > few:
+            at = np.flatnonzero(could.any(axis=0))
+            place = ranks.best(others, ~could)[3, at].astype(np.int64)
+        if not len(at):
+            break
+        left, here, ranks, one = left[at], here.some(at), ranks.on(at), usable.order[place]
+        new, tried[place, left] = here.judged(one), True
+        reached = here.reached(ranks, one, new)
+        in_order = np.lexsort((*reached[::-1], left))
+        of_each = in_order[np.unique(left[in_order], return_index=True)[1]]
+        taken = of_each[_before(reached[:, of_each], best[:, left[of_each]])]
+        best[:, left[taken]] = reached[:, taken]
+        chosen, kept = put(chosen, left[taken], one[taken]), put(kept, left[taken], on(new, taken))
+        going = np.flatnonzero(~new.failed(HANGING)) if len(left) == len(of_each) else left[:0]
+        left, here, ranks, new, one = left[going], here.some(going), ranks.on(going), on(new, going), one[going]
+    none = np.flatnonzero(np.isinf(best[0]) & usable.partial[some.parts.motor.rows])
+    if len(none):
+        new = some.some(none).judged(np.full(len(none), -1))
+        taken = np.flatnonzero(~new.failed())
+        chosen, kept = put(chosen, none[taken], np.full(len(taken), -1)), put(kept, none[taken], on(new, taken))
+    return put(row, rows, chosen), put(found, rows, kept)
 
 
 def _before(one: Array, other: Array) -> Mask:
