@@ -161,6 +161,9 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 
+_LATEST: dict[str, tuple[RobotSpec, LoadCycle]] = {}  # one: budgets and battery ask for that of the sizing again
+
+
 def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool = False) -> LoadCycle:
     """Load cycle at the driven shaft of one drive.
 
@@ -183,6 +186,15 @@ def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool
     InputError
         When a figure leaves the range of numbers that can be computed with, or a recording is wrong.
     """
+    if profile is not None or sampled:
+        return _load_cycle(spec, profile, sampled)
+    latest = _LATEST.get("spec")
+    if latest is None or latest[0] is not spec:
+        latest = _LATEST["spec"] = spec, _load_cycle(spec, None, False)
+    return latest[1]
+
+
+def _load_cycle(spec: RobotSpec, profile: Profile | None, sampled: bool) -> LoadCycle:
     load: Any = spec.load
     if load.kind == "recorded":
         cycle = getattr(load, "cycle", None)  # that of a machine's joint or wheel, which is computed

@@ -399,7 +399,7 @@ def _known_at_rest(pack: Pack, check: CheckColumn) -> CheckColumn:
         return check
     idle = check.passed & (check.demand == check.zero)
     unknown = "" if np.all(check.failed | idle) else "voltage at rest unknown: give open_circuit"
-    return replace(check, passed=idle, note=unknown)
+    return check._replace(passed=idle, note=unknown)
 
 
 # --- the same of columns, over drives or samples

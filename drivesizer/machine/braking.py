@@ -238,7 +238,7 @@ def _chosen_resistor(
         order = -GRAVEST.index(verdict(own + over)), *bad, *map(_most, (one.power, one.mass, one.price)), one.part
         found.append((order, one, own))
     if not found:
-        return None, (replace(fits("resistor_available", False, False), note=_NONE_LISTED).at((), "budget"),)
+        return None, (fits("resistor_available", False, False)._replace(note=_NONE_LISTED).at((), "budget"),)
     return min(found, key=lambda each: each[0])[1:]
 
 

@@ -90,7 +90,7 @@ def price_check(items: Sequence[Item], limit: float, catalog: Catalog) -> Check:
         return replace(column.at((), "budget"), unit=catalog.currency)
     left = show(max(limit - float(column.demand), 0.0), catalog.currency, "price")
     note = f"at least: no price is known of {', '.join(lacking)}, for which {left} is left"
-    unknown = replace(column, passed=column.passed & False)
+    unknown = column._replace(passed=column.passed & False)
     return replace(unknown.at((), "budget"), unit=catalog.currency, note="" if column.failed else note)
 
 

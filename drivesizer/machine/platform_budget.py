@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from math import cos, inf, nan, tan
 from typing import NamedTuple
 
@@ -291,7 +290,7 @@ def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     Gaining speed uphill and standing on the slope go together: their accelerations add up.
     """
     if not s.upright:
-        return _noted([replace(fits("centre_of_mass", False, False), note=_NO_CASTERS)])
+        return _noted([fits("centre_of_mass", False, False)._replace(note=_NO_CASTERS)])
     p, known = s.d.platform, s.section.height_known
     at_rest = contact_loads(p, ground=Ground(gravity=s.gravity))
     found = [fits("centre_of_mass", bool(stability.carrying(at_rest).all()), True)]
@@ -337,9 +336,9 @@ def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
         note, time = s.contact(worst.contact), np.asarray(worst.time)
         columns.append(at_most("grip_motion", worst.value, friction, needed=s.needed, note=note, time=time))
     if lacking:
-        columns = [replace(c, note=lacking) for c in columns]
+        columns = [c._replace(note=lacking) for c in columns]
     elif not s.section.height_known:
-        columns = [replace(c, passed=c.passed & False, note="" if c.failed else _NO_HEIGHT) for c in columns]
+        columns = [c._replace(passed=c.passed & False, note="" if c.failed else _NO_HEIGHT) for c in columns]
     return _noted(columns)
 
 

@@ -106,7 +106,8 @@ class Equation(Declared):
             except (TypeError, ValueError):
                 pass  # the reason is found below
         try:
-            given = _signature(self.formula).bind(*args, **kwargs).arguments
+            by_name = not args and kwargs.keys() == {term.name for term in self.terms}
+            given = kwargs if by_name else _signature(self.formula).bind(*args, **kwargs).arguments
         except TypeError as error:
             wanted = ", ".join(f"{term.name} [{term.unit}]" for term in self.terms)
             raise InputError(f"{self.label}: {error}; expected {wanted}") from None
@@ -126,13 +127,14 @@ class Equation(Declared):
         return f"equation ({self.number})" if self.number else self.title
 
 
+_KIND_OF = {kind.si: name for name, kind in reversed(KINDS.items())}  # the first of each unit
 _NEVER_BELOW_0 = {"length", "mass", "inertia", "density", "time", "dimensionless"}
 _PLAIN = {float, int, np.float64, np.ndarray}
 
 
 def _in_si(label: str, value: Any, term: Term, with_units: bool) -> Any:
     """An argument as a number or array in SI."""
-    kind = next(name for name, kind in KINDS.items() if kind.si == term.unit)
+    kind = _KIND_OF[term.unit]
 
     def refused(fault: str) -> InputError:
         found = f"{value:~C}" if hasattr(value, "dimensionality") else value

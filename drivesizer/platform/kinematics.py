@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -386,6 +387,12 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
     array([[1., 0., 0.],
            [0., 0., 1.]])
     """
+    return _kinematics(tuple(wheels))
+
+
+@lru_cache(maxsize=64)
+def _kinematics(wheels: tuple[Wheel, ...]) -> Kinematics:
+    """The same, once for the many masses that wheels carry."""
     L, alpha, beta, gamma, r = np.array([(w.L, w.alpha, w.beta, w.roller_angle, w.radius) for w in wheels]).T
     phi, delta = alpha + beta + gamma, beta + gamma
     J1, J2 = eq.rolling_rows(phi, delta, L), eq.wheel_matrix(r, gamma)
@@ -411,7 +418,7 @@ def kinematics(wheels: Sequence[Wheel]) -> Kinematics:
     _seen(E[list(driven)] * r[list(driven), None], motions, scale)
     K_plus = motions @ np.linalg.pinv(E[list(driven)] @ motions)
     rollers = exact(across + (r * np.sin(gamma))[:, None] * E)
-    return Kinematics(tuple(wheels), driven, J1, J2, E, rollers, held, motions, K_plus, reach)
+    return Kinematics(wheels, driven, J1, J2, E, rollers, held, motions, K_plus, reach)
 
 
 def row_sizes(rows: Array, reach: float) -> Array:

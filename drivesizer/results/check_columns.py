@@ -19,9 +19,8 @@ that ``checks.txt`` declares.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from math import inf, isclose, isnan, nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,8 +39,7 @@ _MOST_DOUBLINGS = 10  # beyond which no drive is farther
 _NO_MARGIN = 1e99  # above any margin; over the demand it orders checks that have none
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CheckColumn:
+class CheckColumn(NamedTuple):
     """One check over all candidates; where it neither passed nor failed it is open or unknown."""
 
     name: str
@@ -63,10 +61,6 @@ class CheckColumn:
     basis: str = ""  # the note where it is so
     note: str = ""
     undecided: str = ""  # the note where the limit is known and the demand not: what would decide it
-
-    def __post_init__(self) -> None:
-        if self.name not in _DECLARED:
-            raise LookupError(f"check {self.name!r} is not declared in results/checks.txt")
 
     @property
     def margin(self) -> Array:
@@ -155,7 +149,7 @@ class CheckColumn:
     def on(self, rows: NDArray[Any] | slice | int | tuple[()]) -> CheckColumn:
         """The same check of some of the candidates; of one as single figures."""
         taken: dict[str, Any] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
-        return replace(self, **taken)
+        return self._replace(**taken)
 
     def with_rows(self, rows: NDArray[Any] | tuple[()], some: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
@@ -165,16 +159,16 @@ class CheckColumn:
             if isinstance(old, np.ndarray) or (name == "opened" and isinstance(new, np.ndarray)):
                 changed[name] = np.array(np.broadcast_to(old, self.passed.shape))
                 changed[name][rows] = False if new is None else new  # all figures of these may be known
-        return replace(self, **changed)
+        return self._replace(**changed)
 
     def where_known(self, known: Mask | bool) -> CheckColumn:
         """The same check where the demand is known; where it may be more it passes no limit."""
         passed = self.passed & (known | np.isposinf(self.limit))
-        return replace(self, passed=passed, opened=self.opened & np.asarray(known))
+        return self._replace(passed=passed, opened=self.opened & np.asarray(known))
 
     def assuming(self, rows: Mask, basis: str) -> CheckColumn:
         """The same check, which passes for some of the candidates by an assumption."""
-        return replace(self, passed=self.passed | rows, opened=self.opened & ~rows, on_basis=rows, basis=basis)
+        return self._replace(passed=self.passed | rows, opened=self.opened & ~rows, on_basis=rows, basis=basis)
 
 
 def at_most(
@@ -192,6 +186,8 @@ def at_most(
     >>> found.passed.item(), found.failed.item(), found.demand.item()
     (False, False, 5.0)
     """
+    if name not in _DECLARED:
+        raise LookupError(f"check {name!r} is not declared in results/checks.txt")
     low, high = _ends(demand)
     least, most = _ends(limit)
     over = [zero + (end - zero) * (1.0 + needed) if needed else end for end in ((low,) if low is high else (low, high))]
@@ -257,13 +253,13 @@ def over_ends(middle: CheckColumn, ends: Sequence[CheckColumn], rows: Whole | tu
     demands, least = np.array([c.demand for c in every]), np.fmin.reduce([c.margin for c in every])
     low, high = demands.min(axis=0), demands.max(axis=0)
     opened = decided & ~passed & ~failed
-    sampled = replace(every[0], passed=passed, failed=failed, opened=opened, low=low, high=high, least=least)
+    sampled = every[0]._replace(passed=passed, failed=failed, opened=opened, low=low, high=high, least=least)
     # an open check is shown by the low end of its limit, a failed one by the high end: the least margin is by the low
     by_high_end = False if every[-1].on_basis is None else every[-1].on_basis & every[-1].failed
-    shown = replace(sampled, demand=np.where(by_high_end, high, every[0].demand)).margin
-    sampled = replace(sampled, least=np.fmin(least, shown))
+    shown = sampled._replace(demand=np.where(by_high_end, high, every[0].demand)).margin
+    sampled = sampled._replace(least=np.fmin(least, shown))
     opened = np.array(np.broadcast_to(middle.opened, middle.passed.shape))
-    whole = replace(middle, opened=opened, low=middle.demand, high=middle.demand, least=middle.margin)
+    whole = middle._replace(opened=opened, low=middle.demand, high=middle.demand, least=middle.margin)
     return whole.with_rows(rows, sampled)
 
 
@@ -274,7 +270,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     """
     numbers, checks = [number for number, _ in found], [check for _, check in found]
     if len(checks) == 1:
-        return checks[0] if numbers[0] == 0 else replace(checks[0], case=np.full(checks[0].passed.shape, numbers[0]))
+        return checks[0] if numbers[0] == 0 else checks[0]._replace(case=np.full(checks[0].passed.shape, numbers[0]))
     shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
     worst, order, margin = np.zeros(shape, np.int64), np.zeros(0), np.zeros(0)
     for number, check in enumerate(checks):
@@ -302,7 +298,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
             for number, rows in others:
                 other = False if of_each[number] is None else of_each[number]
                 columns[name] = np.where(rows, other, columns[name])
-    return replace(checks[0], **columns, case=np.array(numbers)[worst])
+    return checks[0]._replace(**columns, case=np.array(numbers)[worst])
 
 
 def together(found: Sequence[tuple[Any, Sequence[CheckColumn]]], count: int) -> list[CheckColumn]:
@@ -320,7 +316,7 @@ def together(found: Sequence[tuple[Any, Sequence[CheckColumn]]], count: int) -> 
                 columns[name] = np.full(count, idle)
                 for rows, column in each:
                     columns[name][rows] = idle if column is None else column
-        whole.append(replace(parts[0][1], **columns))
+        whole.append(parts[0][1]._replace(**columns))
     return whole
 
 

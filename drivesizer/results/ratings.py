@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -160,7 +159,7 @@ def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> Check
     """A check of one drive that fails no limit which the maker of its actuator does not print."""
     estimated = drive.estimated if isinstance(drive, DriveSet) else ()
     most = [one.high for one in estimated if (one.part, one.figure) == ("actuator", figure)]
-    return replace(column, failed=column.failed & (column.demand > most[0])) if most else column
+    return column._replace(failed=column.failed & (column.demand > most[0])) if most else column
 
 
 def ambient_range(name: str, ambient: float, least: Any, most: Any, *, waived: bool = False) -> CheckColumn:

@@ -19,6 +19,7 @@ from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
 from drivesizer.physics.braking import Stop
 from drivesizer.physics.cycle_at_gearhead import SPEED
+from drivesizer.physics.figures import on
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.results.check import Check, Figure, Reliability, gravest, verdict
@@ -171,10 +172,10 @@ def _sums(evaluation: Evaluation, index: int, parts: DriveParts) -> dict[str, An
 
 def _summed(evaluation: Evaluation, index: int, one: DriveParts, objective: str) -> tuple[float, tuple[str, ...]]:
     """The sum of what is known, and of which parts; unknown where it is of neither motor nor gearhead."""
-    declared, row = OBJECTIVES[objective], evaluation.on(np.array([index]))
-    end = 0 if evaluation.catalog.ends else None
-    parts = chosen(row, needs_encoder=not row.spec.steps)
-    every = bought(evaluation.catalog, row.candidates, parts, declared.figure, declared.over, end)[:, 0]
+    declared, end = OBJECTIVES[objective], 0 if evaluation.catalog.ends else None
+    parts = chosen(evaluation, needs_encoder=not evaluation.spec.steps)
+    sets, parts = on((evaluation.candidates, parts), np.array([index]))
+    every = bought(evaluation.catalog, sets, parts, declared.figure, declared.over, end)[:, 0]
     values = dict(zip(declared.over, every.tolist(), strict=True))
     if one.actuator:  # the figures of a motor inside are those of the whole
         values["actuator"] = values.pop("motor")

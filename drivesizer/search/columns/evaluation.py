@@ -159,7 +159,7 @@ class Evaluation(NamedTuple):
 
     def tightest_of(self, index: int) -> tuple[Check, ...]:
         """Of the checks of one candidate the one with the smallest margin; empty where no margin hangs on the load."""
-        known = [(float(replace(c.on(index), least=None).tightness), c) for c in self.checks]
+        known = [(float(c.on(index)._replace(least=None).tightness), c) for c in self.checks]
         tightest, found = min(known, key=lambda one: one[0], default=(np.inf, None))
         return () if found is None or tightest == np.inf else (self._at(found, index),)
 

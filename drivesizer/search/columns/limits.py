@@ -9,7 +9,6 @@ those of the catalogues; no factor of the paper enters, the spec's ``margins`` d
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,7 +213,7 @@ def _of_one_run(check: CheckColumn, heating: Heat, motor: Figures) -> CheckColum
     figures = ("max_winding_temperature", "winding_time_constant", "motor_time_constant")
     known = ~np.isnan(heating.winding + sum(motor[name] for name in figures))
     limit = np.where(known, np.inf, check.limit)
-    return replace(check, limit=limit, passed=check.passed | known, failed=np.zeros_like(check.failed))
+    return check._replace(limit=limit, passed=check.passed | known, failed=np.zeros_like(check.failed))
 
 
 def winding_limit(spec: RobotSpec, winding: Array | Range, motor: Figures, time: Range | None = None) -> CheckColumn:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -198,7 +197,7 @@ def _known(check: CheckColumn, loads: ShaftLoads) -> CheckColumn:
     """A check of radial force: where that is a lower bound it may fail but not pass."""
     if not loads.least:
         return check
-    return replace(check.where_known(False), undecided=_SLACK)
+    return check.where_known(False)._replace(undecided=_SLACK)
 
 
 def loads_on_gearheads(
