@@ -186,8 +186,7 @@ def at_most(
     >>> found.passed.item(), found.failed.item(), found.demand.item()
     (False, False, 5.0)
     """
-    if name not in _DECLARED:
-        raise LookupError(f"check {name!r} is not declared in results/checks.txt")
+    _refuse_undeclared(name)
     low, high = _ends(demand)
     least, most = _ends(limit)
     over = [zero + (end - zero) * (1.0 + needed) if needed else end for end in ((low,) if low is high else (low, high))]
@@ -215,6 +214,11 @@ def at_most(
     )  # fmt: skip
 
 
+def _refuse_undeclared(name: str) -> None:
+    if name not in _DECLARED:
+        raise LookupError(f"check {name!r} is not declared in results/checks.txt")
+
+
 def _ends(figure: Any) -> tuple[Array, Array]:
     if not isinstance(figure, Range) or figure.low is figure.high:
         one = np.asarray(figure.low if isinstance(figure, Range) else figure, float)
@@ -229,6 +233,7 @@ def at_least(name: str, required: Any, actual: Any, **more: Any) -> CheckColumn:
 
 def fits(name: str, good: Any, known: Any) -> CheckColumn:
     """A condition that is met or not, without figures."""
+    _refuse_undeclared(name)
     good, known = np.asarray(good, bool), np.asarray(known, bool)
     passed, failed = good & known, ~good & known
     nothing = np.full(passed.shape, nan)

@@ -296,7 +296,7 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
     motor, ambient, mean = case.drive_set.motor, case.spec.environment.ambient, case.figure("rms_current")
     current = nominal_current_limit(mean, motor, ambient, motor_needed(case.spec, 0.0))
     if case.spec.once and case.periodic:
-        current = replace(current, limit=np.full_like(current.limit, math.inf), failed=current.failed & False)
+        current = current._replace(limit=np.full_like(current.limit, math.inf), failed=current.failed & False)
     yield _check(
         unless_printed(current, "nominal_current", case.drive_set),
         note="the nominal current in this ambient" if ambient != thermal.rated_ambient(motor) else "",

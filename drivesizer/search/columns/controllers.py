@@ -57,10 +57,10 @@ class Ranks(NamedTuple):
     def before(self, reached: NDArray[np.float64], most: NDArray[np.float64] | float) -> NDArray[np.bool_]:
         """Which controllers may go before what was reached: in the columns of :meth:`best`, infinite where it fails."""
         unknown, place = np.minimum(self.lacking + self.hanging, LOST), np.arange(len(self.lacking))[:, None]
-        less: NDArray[np.bool_] = place < reached[3]
+        less = place < reached[3]
         for figure, limit in ((self.unprinted, reached[2]), (self.worth(most), reached[1]), (unknown, reached[0])):
             less = (figure < limit) | ((figure == limit) & less)
-        return less & (unknown < LOST)
+        return np.asarray(less & (unknown < LOST), bool)
 
     def worth(self, most: NDArray[np.float64] | float) -> NDArray[np.float64]:
         """Share of each controller in the objective, with the margin's; ``most``: margin of all other checks."""
