@@ -175,15 +175,8 @@ def stress(ambient: Figure, cycle: AtGearhead, demands: Demands, motor: Figures,
     return Stress(torque.value, Peak(torque.value / k_t, torque.time), volts)
 
 
-def temperature_at_most(
-    ambient: Figure, cycle: AtGearhead, demands: Demands, heat: Heat, stress: Stress, motor: Figures
-) -> Array:
-    r"""Temperature that no winding exceeds over a cycle [K]: the lower one of two bounds.
-
-    In the long run at the largest current and loss all the time; and as a cycle of duration t warms it at most, the
-    copper's heat of a whole cycle stored in the winding, that of the losses in the housing:
-
-    .. math:: T_w \le T_a + (R_{th1} + R_{th2} + t / C_w) R(T_w) I_{rms}^2 + (R_{th2} + t / C_h) P_h
+def temperature_at_most(ambient: Figure, cycle: AtGearhead, heat: Heat, stress: Stress, motor: Figures) -> Array:
+    """Temperature that no winding exceeds: in the long run at the largest current and loss all the time [K].
 
     Parameters
     ----------
@@ -191,8 +184,6 @@ def temperature_at_most(
         Temperature around the motors [K].
     cycle
         The load cycle at the gearhead's output.
-    demands
-        Required torque and current of each candidate.
     heat, stress
         Losses and largest current of each candidate.
     motor
@@ -202,23 +193,44 @@ def temperature_at_most(
     -------
     array
         Temperature of each candidate [K]; infinite at thermal runaway, NaN where a figure is unknown.
-
-    Notes
-    -----
-    What a pulse of heat leaves of the rise of the body into which it goes falls monotonously and convexly, so that in a
-    cycle which repeats it is nowhere above its mean by more than the pulse over that body's capacity. From cold on it
-    is less. A resistance as at the highest temperature makes it no less.
     """
     fast = cycle.peak_speed
     loss = heat.friction * fast + heat.iron * fast**2
-    lasting = steady_winding(motor, ambient, stress.current.value, loss)
+    return np.asarray(steady_winding(motor, ambient, stress.current.value, loss))
+
+
+def temperature_of_pulses(ambient: Figure, cycle: AtGearhead, demands: Demands, heat: Heat, motor: Figures) -> Array:
+    r"""Temperature that no winding exceeds, were all heat of a cycle of duration t one pulse [K].
+
+    .. math:: T_w \le T_a + (R_{th1} + R_{th2} + t / C_w) R(T_w) I_{rms}^2 + (R_{th2} + t / C_h) P_h
+
+    Parameters
+    ----------
+    ambient
+        Temperature around the motors [K].
+    cycle
+        The load cycle at the gearhead's output.
+    demands, heat
+        RMS current and mean losses of each candidate.
+    motor
+        Figures of the motors by field name: columns.
+
+    Returns
+    -------
+    array
+        Temperature of each candidate [K]; infinite where there is no such bound, or a figure is unknown.
+
+    Notes
+    -----
+    What a pulse leaves of the rise of the body that it heats falls convexly, so that in a cycle which repeats it is
+    nowhere above its mean by more than the pulse over that body's capacity. From cold on it is less. A resistance as at
+    the highest temperature makes it no less.
+    """
     bodies, total = two_bodies(motor), cycle.load_cycle.total
     with np.errstate(divide="ignore", invalid="ignore"):
-        R_th1, of_losses = bodies.R_th1 + total / bodies.capacity_w, 1.0 + total / bodies.tau_h
-    pulsed = steady_winding_temperature(
-        ambient, bodies.R_25, R_th1, bodies.R_th2, demands.rms_current, heat.mean * of_losses
-    )
-    return np.fmin(lasting, np.where(bodies.known, pulsed, np.inf))
+        R_th1, losses = bodies.R_th1 + total / bodies.capacity_w, heat.mean * (1.0 + total / bodies.tau_h)
+    found = steady_winding_temperature(ambient, bodies.R_25, R_th1, bodies.R_th2, demands.rms_current, losses)
+    return np.where(bodies.known & ~np.isnan(found), found, np.inf)
 
 
 def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:

@@ -26,7 +26,7 @@ from drivesizer.physics.figures import Range, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.physics.winding import Heat, Parts, Stress, temperature_at_most, volts_of
+from drivesizer.physics.winding import Heat, Parts, Stress, temperature_at_most, temperature_of_pulses, volts_of
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current, controller_power_limit
@@ -156,7 +156,9 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Range:
 def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
     """Lower and upper bounds over the waveform; upper ones of windings that pass."""
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
-    warmest, hot = _warmest(ambient, cycle, demand, heating, stresses, motor)
+    warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
+    warmest = np.minimum(warmest, temperature_of_pulses(ambient, cycle, demand, heating, motor))
+    hot = _hottest_resistance(warmest, motor)
     low = lowest(spec, cycle, demand, heating, stresses, parts)
     k_t, current = motor["torque_constant"], stresses.current.value
     at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, low.voltage)
@@ -177,12 +179,9 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     return low, high
 
 
-def _warmest(
-    ambient: Any, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, motor: Any
-) -> tuple[Array, Array]:
-    """Temperature that no winding exceeds, and its resistance so warm, or as warm as it fails by its heat."""
-    warmest = temperature_at_most(ambient, cycle, demand, heating, stresses, motor)
-    return warmest, np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
+def _hottest_resistance(warmest: Array, motor: Any) -> Array:
+    """Resistance of a winding as warm as it may be, or as warm as it fails by its heat."""
+    return np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
 
 
 def lowest(
@@ -213,7 +212,7 @@ def _least_kept(
     if not share > 0.0 or not cycle.base.hardest_braking:
         return found
     motor, stage = parts.motor, spec.feed(parts.controller).stage
-    _, hot = _warmest(spec.environment.ambient, cycle, demand, heating, stresses, motor)
+    hot = _hottest_resistance(temperature_at_most(spec.environment.ambient, cycle, heating, stresses, motor), motor)
     c, ratio = demand.coefficients * cycle.scale, demand.total_ratio * cycle.belt
     apart = np.abs(demand.surplus(motor["torque_constant"])) * cycle.belt
     for together, against, total in cycle.base.hardest_braking:
@@ -273,7 +272,7 @@ def exact(
     every, rows = np.arange(len(drives.course)), np.flatnonzero(drives.course == 0.0)
     if not len(rows):
         return _moments(ambient, cycle, drives, feed, stresses.cold_voltage, level, every)
-    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, demand, heating, stresses, motor), every.shape)
+    warmest = np.broadcast_to(temperature_at_most(ambient, cycle, heating, stresses, motor), every.shape)
     mean = np.broadcast_to(heating.winding, every.shape)
     held_mean = np.where(np.isfinite(mean), mean, np.nan) - ambient
     drives = drives._replace(held=_permitted(warmest, motor) - ambient, held_mean=held_mean)
