@@ -161,7 +161,7 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 
-_LATEST: dict[str, tuple[RobotSpec, LoadCycle]] = {}  # one: budgets and battery ask for that of the sizing again
+_LATEST: dict[str, tuple[RobotSpec, LoadCycle]] = {}  # one, which budgets and battery need again
 
 
 def load_cycle(spec: RobotSpec, profile: Profile | None = None, *, sampled: bool = False) -> LoadCycle:
