@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
 
 from drivesizer.output.document import appendix, at_work, candidates, machine, summary, worked
-from drivesizer.output.document.content import Content, machine_words
-from drivesizer.output.document.records import PAPER, Document, Printed, Section
+from drivesizer.output.document.records import PAPER, Printed, Section
 
-__all__ = ["SECTIONS", "document", "printed", "wide"]
+__all__ = ["SECTIONS", "Chapter", "printed", "wide"]
 
 SECTIONS: tuple[Section, ...] = (  # what to buy, whether it holds, how close others come, why; then what it rests on
     summary.summary,
@@ -55,34 +55,34 @@ SECTIONS: tuple[Section, ...] = (  # what to buy, whether it holds, how close ot
 )
 
 
-def printed(
-    content: Content, sections: tuple[Section, ...] = SECTIONS, media: frozenset[str] = PAPER
-) -> Iterator[Printed]:
+class Chapter(NamedTuple):
+    """Sections of an axis, or of a whole machine."""
+
+    content: Any  # of one axis a ``Content``
+    sections: Iterable[Section] = SECTIONS
+    axis: str = ""  # before the names of its figures and tables; in wide media its name
+
+
+def printed(chapters: Iterable[Chapter], media: frozenset[str] = PAPER) -> Iterator[Printed]:
     """Sections with blocks, of the drive that is reported where they are of a drive."""
-    for section in sections:
-        if section.media in media and not (section.of_drive and content.drive is None):
-            given = (content.of_drives, content.drive) if section.of_drive else (content,)
-            blocks = [one for one in section.blocks(*given) if getattr(one, "media", "all") in media]
-            if blocks:
-                yield Printed(section, section.headed(content), blocks)
+    for content, sections, axis in chapters:
+        for section in sections:
+            if section.media in media and not (section.of_drive and content.drive is None):
+                given = (content.of_drives, content.drive) if section.of_drive else (content,)
+                blocks = [one for one in section.blocks(*given) if getattr(one, "media", "all") in media]
+                if blocks:
+                    yield Printed(section, section.headed(content), blocks, axis=axis)
 
 
-def wide(content: Content, media: frozenset[str], axis: str = "") -> Iterator[Printed]:
+def wide(chapters: Iterable[Chapter], media: frozenset[str]) -> Iterator[Printed]:
     """Sections for wide media: those of a drive of every drive, one after the other."""
-    drives = [one for _, one in candidates.every_list(content.result, front=False)]
-    for section in SECTIONS:
-        if section.media not in media:
-            continue
-        title = section.headed(content)
-        if section.of_drive:
-            for drive in drives:
-                yield Printed(section, title, [*section.blocks(content.of_drives, drive)], drive.rank, axis)
-        else:
-            yield Printed(section, title, [*section.blocks(content)], axis=axis)
-
-
-def document(content: Content) -> Document:
-    """Everything that a report prints on paper but its figures."""
-    spec = content.result.spec
-    return Document(name=spec.name, machine=machine_words(spec), block=content.title_block,
-                    sections=[*printed(content)], found=bool(content.result.sets))  # fmt: skip
+    for content, sections, axis in chapters:
+        for section in sections:
+            if section.media in media and section.of_drive:
+                for _, drive in candidates.every_list(content.result, front=False):
+                    blocks = [*section.blocks(content.of_drives, drive)]
+                    yield Printed(section, section.headed(content), blocks, drive.rank, axis)
+            elif section.media in media:
+                blocks = [*section.blocks(content)]
+                if blocks:
+                    yield Printed(section, section.headed(content), blocks, axis=axis)

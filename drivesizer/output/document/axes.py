@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, isnan
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.document import SECTIONS, document, printed, summary, wide
+from drivesizer.output.document import SECTIONS, Chapter, printed, summary, wide
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
 from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
-from drivesizer.output.document.content import Content, driven_over
+from drivesizer.output.document.content import Content, Reported, all_drives, driven_over
 from drivesizer.output.document.part import datasheets
 from drivesizer.output.document.rows import (
     check_row,
@@ -31,9 +31,11 @@ from drivesizer.results.check import Status as CheckStatus
 from drivesizer.results.check import gravest, tightest, worst
 from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
 from drivesizer.results.sizing import SizingResult, ranked_by
+from drivesizer.spec.machine import MachineSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
+    from drivesizer.catalog import Catalog
     from drivesizer.output.report.figures.field import Panel
     from drivesizer.output.report.figures.picture import Pictured
 
@@ -64,11 +66,32 @@ class AxisContent:
 
 
 @dataclass(frozen=True)
-class MachineContent:
+class MachineContent(Reported):
     """A sizing of a machine; each part that takes time is computed once, when it is used."""
 
     sizing: MachineSizing
     proofs: Mapping[str, Validation] = field(default_factory=dict)  # closed loops, by the name of the axis
+
+    @property
+    def given(self) -> MachineSpec:
+        """The machine's file."""
+        return self.sizing.machine
+
+    @property
+    def words(self) -> str:
+        """The machine in a line; one of a single axis as a plain spec."""
+        names = [one.name for one in self.axes]
+        return f"Machine of {len(names)} axes: {', '.join(names)}" if len(names) > 1 else self.axes[0].content.words
+
+    @property
+    def is_found(self) -> bool:
+        """Whether every axis has a drive."""
+        return self.sizing.complete
+
+    @property
+    def catalog(self) -> Catalog:
+        """The catalogue of the first axis, by whose rates prices are summed."""
+        return self.axes[0].content.catalog
 
     @property
     def status(self) -> CheckStatus:
@@ -102,22 +125,6 @@ class MachineContent:
         """Drives of all axes that have one."""
         return sum(one.drives for one in self.sizing.axes if one.best)
 
-    @property
-    def drives_words(self) -> str:
-        """Those in words."""
-        return "the one drive" if self.drives == 1 else f"all {self.drives} drives"
-
-    @property
-    def title_block(self) -> list[tuple[str, str]]:
-        """Rows of the title block, as of a spec of one axis."""
-        given = self.sizing.machine.report.model_dump(exclude_none=True)
-        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
-
-    @property
-    def file(self) -> str:
-        """The name of the machine's file without its folder."""
-        return self.sizing.machine.file.replace("\\", "/").rsplit("/", 1)[-1]
-
     @cached_property
     def loads(self) -> dict[str, Pictured]:
         """Figures with the field of every axis, as many on each as a page has room for."""
@@ -145,6 +152,8 @@ class MachineContent:
         from drivesizer.output.report.figures.machine import axes_power
         from drivesizer.output.report.figures.picture import Pictured, on_paper
 
+        if len(self.axes) == 1:
+            return self.axes[0].content.pictures
         made, power = dict(self.loads), self.sizing.power
         if power is not None and len(power.unknown) < len(power.axes):
             plot = axes_power(power)
@@ -200,7 +209,7 @@ def _summary(content: MachineContent) -> Iterator[doc.Block]:
         yield check_table("Checks of all axes together", sizing.checks, "machine_checks")
     if content.bought:
         axes = [one.name for one in content.axes if one.sizing.best]
-        whole = f"{content.drives_words} of {f'{len(axes)} axes' if len(axes) > 1 else axes[0]}"
+        whole = f"{all_drives(content.drives)} of {f'{len(axes)} axes' if len(axes) > 1 else axes[0]}"
         lines = [(one.line, ", ".join(one.axes)) for one in content.bought]
         yield summary.parts_table(f"Parts of {whole}", lines, content.totals)
         yield from summary.lacking_words(content.totals)
@@ -239,7 +248,7 @@ def _glance(content: MachineContent) -> Iterator[doc.Block]:
         check, name = min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
         said = doc.Quantity(check.margin, "%", "margin").text
         tiles.append(("Smallest margin", said or "none", f"{name}: {check.title}"))
-    tiles += [summary.summed_tile(content.totals, figure, content.drives_words) for figure in ("mass", "price")]
+    tiles += [summary.summed_tile(content.totals, figure, all_drives(content.drives)) for figure in ("mass", "price")]
     yield doc.Tiles(tiles)
 
 
@@ -428,63 +437,32 @@ def _chapter(one: AxisContent) -> list[doc.Section]:
     return [first, *(replace(section, level=2) for section in SECTIONS[1:] if section.name not in left), unknown]
 
 
-def machine_printed(
-    content: MachineContent, media: frozenset[str] = doc.PAPER, wanted: Callable[[doc.Section], bool] = lambda _: True
-) -> Iterator[doc.Printed]:
-    """Sections of all axes, and a chapter of each; those that are wanted."""
-    yield from _of_all(content, filter(wanted, FRONT), media)
-    for one in content.axes:
-        if wanted(_AXIS):
-            for found in printed(one.content, tuple(filter(wanted, _chapter(one))), media):
-                yield found._replace(axis=one.key)
-    yield from _of_all(content, filter(wanted, BACK), media)
-
-
 _AXIS = doc.Section(name="axis", title="", blocks=lambda _: (), early="checks")
-
-
-def _of_all(content: MachineContent, sections: Iterable[doc.Section], media: frozenset[str]) -> Iterator[doc.Printed]:
-    for section in sections:
-        every = section.blocks(content) if section.media in media else ()
-        blocks = [one for one in every if getattr(one, "media", "all") in media]
-        if blocks:
-            yield doc.Printed(section, section.headed(content), blocks)
-
-
-def machine_wide(content: MachineContent, media: frozenset[str]) -> Iterator[doc.Printed]:
-    """The same for wide media: sections of every axis with its name."""
-    yield from _of_all(content, (*FRONT, *BACK), media)
-    for one in content.axes:
-        yield from (
-            found for found in wide(one.content, media, one.name) if found.section.name not in ("repeat", "summary")
-        )
-
-
-def machine_document(content: MachineContent) -> doc.Document:
-    """Everything that a report prints on paper but its figures; of one axis that of a plain spec."""
-    sizing, names = content.sizing, [one.name for one in content.axes]
-    words = f"Machine of {number_of(len(names), 'axis', 'axes')}: {', '.join(names)}"
-    return doc.Document(name=sizing.machine.name, machine=words, block=content.title_block,
-                        sections=[*machine_printed(content)], found=sizing.complete)  # fmt: skip
 
 
 # -- A sizing or a machine, for all kinds of reports; a machine of one axis gives the document of a plain spec.
 
 
+def chapters(content: Content | MachineContent, *, of_all_drives: bool = False) -> list[Chapter]:
+    """Sections of a sizing; of a machine those of all axes, and a chapter of each; of all drives for wide media."""
+    if isinstance(content, Content) or len(content.axes) == 1:
+        return [Chapter(content if isinstance(content, Content) else content.axes[0].content)]
+    if not of_all_drives:
+        axes = [Chapter(one.content, _chapter(one), one.key) for one in content.axes]
+        return [Chapter(content, FRONT), *axes, Chapter(content, BACK)]
+    own = [section for section in SECTIONS if section.name not in ("repeat", "summary")]
+    return [Chapter(content, (*FRONT, *BACK)), *(Chapter(one.content, own, one.name) for one in content.axes)]
+
+
 def document_of(content: Content | MachineContent) -> doc.Document:
     """The machine on paper, but for the figures."""
-    if isinstance(content, Content):
-        return document(content)
-    if len(content.axes) == 1:
-        return replace(document(content.axes[0].content), name=content.sizing.machine.name, block=content.title_block)
-    return machine_document(content)
+    return doc.Document(name=content.name, machine=content.words, block=content.title_block,
+                        sections=[*printed(chapters(content))], found=content.is_found)  # fmt: skip
 
 
 def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterator[doc.Printed]:
     """Sections of workbook and CSV."""
-    if isinstance(content, Content):
-        return wide(content, media)
-    return wide(content.axes[0].content, media) if len(content.axes) == 1 else machine_wide(content, media)
+    return wide(chapters(content, of_all_drives=True), media)
 
 
 def content_of(
@@ -495,10 +473,3 @@ def content_of(
         return MachineContent(result, proof if isinstance(proof, Mapping) else {})
     alone = result.alone or result.axes[0].result if isinstance(result, MachineSizing) else result
     return Content(alone, next(iter(proof.values()), None) if isinstance(proof, Mapping) else proof)
-
-
-def pictures_of_content(content: Content | MachineContent) -> dict[str, Pictured]:
-    """Every figure by name."""
-    if isinstance(content, MachineContent) and len(content.axes) == 1:
-        return content.axes[0].content.pictures
-    return content.pictures

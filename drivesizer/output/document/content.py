@@ -25,6 +25,7 @@ from drivesizer.units import show
 if TYPE_CHECKING:
     from drivesizer.output.report.figures.picture import Pictured
     from drivesizer.output.report.figures.set_behaviour import Behaviour
+    from drivesizer.spec.machine import MachineSpec
 
 
 @dataclass(frozen=True)
@@ -47,12 +48,57 @@ class OfLoop:
     validation: Validation | None
 
 
+class Reported:
+    """Facts of a spec or of a machine's file for the head of a document."""
+
+    @property
+    def given(self) -> RobotSpec | MachineSpec:
+        """The spec, or the machine's file."""
+        raise NotImplementedError
+
+    @property
+    def name(self) -> str:
+        """The machine's name."""
+        return self.given.name
+
+    @property
+    def title_block(self) -> list[tuple[str, str]]:
+        """Names and texts of the customer, project, author and revision, as far as they are given."""
+        given = self.given.report.model_dump(exclude_none=True)
+        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
+
+    @property
+    def file(self) -> str:
+        """The name of the file without its folder."""
+        return self.given.file.replace("\\", "/").rsplit("/", 1)[-1]
+
+
 @dataclass(frozen=True)
-class Content:
+class Content(Reported):
     """A sizing and its closed loop."""
 
     result: SizingResult
     validation: Validation | None = None
+
+    @property
+    def given(self) -> RobotSpec:
+        """The spec."""
+        return self.result.spec
+
+    @property
+    def words(self) -> str:
+        """The machine in a line."""
+        return machine_words(self.result.spec)
+
+    @property
+    def is_found(self) -> bool:
+        """Whether there is a drive."""
+        return bool(self.result.sets)
+
+    @property
+    def catalog(self) -> Catalog:
+        """The catalogues that were searched."""
+        return self.result.catalog
 
     @cached_property
     def of_drives(self) -> OfDrives:
@@ -111,12 +157,6 @@ class Content:
         return "wheel" if self.result.spec.load.kind == "wheeled_vehicle" else "load's shaft"
 
     @property
-    def title_block(self) -> list[tuple[str, str]]:
-        """Names and texts of the customer, project, author and revision, as far as the spec gives them."""
-        given = self.result.spec.report.model_dump(exclude_none=True)
-        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
-
-    @property
     def motors(self) -> int:
         """Number of drives of this kind in the machine."""
         return self.result.spec.load.motors
@@ -124,20 +164,20 @@ class Content:
     @property
     def drives(self) -> str:
         """Those in words."""
-        return "the one drive" if self.motors == 1 else f"all {self.motors} drives"
+        return all_drives(self.motors)
 
     @cached_property
     def bought(self) -> list[PartLine]:
         """The parts list of the drive that is reported."""
         return machine_parts(self.drive, self.result.problem) if self.drive else []
 
-    @property
-    def file(self) -> str:
-        """The name of the spec's file without its folder."""
-        return self.result.spec.file.replace("\\", "/").rsplit("/", 1)[-1]
-
 
 # -- words
+
+
+def all_drives(number: int) -> str:
+    """All drives of a machine in words."""
+    return "the one drive" if number == 1 else f"all {number} drives"
 
 
 def driven_over(v: Validation) -> str:

@@ -80,12 +80,11 @@ def _said(rates: Mapping[str, float], codes: Mapping[str, object], into: str) ->
 
 def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
     """The sheets of a quote: the machine, each of several axes, what is missing."""
-    lines = lines_of(content)
-    catalog = catalog_of(content)
-    whole = lines
+    lines = whole = lines_of(content)
+    catalog = content.catalog
     if isinstance(content, MachineContent):
         whole = [Ordered(", ".join(one.axes), one.line) for one in content.bought]
-    tables = {"Quote": quote_table(f"Parts of {name_of(content)}", whole, catalog)}
+    tables = {"Quote": quote_table(f"Parts of {content.name}", whole, catalog)}
     for axis in dict.fromkeys(axis for axis, _ in lines if axis):
         own = [Ordered("", line) for of, line in lines if of == axis]
         tables[axis] = quote_table(f"Parts of {axis}", own, catalog)
@@ -100,14 +99,4 @@ def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
 
 def quote_lines(content: Content | MachineContent) -> doc.Table:
     """The quote as one table, by axis."""
-    return quote_table(f"Parts of {name_of(content)}", lines_of(content), catalog_of(content))
-
-
-def name_of(content: Content | MachineContent) -> str:
-    """The machine's name."""
-    return content.sizing.machine.name if isinstance(content, MachineContent) else content.result.spec.name
-
-
-def catalog_of(content: Content | MachineContent) -> Catalog:
-    """The catalogue by whose rates prices are summed."""
-    return (content.axes[0].content if isinstance(content, MachineContent) else content).result.catalog
+    return quote_table(f"Parts of {content.name}", lines_of(content), content.catalog)

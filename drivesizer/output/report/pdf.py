@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.document.axes import MachineContent, document_of, pictures_of_content
+from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
 
@@ -27,7 +27,7 @@ def report_pdf(content: Content | MachineContent, *, paper: str = "a4", date: st
     """The report as a PDF file."""
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
-    filled, pictures = paper_data(document_of(content), date), pictures_of_content(content)
+    filled, pictures = paper_data(document_of(content), date), content.pictures
     wanted = {name: pictures[name].paper for name in pictures_of(filled["sections"]) if name in pictures}
     figures = {name: {"svg": draw("typeset").decode()} for name, draw in wanted.items() if draw}
     data = json.dumps(filled | {"sheet": paper, "figures": figures}, ensure_ascii=False, allow_nan=False)

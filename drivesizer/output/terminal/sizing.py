@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
-from drivesizer.output.document import SECTIONS, at_work, candidates, machine, printed
+from drivesizer.output.document import SECTIONS, Chapter, at_work, candidates, machine, printed
 from drivesizer.output.document.content import Content, OfDrives, OfLoop
 from drivesizer.output.document.records import (
     TERMINAL,
@@ -87,7 +87,7 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
     shown = _selected(SECTIONS, details if best else details | {"rejected"})
     if quiet:
         shown = tuple(one for one in shown if one.name in _QUIET or one.early in details)
-    render.sections(out, printed(content, shown, TERMINAL))
+    render.sections(out, printed([Chapter(content, shown)], TERMINAL))
     if best and not quiet:
         behind, loop = f" {spec}" if spec else "", "open loop" if best.steps else "closed loop"
         _next(
@@ -179,14 +179,16 @@ def machine_sizing(
     result: MachineSizing, *, spec: str = "", checks: bool = False, quiet: bool = False, chapters: bool = True
 ) -> None:
     """Print the sizing of a machine, on request with all checks and a chapter of each axis."""
-    from drivesizer.output.document.axes import MachineContent, machine_printed
+    from drivesizer.output.document import axes
 
-    out, content = console(), MachineContent(result)
+    out = console()
     status = MARK[result.status] if result.complete else "no drive for every axis"
     heading(out, result.machine.name, status, STYLE[result.status])
     early = {"answer", "checks"} if checks else {"answer"}
-    found = machine_printed(content, TERMINAL, lambda one: one.early in early and (chapters or one.name != "axis"))
-    render.sections(out, found)
+    every = axes.chapters(axes.MachineContent(result))
+    shown = [one._replace(sections=[section for section in one.sections if section.early in early])
+             for one in every if not one.axis or (chapters and checks)]  # fmt: skip
+    render.sections(out, printed(shown, TERMINAL))
     if not quiet:
         name = next((axis.name for axis in result.axes if axis.best is None), result.axes[0].name)
         behind, axis = f" {spec}" if spec else "", f'"{name}"' if " " in name else name

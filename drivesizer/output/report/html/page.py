@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drivesizer.output.document.axes import MachineContent, document_of, pictures_of_content
+from drivesizer.output.document.axes import MachineContent, document_of
 from drivesizer.output.document.candidates import candidate_numbers
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
@@ -84,7 +84,7 @@ def page_parts(
     content: Content | MachineContent, date: str | None = None
 ) -> tuple[dict[str, Any], dict[str, Data], dict[str, Drawing]]:
     """The document of a report, its figures that can be moved, and those that cannot, by name."""
-    filled, pictures = paper_data(document_of(content), date), pictures_of_content(content)
+    filled, pictures = paper_data(document_of(content), date), content.pictures
     several = isinstance(content, MachineContent) and len(content.axes) > 1
     if not several:
         alone = content.axes[0].content if isinstance(content, MachineContent) else content
