@@ -147,27 +147,21 @@ MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")
 
 def step(r: Requirement) -> dict[str, Any]:
     """A requirement as the report prints it: texts, and typst mathematics under the names in ``MATHEMATICS``."""
-    left = symbol(r.symbol)
-    made = {
-        "number": str(r.equation or ""),
-        "title": r.title,
-        "symbol": left,
-        "symbol_value": f"{left} = {quantity(float(r.value), r.unit, r.kind)}",
+    left, trade = symbol(r.symbol), quantity(float(r.value), r.unit, r.kind)
+    made: dict[str, Any] = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
+        "number": str(r.equation or ""), "title": r.title, "symbol": left, "symbol_value": f"{left} = {trade}",
         "note": r.note,
-        "printed": "",
-        "used": "",
-        "numbers": "",
-        "result": "",
-        "failure": "",
-    }
+    }  # fmt: skip
     if r.declared is None:
         return made
-    expression = _expression(r)
-    printed, used = _forms(r.declared, expression)
-    made["printed"] = f"{left} = {printed}" if printed else ""
+    expression, printed = _expression(r), r.declared.printed
+    if printed:
+        made["printed"] = f"{left} = {typst(printed, paper=True)}"
+    used = "" if printed and typst(printed) == typst(expression) else typst(expression)
     made["used"] = f"{left} = {used}" if used.replace("^(2)", "^2") not in ("", left) else ""
-    made["numbers"] = f"{left} = {typst(expression, values=_values(r, expression, _with_unit))}"
-    made["result"] = _result(r)
+    made["numbers"] = f"{left} = {typst(expression, values=_put_in(expression, _terms(r), _with_unit))}"
+    si = KINDS[r.kind].si
+    made["result"] = trade if si == r.unit else f"{quantity(float(r.value), si, r.kind)} = {trade}"
     made["failure"] = _failures().get(r.declared.name, "")
     return made
 
@@ -188,17 +182,12 @@ def worked(
     note: str = "", *, bare: bool = False,
 ) -> tuple[dict[str, Any], float]:  # fmt: skip
     """A formula with its numbers put in, as a step of a derivation, and its value; ``bare``: numbers without units."""
-    value = value_of(expression, terms)
-    raised, values = _raised(expression), {}
-    for term, (x, of) in terms.items():
-        number, of = (math.degrees(x), "deg") if of == "rad" else (x, "1" if bare else of)
-        written = _with_unit(number, of)
-        bracket = x < 0.0 or (term in raised and written != _with_unit(number, "1"))
-        values[term] = f"({written})" if bracket else written
-    sign = symbol_typst(left)
+    value, sign = value_of(expression, terms), symbol_typst(left)
+    written = (lambda x, unit: _with_unit(x, unit if unit == "deg" else "1")) if bare else _with_unit
     made = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
         "number": "", "title": title, "symbol": sign, "symbol_value": f"{sign} = {quantity(value, unit, kind)}",
-        "used": f"{sign} = {typst(expression)}", "numbers": f"{sign} = {typst(expression, values=values)}",
+        "used": f"{sign} = {typst(expression)}",
+        "numbers": f"{sign} = {typst(expression, values=_put_in(expression, terms, written))}",
         "result": quantity(value, unit, kind), "note": note, "exact": {"name": name, "value": value},
     }  # fmt: skip
     return made, value
@@ -262,56 +251,40 @@ def evaluated_failures() -> dict[str, str]:
 def _expression(r: Requirement) -> str:
     """Expression that was computed; the printed form where only its quantities were put in (one shown beside ours)."""
     assert r.declared is not None
-    used = r.declared.computed
-    return r.declared.printed if r.name.endswith("_as_printed") else used
+    return r.declared.printed if r.name.endswith("_as_printed") else r.declared.computed
 
 
-def _forms(declared: Equation, expression: str) -> tuple[str, str]:
-    """Printed and computed form; no computed form where it only repeats the printed one."""
-    printed = typst(declared.printed, paper=True) if declared.printed else ""
-    same = declared.printed and typst(declared.printed) == typst(expression)
-    return printed, "" if same else typst(expression)
+def _terms(r: Requirement) -> dict[str, tuple[float, str]]:
+    """The terms of a requirement's equation with their values and units."""
+    assert r.declared is not None
+    defaults = inspect.signature(r.declared.formula).parameters
+    values = {term.name: r.inputs.get(term.name, defaults[term.name].default) for term in r.declared.terms}
+    return {term.name: (float(values[term.name]), term.unit) for term in r.declared.terms}
 
 
 def numbers_in(r: Requirement) -> str:
     """A requirement's equation with its numbers put in, as a line of text without the left side."""
-    expression = _expression(r)
-    return text(expression, values=_values(r, expression, _plain))
+
+    def plain(value: float, unit: str) -> str:
+        return "unknown" if math.isnan(value) else f"{value:.4g} {label(unit)}".rstrip()
+
+    return text(_expression(r), values=_put_in(_expression(r), _terms(r), plain))
 
 
-def _plain(value: float, unit: str) -> str:
-    return "unknown" if math.isnan(value) else f"{value:.4g} {label(unit)}".rstrip()
-
-
-def _values(r: Requirement, expression: str, with_unit: Callable[[float, str], str]) -> dict[str, str]:
-    """Values of an equation's terms as they are put in, in brackets where a sign or an exponent needs them."""
-    assert r.declared is not None
-    defaults = inspect.signature(r.declared.formula).parameters
-    raised, values = _raised(expression), {}
-    for name, unit in ((term.name, term.unit) for term in r.declared.terms):
-        value = float(r.inputs.get(name, defaults[name].default))
+def _put_in(
+    expression: str, terms: Mapping[str, tuple[float, str]], written: Callable[[float, str], str]
+) -> dict[str, str]:
+    """Terms as they are put in, in brackets where a sign, or a unit below an exponent, needs them."""
+    powers = (node.left for node in ast.walk(ast.parse(expression))
+              if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow))  # fmt: skip
+    raised = {base.id for base in powers if isinstance(base, ast.Name)}
+    values = {}
+    for name, (value, unit) in terms.items():
         if unit == "rad":
             value, unit = math.degrees(value), "deg"
-        written = with_unit(value, unit)
-        values[name] = f"({written})" if value < 0 or (name in raised and written != with_unit(value, "1")) else written
+        put = written(value, unit)
+        values[name] = f"({put})" if value < 0.0 or (name in raised and put != written(value, "1")) else put
     return values
-
-
-def _raised(expression: str) -> set[str]:
-    """Names with an exponent: with its unit, such a figure needs brackets."""
-    powers = (
-        node.left
-        for node in ast.walk(ast.parse(expression))
-        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow)
-    )
-    return {base.id for base in powers if isinstance(base, ast.Name)}
-
-
-def _result(r: Requirement) -> str:
-    """The result in SI, and in the unit of the trade where that is another."""
-    value, si = float(r.value), KINDS[r.kind].si
-    trade = quantity(value, r.unit, r.kind)
-    return trade if si == r.unit else f"{quantity(value, si, r.kind)} = {trade}"
 
 
 if __name__ == "__main__":

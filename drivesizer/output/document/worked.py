@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Iterator
 from math import isclose, isnan
 from typing import Any, NamedTuple
 
@@ -38,123 +39,105 @@ class Moment(NamedTuple):
         return "+" if self.way > 0.0 else "-" if self.way < 0.0 else ""
 
 
-def _summed(parts: list[tuple[str, str]], terms: Terms) -> str:
-    """A sum with its signs, without what is 0."""
-    kept = [(sign, text) for sign, text in parts if sign and value_of(text, terms)]
-    return "".join(f" {sign} {text}" for sign, text in kept).removeprefix(" +").strip() or "0"
+def _summed(parts: str, terms: Terms, at: Moment | None = None) -> str:
+    """Parts between bars as a sum, without what is 0 or not given; ± is against the motion, and nothing at rest."""
+    sign, kept = at.sign if at else "", []
+    for part in parts.split(" | "):
+        of, text = part[0].replace("±", sign), part[2:]
+        if of and all(name in terms for name in _symbols(text)) and value_of(text, terms):
+            kept.append(f"{of} {text}")
+    return " ".join(kept).removeprefix("+ ") or "0"
+
+
+def _symbols(text: str) -> list[str]:
+    return [name for name in re.findall(r"[A-Za-z]\w*", text) if name not in ("sin", "cos")]
 
 
 # -- The force on what moves along a line, and the torque of what turns: formulas of ``loads``, each at a moment.
 
 
-def _along(load: Any, at: Moment, rubs: str = "m", moved: str = "m", **more: tuple[float, str]) -> tuple[str, Terms]:
-    """A load along its incline: weight, friction of what rubs, further force, inertia of all that is moved."""
-    terms: Terms = {
-        "m": (load.mass, "kg"), "g": (at.gravity, "m/s^2"), "beta": (load.incline, "rad"),
-        "mu": (load.friction_coefficient, "1"), "F_f": (load.friction_force, "N"), "F_0": (load.force, "N"),
-        "a": (at.acceleration * at.radius, "m/s^2"), **more,
-    }  # fmt: skip
-    parts = [("+", "m * g * sin(beta)"), (at.sign, f"mu * {rubs} * g * cos(beta)"), (at.sign, "F_f"),
-             ("+", "F_0"), ("+", f"{moved} * a")]  # fmt: skip
-    return _summed(parts, terms), terms
-
-
-def _on_a_belt(load: Any, at: Moment) -> tuple[str, Terms]:
-    """A carriage: the belt and its idlers are accelerated too, and do not rub."""
-    radius = (load.idler_diameter or load.pulley_diameter) / 2.0
-    belt, idlers = load.belt_mass, load.idler_inertia
-    kept = ["m", *(["m_b"] if belt else []), *(["J_i / r_i**2"] if idlers else [])]
-    moved = f"({' + '.join(kept)})" if len(kept) > 1 else "m"
-    return _along(load, at, moved=moved, m_b=(belt, "kg"), J_i=(idlers, "kg*m^2"), r_i=(radius, "m"))
-
-
-def _conveyed(load: Any, at: Moment) -> tuple[str, Terms]:
-    both = "(m + m_b)" if load.belt_mass else "m"
-    return _along(load, at, both, both, m_b=(load.belt_mass, "kg"))
-
-
-def _hoisted(load: Any, at: Moment) -> tuple[str, Terms]:
-    terms: Terms = {"m": (load.mass, "kg"), "m_c": (load.counterweight, "kg"), "g": (at.gravity, "m/s^2"),
-                    "a": (at.acceleration * at.radius, "m/s^2"), "F_f": (load.friction_force, "N")}  # fmt: skip
-    both = ("(m - m_c)", "(m + m_c)") if load.counterweight else ("m", "m")
-    return _summed([("+", f"{both[0]} * g"), ("+", f"{both[1]} * a"), (at.sign, "F_f")], terms), terms
-
-
-def _rolled(load: Any, at: Moment) -> tuple[str, Terms]:
-    terms: Terms = {"C_rr": (load.rolling_resistance or 0.0, "1"), "m": (load.mass, "kg"), "g": (at.gravity, "m/s^2"),
-                    "theta": (load.slope, "rad"), "a": (at.acceleration * at.radius, "m/s^2")}  # fmt: skip
-    parts = [(at.sign, "C_rr * m * g * cos(theta)"), ("+", "m * g * sin(theta)"), ("+", "m * a")]
-    return _summed(parts, terms), terms
-
-
-_FORCES: dict[str, Callable[[Any, Moment], tuple[str, Terms]]] = {
-    "belt_axis": _on_a_belt, "conveyor": _conveyed, "rack_pinion": _along, "ball_screw": _along,
-    "lead_screw": _along, "hoist": _hoisted, "wheeled_vehicle": _rolled,
+_ALONG = "+ m * g * sin(beta) | ± mu * m * g * cos(beta) | ± F_f | + F_0 | + m * a"
+_FORCES = {
+    "belt_axis": _ALONG.replace("m * a", "(m + m_b + J_i / r_i**2) * a"),  # belt and idlers do not rub
+    "conveyor": _ALONG.replace("mu * m", "mu * (m + m_b)").replace("m * a", "(m + m_b) * a"),
+    "rack_pinion": _ALONG, "ball_screw": _ALONG, "lead_screw": _ALONG,
+    "hoist": "+ (m - m_c) * g | + (m + m_c) * a | ± F_f",
+    "wheeled_vehicle": "± C_rr * m * g * cos(theta) | + m * g * sin(theta) | + m * a",
+}  # fmt: skip
+_TORQUES = {
+    "fan": "+ J * alpha | ± T_f | ± T_r * (omega / omega_r)**n",
+    "flywheel": "+ J * alpha | ± T_f | ± T_r * (omega / omega_r)**n",
+    "arm": "+ m * g * l * cos(tau) * cos(phi) | + J * alpha | ± T_f",
+    "rotary_table": "+ J * alpha | ± T_f | + T_0",
+}
+_SYMBOLS = {  # field of the load and its unit
+    "m": ("mass", "kg"), "beta": ("incline", "rad"), "mu": ("friction_coefficient", "1"), "F_0": ("force", "N"),
+    "F_f": ("friction_force", "N"), "m_b": ("belt_mass", "kg"), "J_i": ("idler_inertia", "kg*m^2"),
+    "m_c": ("counterweight", "kg"), "C_rr": ("rolling_resistance", "1"), "theta": ("slope", "rad"),
+    "J": ("inertia", "kg*m^2"), "T_f": ("friction_torque", "N*m"), "T_r": ("rated_torque", "N*m"),
+    "omega_r": ("rated_speed", "rad/s"), "n": ("exponent", "1"), "l": ("length", "m"), "tau": ("tilt", "rad"),
+    "T_0": ("torque", "N*m"),
 }  # fmt: skip
 _DRAG = {"ball_screw": "preload_torque", "lead_screw": "preload_torque", "belt_axis": "friction_torque",
          "hoist": "friction_torque"}  # fmt: skip
-_EFFICIENCY = {"hoist": "rope_efficiency"}
 
 
-def _turned(load: Any, at: Moment) -> tuple[str, Terms]:
-    """The torque of a load that turns with its shaft."""
-    kind = load.kind
-    terms: Terms = {"J": (load.inertia, "kg*m^2"), "alpha": (at.acceleration, "rad/s^2"),
-                    "T_f": (load.friction_torque, "N*m")}  # fmt: skip
-    parts = [("+", "J * alpha"), (at.sign, "T_f")]
-    if kind in ("fan", "flywheel") and load.rated_speed:
-        terms |= {"T_r": (load.rated_torque, "N*m"), "omega": (abs(at.speed), "rad/s"),
-                  "omega_r": (load.rated_speed, "rad/s"), "n": (load.exponent, "1")}  # fmt: skip
-        parts.append((at.sign, "T_r * (omega / omega_r)**n"))
-    elif kind == "arm":
-        inertia = load.mass * load.length**2 if load.inertia is None else load.inertia
-        terms |= {"J": (inertia, "kg*m^2"), "m": (load.mass, "kg"), "g": (at.gravity, "m/s^2"),
-                  "l": (load.length, "m"), "tau": (load.tilt, "rad"),
-                  "phi": (round(load.start_angle + at.angle, 9), "rad")}  # fmt: skip
-        parts.insert(0, ("+", "m * g * l * cos(tau) * cos(phi)" if load.tilt else "m * g * l * cos(phi)"))
-    elif kind == "rotary_table":
-        terms |= {"T_0": (load.torque, "N*m")}
-        parts.append(("+", "T_0"))
-    return _summed(parts, terms), terms
+def _terms_of(load: Any, at: Moment) -> Terms:
+    """The figures of a load, as far as it has them, and those of a moment."""
+    terms: Terms = {
+        "g": (at.gravity, "m/s^2"), "a": (at.acceleration * at.radius, "m/s^2"), "alpha": (at.acceleration, "rad/s^2"),
+        "omega": (abs(at.speed), "rad/s"), "r": (at.radius, "m"),
+    }  # fmt: skip
+    known = {symbol: getattr(load, field, None) for symbol, (field, _) in _SYMBOLS.items()}
+    if load.kind == "belt_axis":
+        terms["r_i"] = (load.idler_diameter or load.pulley_diameter) / 2.0, "m"
+    if load.kind == "arm":
+        known["J"] = load.mass * load.length**2 if load.inertia is None else load.inertia
+        terms["phi"] = round(load.start_angle + at.angle, 9), "rad"
+    return terms | {symbol: (value, _SYMBOLS[symbol][1]) for symbol, value in known.items()
+                    if value is not None and (value or symbol != "omega_r")}  # fmt: skip
+
+
+def _plain(parts: str, terms: Terms) -> str:
+    """A formula without masses, idlers and a tilt that are 0."""
+    for symbol, texts in {"m_b": [" + m_b"], "m_c": [" - m_c", " + m_c"], "J_i": [" + J_i / r_i**2"],
+                          "tau": [" * cos(tau)"]}.items():  # fmt: skip
+        for text in texts if not terms.get(symbol, (0.0, ""))[0] else ():
+            parts = parts.replace(text, "")
+    return parts.replace("(m)", "m")
 
 
 def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
     """The load's own formula at a moment; none where it does not give what the load cycle has there."""
-    kind = load.kind
+    kind, found, wheel = load.kind, list[dict[str, Any]](), load.kind == "wheeled_vehicle"
+    if kind not in _FORCES and kind not in _TORQUES:
+        return []
     try:
-        if kind in _FORCES:
-            expression, terms = _FORCES[kind](load, at)
-            title = "Force on what moves, at this moment"
+        terms = _terms_of(load, at)
+        motors = load.driven_wheels if wheel else load.motors
+        terms |= {"N": (motors, "1")}
+        if kind in _TORQUES:
+            inner = _summed(_plain(_TORQUES[kind], terms), terms, at)
+        else:
+            title, expression = "Force on what moves, at this moment", _summed(_plain(_FORCES[kind], terms), terms, at)
             first, force = worked("force", title, "F", expression, terms, "N", "force")
-            found, shaft = [first], {"F": (force, "N"), "r": (at.radius, "m")}
-            loss = getattr(load, _EFFICIENCY.get(kind, "efficiency"), 1.0)
+            found, drives = [first], force * at.way
+            loss = load.rope_efficiency if kind == "hoist" else getattr(load, "efficiency", 1.0)
             if loss is None:
                 return []
             back = getattr(load, "back_efficiency", None)
             back = (2.0 - 1.0 / loss if back is None else back) if kind in ("ball_screw", "lead_screw") else loss
-            drives = force * at.way
-            through = "F * r" if drives == 0.0 else "F * r / eta" if drives > 0.0 else "F * r * eta"
-            through = through if loss != 1.0 else "F * r"
-            shaft |= {"eta": (loss if drives > 0.0 else back, "1"), "alpha": (at.acceleration, "rad/s^2")}
-            wheel = kind == "wheeled_vehicle"
-            motors = load.driven_wheels if wheel else load.motors
-            shaft |= {"J": (load.inertia or 0.0, "kg*m^2"), "N": (motors, "1"),
+            through = "F * r" if drives == 0.0 or loss == 1.0 else "F * r / eta" if drives > 0.0 else "F * r * eta"
+            terms |= {"F": (force, "N"), "eta": (loss if drives > 0.0 else back, "1"),
                       "T_d": (getattr(load, _DRAG.get(kind, ""), 0.0), "N*m")}  # fmt: skip
-            inner = _summed([("+", through), ("+", "J * alpha"), (at.sign, "T_d")], shaft)
-            if wheel:
-                inner = _summed([("+", "F * r / N" if motors > 1 else "F * r"), ("+", "J * alpha")], shaft)
-            elif motors > 1:
-                inner = f"({inner}) / N"
-        elif kind in ("fan", "flywheel", "arm", "rotary_table"):
-            found, (inner, shaft) = [], _turned(load, at)
-            if load.motors > 1:
-                inner, shaft = f"({inner}) / N", shaft | {"N": (load.motors, "1")}
-        else:
-            return []
+            through = ("F * r / N" if motors > 1 else "F * r") if wheel else through
+            inner = _summed(f"+ {through} | + J * alpha" + ("" if wheel else " | ± T_d"), terms, at)
+        if motors > 1 and not wheel:
+            inner = f"({inner}) / N"
     except (TypeError, ArithmeticError):  # a figure that this kind of spec does not give
         return []
     title = "Torque of one drive at the driven shaft"
-    last, torque = worked("shaft_torque", title, "T", inner, shaft, "N*m", "torque")
+    last, torque = worked("shaft_torque", title, "T", inner, terms, "N*m", "torque")
     return [*found, last] if isclose(torque, at.torque, rel_tol=1e-6, abs_tol=1e-9) else []
 
 
@@ -199,7 +182,7 @@ def with_numbers(content: Content) -> Iterator[doc.Block]:
                     "tau_f": (float(c[DIRECTION] * f[DIRECTION] + c[SPEED] * f[SPEED]), "N*m")}  # fmt: skip
     way = f"{T} / ({i} * eta_g)" if f[DRIVING] else f"{T} * eta_g / {i}" if f[BRAKING] else f"{T} / {i}"
     way, turning = (T, f"J_m * {alpha}") if ratio == lost == 1.0 else (way, f"J_m * {i} * {alpha}")
-    expression = _summed([("+", way), ("+", turning), ("+", "tau_f")], terms)
+    expression = _summed(f"+ {way} | + {turning} | + tau_f", terms)
     note = "J_m of rotor and gearhead at the motor, τ_f of its friction and iron"
     step, tau = worked("motor_torque", "Torque of the motor", "tau", expression, terms, "mN*m", "torque", note)
     steps.append(step)
@@ -210,7 +193,7 @@ def with_numbers(content: Content) -> Iterator[doc.Block]:
                     "R": (motor.resistance, "ohm"), "I": (current, "A")}  # fmt: skip
     if not any(isnan(value) for value, _ in volts.values()):
         note = "At the temperature of the data sheet; the check has the winding as warm as it then is."
-        steps.append(worked("motor_voltage", "Its voltage", "U", _summed([("+", "k_e * omega"), ("+", "R * I")], volts),
+        steps.append(worked("motor_voltage", "Its voltage", "U", _summed("+ k_e * omega | + R * I", volts),
                             volts, "V", "voltage", note)[0])  # fmt: skip
     steps += _over_the_cycle([one for one in drive.pieces if one.case == case.name], k_t)
     yield from map(doc.Equation, steps)
