@@ -21,7 +21,7 @@ from drivesizer.output.document import part as sheets
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import Words
 from drivesizer.output.terminal.findings import import_words, still_needed
-from drivesizer.output.words import FIRST_NOTES, figure, first_columns
+from drivesizer.output.words import figure, first_columns
 from drivesizer.spec.drive import Select
 from drivesizer.spec.machine import named_catalogs
 from drivesizer.units import label
@@ -116,7 +116,7 @@ def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     found = select(shelf(held, listed_names(request["catalogues"])), section, wanted, sort=request["sort"],
                    excluded=request["excluded"], piece=piece)  # fmt: skip
     start = request["start"] if request["start"] < len(found.hits) else 0
-    shown, columns = first_columns(section), columns_of(section)
+    (note, shown), columns = first_columns(section), columns_of(section)
     there = {"part", "family", "manufacturer", *(column.name for _, column in shown)}
     named = dict.fromkeys(one.column.name for one in wanted)
     shown += [(name.replace("_", " "), columns[name]) for name in named if name not in there]
@@ -129,7 +129,7 @@ def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     ]  # fmt: skip
     yield {"kind": "parts", "section": section, "found": len(found.hits), "start": start,
            "undecided": found.undecided, "excluded": found.excluded, "sort": request["sort"],
-           "columns": heads, "rows": rows, "note": FIRST_NOTES[section]}  # fmt: skip
+           "columns": heads, "rows": rows, "note": note}  # fmt: skip
 
 
 # -- A catalogue of the user

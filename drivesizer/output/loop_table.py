@@ -6,6 +6,7 @@ from math import isnan, nan
 from typing import NamedTuple
 
 from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping
+from drivesizer.files.text import listed
 from drivesizer.results.check import Figure
 from drivesizer.units import show
 
@@ -84,43 +85,13 @@ class GainRow(NamedTuple):
     unit: str
 
 
-_VOLTAGE = (
-    ("kp", "Proportional gain, at the motor", "V*s/rad"),
-    ("ki", "Integral gain", "V/rad"),
-    ("kd", "Derivative gain", "V*s^2/rad"),
-    ("filter_time", "Filter of the derivative", "s"),
-    ("period", "Period of the controller", "s"),
-    ("counted_over", "Periods over which counts are taken for a speed", "1"),
-)
-_CASCADE = (
-    ("current_kp", "Current loop, proportional gain", "V/A"),
-    ("current_ki", "Current loop, integral gain", "V/(A*s)"),
-    ("velocity_kp", "Velocity loop, proportional gain, at the motor", "A*s/rad"),
-    ("velocity_ki", "Velocity loop, integral gain", "A/rad"),
-    ("velocity_kd", "Velocity loop, derivative gain", "A*s^2/rad"),
-    ("filter_time", "Filter of the derivative", "s"),
-    ("position_kp", "Position loop, proportional gain", "1/s"),
-    ("feedforward_velocity", "Feedforward of the velocity", "A*s/rad"),
-    ("feedforward_friction", "Feedforward of the friction", "A"),
-    ("feedforward_acceleration", "Feedforward of the acceleration", "A*s^2/rad"),
-    ("current_period", "Period of the current loop", "s"),
-    ("velocity_period", "Period of the velocity loop", "s"),
-    ("position_period", "Period of the position loop", "s"),
-    ("counted_over", "Velocity periods over which counts are taken for a speed", "1"),
-)
-_STEPPING = (
-    ("microsteps", "Microsteps of a full step", "1"),
-    ("pulse_rate", "Rate of the pulses, largest", "Hz"),
-    ("damping_ratio", "Damping ratio of the rotor's swings", "1"),
-)
-_TABLES = {Gains: _VOLTAGE, Cascade: _CASCADE, Stepping: _STEPPING}
-_MAY_BE_OFF: dict[type, set[str]] = {  # 0: the controller has no such path
-    Gains: {"counted_over"},
-    Cascade: {"velocity_kd", "filter_time", "position_kp", "position_period", "counted_over"},
-}
+_GAINS = (*listed("drivesizer.output", "gains.txt"),)
 
 
 def gain_rows(gains: Gains | Cascade | Stepping) -> list[GainRow]:
     """Gains and periods of a controller, without the paths that it does not have; pulses of a stepper's driver."""
-    rows = [GainRow(name, title, float(getattr(gains, name)), unit) for name, title, unit in _TABLES[type(gains)]]
-    return [row for row in rows if row.value or row.name not in _MAY_BE_OFF.get(type(gains), ())]
+    found = []
+    for kind, (name, title, unit, *off) in _GAINS:
+        if kind == type(gains).__name__ and (getattr(gains, name) or not off):
+            found.append(GainRow(name, title, float(getattr(gains, name)), unit))
+    return found

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from drivesizer.catalog import Belt, BrakeResistor, Catalog, Note, Pulley, Source, columns_of
 from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.query import Hit, origins
+from drivesizer.files.text import listed
 from drivesizer.machine.budgets import drive_rows
 from drivesizer.output.words import LESS, confidences, not_quoted
 from drivesizer.results.drive_set import DriveSet, section_of
@@ -390,28 +391,16 @@ def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
 # -- A part in a few figures, with those of them that are not from the maker's own document.
 
 
-_PULLEY = {"teeth": "teeth", "mass": "", "price": ""}
-_MAIN: dict[str, dict[str, str]] = {  # columns of the catalogue, and the words behind each
-    "motor": {"assigned_power": "", "nominal_voltage": "", "holding_torque": "holding", "mass": "", "price": ""},
-    "gearhead": {"efficiency": "efficient", "mass": "", "price": ""},
-    "brake": {"static_torque": "static", "supply": "", "mass": "", "price": ""},
-    "encoder": {},
-    "controller": {"continuous_current": "continuous", "peak_current": "peak"},
-    "driving pulley": _PULLEY,
-    "belt": {"teeth": "teeth", "width": "wide", "mass": "", "price": ""},
-    "driven pulley": _PULLEY,
-    "screw": {"dynamic_load": "dynamic", "static_load": "static", "efficiency": "efficient", "mass": "", "price": ""},
-    "actuator": {"nominal_voltage": "", "nominal_torque": "continuous", "peak_torque": "peak", "mass": "", "price": ""},
-}
+_BRIEF = {role: cells for head, (role, *cells) in listed("drivesizer.output", "parts.txt") if head == "brief"}
 
 
 def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[str, str, str, str]:
     """Name and number of a part; its main figures and their confidence."""
-    columns = columns_of(section_of(part))
-    units = {"price": catalog.currency}
-    values = [(getattr(part, name), columns[name]._replace(kind="price", unit=units[name]) if name in units
-               else columns[name], words) for name, words in _MAIN[role].items()]  # fmt: skip
-    shown = [f"{show(value, c.unit, c.kind)} {words}".strip() for value, c, words in values if not isnan(value)]
+    columns, shown = columns_of(section_of(part)), []
+    for name, _, word in (one.partition(" ") for one in _BRIEF[role]):
+        column = columns[name]._replace(kind="price", unit=catalog.currency) if name == "price" else columns[name]
+        if not isnan(value := getattr(part, name)):
+            shown.append(f"{show(value, column.unit, column.kind)} {word}".strip())
     if role == "encoder":
         shown = [part.resolution]
     if role == "motor" and part.controller:

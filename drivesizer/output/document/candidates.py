@@ -421,56 +421,26 @@ def uncertain_table(sampled: Uncertainty) -> doc.Table:
 # -- Drives in rows with all that they are, do and hold, for other programs; SI.
 
 
-_SET = (  # head, and where a drive has it
-    ("rank", "rank"), ("status", "status"), ("motor_family", "motor.family"), ("motor_part", "motor.part"),
-    ("gearhead_family", "gearhead.family"), ("gearhead_part", "gearhead.part"), ("gearhead_ratio", "gearhead.ratio"),
-    ("belt_ratio", "belt_ratio"), ("driving_pulley_part", "belt_drive.driving.part"),
-    ("belt_part", "belt_drive.belt.part"), ("driven_pulley_part", "belt_drive.driven.part"),
-    ("centre_distance_m", "belt_drive.centre_distance"), ("teeth_in_mesh", "belt_drive.teeth_in_mesh"),
-    ("screw_part", "chosen_screw.screw.part"), ("brake_family", "brake.family"), ("brake_part", "brake.part"),
-    ("encoder_family", "encoder.family"), ("encoder_part", "encoder.part"), ("controller_family", "controller.family"),
-    ("controller_part", "controller.part"), ("total_ratio", "total_ratio"), ("mass_kg", "mass"), ("mass_of", "mass_of"),
-    ("mass_estimated_of", "mass_estimated"),
-    ("price_EUR", "price"), ("price_of", "price_of"),
-)  # fmt: skip
-_WHOLE = (  # of its probability
-    ("probability", "passing"), ("none_fails", "probability"), ("probability_error_95", "error"),
-    ("weakest_check", "weakest"), ("unknown_checks", "unknown"), ("smallest_margin_5", "low"),
-    ("smallest_margin_50", "middle"), ("smallest_margin_95", "high"),
-)  # fmt: skip
-_LOOP = (
-    ("closed_loop_probability", "loop.passing"), ("closed_loop_none_fails", "loop.probability"),
-    ("closed_loop_error_95", "loop.error"), ("closed_loop_weakest_check", "loop.weakest"),
-    ("closed_loop_unknown_checks", "loop.unknown"), ("closed_loop_samples", "loop.samples"),
-)  # fmt: skip
-_SPREAD = (
-    ("passes", "passes"),
-    ("fails", "fails"),
-    ("margin_5", "low"),
-    ("margin_50", "middle"),
-    ("margin_95", "high"),
-)
-
-
 def drives_in_rows(drives: Sequence[tuple[str, DriveSet]], objective: str) -> tuple[list[doc.Column], list[doc.Row]]:
     """Drives with the list that each is on, its margins, figures and probabilities."""
     slug = "_".join(objective.replace("+", " ").replace(",", " ").split())
     nominal = [{"list": where} | dict(_nominal(one, slug)) for where, one in drives]
     sampled = [dict(_sampled(one.reliability)) if one.reliability else {} for _, one in drives]
     currency = drives[0][1].currency if drives else "EUR"
-    heads = ["list", *(head.replace("EUR", currency) for head, _ in _SET), f"objective_{slug}_si"]
+    heads = ["list", *(column.key.replace("EUR", currency) for column in doc.declared()["drives"][1])]
+    heads += [f"objective_{slug}_si"]
     heads += ["smallest_margin", "smallest_margin_check"]
     for begin in ("margin_", "figure_"):
         heads += [head for cells in nominal for head in cells if head.startswith(begin)]
-    for wanted in (_WHOLE, _LOOP):
-        heads += [head for head, _ in wanted if any(head in cells for cells in sampled)]
+    for wanted in ("drives_probability", "drives_in_loop"):
+        heads += [one.key for one in doc.declared()[wanted][1] if any(one.key in cells for cells in sampled)]
     heads += [head for cells in sampled for head in cells]
     columns = [doc.number(head, head.replace("_", " ")) for head in dict.fromkeys(heads)]
     return columns, [doc.Row(one | other) for one, other in zip(nominal, sampled, strict=True)]
 
 
 def _nominal(one: DriveSet, slug: str) -> Iterator[tuple[str, doc.Cell]]:
-    for head, cell in _read(one, _SET):
+    for head, cell in _read(one, "drives"):
         yield head.replace("EUR", one.currency), cell
     yield f"objective_{slug}_si", _cell(one.objective)
     if tight := worst(one.deciding):
@@ -482,22 +452,20 @@ def _nominal(one: DriveSet, slug: str) -> Iterator[tuple[str, doc.Cell]]:
 
 
 def _sampled(found: Reliability) -> Iterator[tuple[str, doc.Cell]]:
-    yield from _read(found, _WHOLE)
+    yield from _read(found, "drives_probability")
     titles = {check.title: check.name for check in found.checks}
     yield "weakest_check", titles.get(found.weakest, found.weakest)
-    yield from _read(found, _LOOP)
+    yield from _read(found, "drives_in_loop")
     for check in found.checks:
-        yield from ((f"{head}_{check.name}", cell) for head, cell in _read(check, _SPREAD))
+        yield from ((f"{head}_{check.name}", cell) for head, cell in _read(check, "drives_check"))
 
 
-def _read(record: Any, wanted: Sequence[tuple[str, str]]) -> Iterator[tuple[str, doc.Cell]]:
-    """Cells of a record by the paths of its attributes; none behind what it has not."""
-    for head, path in wanted:
-        value = record
-        for name in path.split("."):
-            value = getattr(value, name) if value is not None else None
+def _read(record: Any, table: str) -> Iterator[tuple[str, doc.Cell]]:
+    """Cells of a record as a table declares them; none behind what it has not."""
+    for column in doc.declared()[table][1]:
+        value = doc.attribute(record, column.of)
         if value is not None:
-            yield head, _cell(value, " + " if head.endswith("_of") else "; ")
+            yield column.key, _cell(value, " + " if column.key.endswith("_of") else "; ")
 
 
 def _cell(value: Any, between: str = "") -> doc.Cell:

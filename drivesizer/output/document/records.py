@@ -247,12 +247,13 @@ def row(
 ) -> Row:  # fmt: skip
     """A record as a row of a declared table: its attributes, and the cells that are none of them."""
     for column in declared()[table][1]:
-        if column.key not in cells and (value := _attribute(record, column.of)) is not None:
+        if column.key not in cells and (value := attribute(record, column.of)) is not None:
             cells[column.key] = _cell(value, column, record)
     return Row(cells, getattr(record, "name", "") if name is None else name, outcome, data=data or {})
 
 
-def _attribute(record: Any, path: str) -> Any:
+def attribute(record: Any, path: str) -> Any:
+    """What a record has at a path; None where it has nothing there."""
     try:
         return attrgetter(path)(record)
     except AttributeError:  # a cell that this row has not

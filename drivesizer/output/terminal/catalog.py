@@ -21,7 +21,7 @@ from drivesizer.output.document import part
 from drivesizer.output.document.records import Picture, listed
 from drivesizer.output.terminal.render import blocks
 from drivesizer.output.terminal.tables import Axis, Series, bare, chart, console, heading, width_of
-from drivesizer.output.words import FIRST_NOTES, figure, first_columns, number_of
+from drivesizer.output.words import figure, first_columns, number_of
 from drivesizer.units import from_si, label
 
 # -- Catalogues at the terminal: overview, lists of parts, comparison, search.
@@ -65,7 +65,7 @@ def counts_text(counts: Mapping[str, int], width: int, head: str = "") -> Text:
 def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) -> None:
     """Print the parts of a selection, a line each."""
     out, schema = console(), columns_of(section)
-    usual = first_columns(section)
+    note, usual = first_columns(section)
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
     requested = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(extra) if name not in there]
     hits = found.hits[:limit]
@@ -73,7 +73,7 @@ def listing(section: str, found: Selection, limit: int, extra: Sequence[str]) ->
         usual.pop()  # requested columns go before the last of the usual ones
     if hits:
         out.print(_table(hits, usual + requested))
-    for line in _footer(section, found, limit):
+    for line in _footer(section, found, limit, note):
         out.print(Text(line))
 
 
@@ -92,10 +92,10 @@ def _short(value: Any, column: Column) -> Text:
     return Text("–", style="dim") if text == "unknown" else Text(text)
 
 
-def _footer(section: str, found: Selection, limit: int) -> list[str]:
+def _footer(section: str, found: Selection, limit: int, note: str) -> list[str]:
     count = len(found.hits)
     more = f"the first {limit} of {count} {section}; --limit shows more" if count > limit else f"{count} {section}"
-    said = [f"{more}{f'; {FIRST_NOTES[section]}' if count and FIRST_NOTES[section] else ''}"]
+    said = [f"{more}; {note}" if count and note else more]
     if found.undecided:
         said.append(f"{found.undecided} more may fit: a required figure is unknown")
     if found.excluded:
