@@ -30,8 +30,7 @@ def specification(content: Content) -> Iterator[doc.Block]:
             ("The figures as they were entered", *((" in ", doc.Code(content.file)) if content.file else ()), ".")
         )
     yield doc.Fragment("spec", groups)
-    yield doc.Picture("way", "The path from above, to scale, and the robot with its heading at intervals.",
-                      "the path in plan view", about="shows the path.")  # fmt: skip
+    yield doc.picture("way")
     several = ", as specified" if content.cases else ""
     motion = (
         "The motion of the platform on its path, in its own axes."
@@ -39,7 +38,7 @@ def specification(content: Content) -> Iterator[doc.Block]:
         else f"The motion of one cycle{several}."
     )
     if content.result.method != "paper":  # whose derivation has it
-        yield doc.Picture("profile", motion, "speed over time", about="shows the motion.")
+        yield doc.picture("profile", motion=motion)
 
 
 def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:

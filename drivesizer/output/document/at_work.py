@@ -49,8 +49,7 @@ def derivation(content: Content) -> Iterator[doc.Block]:
     found, by_paper = content.result.requirements, content.result.method == "paper"
     notes = "".join(f", {note}" for note in dict.fromkeys(r.note for r in found if r.note)) if not by_paper else ""
     table = requirements_table(f"The {content.shaft}, of one drive{notes}", found, halves=True)
-    yield doc.Picture("sketch", "The load with its symbols, and what was entered for them.",
-                      "the load with its symbols", about="is the load with its symbols.", small=True)  # fmt: skip
+    yield doc.picture("sketch")
     if by_paper:
         yield from _equations(content)
         yield replace(table, media="listed")
@@ -69,9 +68,8 @@ def derivation(content: Content) -> Iterator[doc.Block]:
     else:
         first = ", in the first four load cases; the page has the others too" if many > 4 else ""
         said = f"Torque and speed of the {content.shaft} over the cycle, of one drive{first}."
-    yield doc.Picture("cycle", f"{said} The load's own inertia is in the torque.{_cut(len(stretches(content.cycles)))}",
-                      "torque and speed of the driven shaft over time", about=_ABOUT_CYCLE[content.result.method],
-                      floats=True)  # fmt: skip
+    yield doc.picture("cycle", of=said, cut=_cut(len(stretches(content.cycles))),
+                      about=_ABOUT_CYCLE[content.result.method])  # fmt: skip
 
 
 def _cut(stretches: int) -> str:
@@ -95,8 +93,7 @@ def _equations(content: Content) -> Iterator[doc.Block]:
     yield doc.Heading("Nominal force, torque and power", media="paper")
     for r in content.result.requirements:
         if r.name == "acceleration":
-            yield doc.Picture("profile", "The velocity profile, figure 1 of the paper.", "speed over time",
-                              about="is the velocity profile.")  # fmt: skip
+            yield doc.picture("paper_profile", "profile")
         if r.name == "wheel_mass":
             yield doc.Heading("Maximum torque and power", media="paper")
         yield _equation(r)
@@ -160,18 +157,6 @@ _VOLTAGE = (
     "temperature and at the ambient. Torque is that of the motor's shaft, its rotor's acceleration included; below 0 "
     "it brakes."
 )
-_PULL_OUT = (
-    "Torque and speed of the stepper: its pull-out torque at the lowest voltage of the supply, and the part of it that "
-    "the cycle may take by the factor of the spec. Torque is that of the motor's shaft, its rotor's acceleration "
-    "included; below 0 it brakes."
-)
-_DOT = "The dot draws the RMS current of the cycle at its RMS speed."
-_EFFICIENCY = (
-    "Efficiency of motor and gearhead at constant speed, in per cent: copper losses at the mean temperature of the "
-    "winding over the cycle, the motor's friction, and the gearhead's loss on the side that the power comes from. "
-    "Where it brakes, the share of the power that reaches the supply. Dots, where there are few, are the ends of the "
-    "cycle's segments."
-)
 
 
 @doc.section("field", media="paper")
@@ -180,17 +165,14 @@ def field(content: Content) -> Iterator[doc.Block]:
     if content.drive is None:
         return
     if content.drive.steps:
-        yield doc.Picture("field", _PULL_OUT, "torque-speed field of the stepper with the load cycle")
+        yield doc.picture("pull_out", "field")
         return
     more = ""
     if content.result.method == "paper":
         more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
     if "fields" in content.pictures and content.cycles[0][0]:
         more += f" The load cycle is that of {content.cycles[0][0]}; each load case has a diagram of its own below."
-    yield doc.Picture(
-        "field", f"Torque and speed of the motor: shaded blue what is allowed continuously, red over short times, as "
-        f"rated for controller and gearhead, both with a hot winding. {_VOLTAGE} {_DOT}{more}",
-        "torque-speed field of the motor with the load cycle")  # fmt: skip
+    yield doc.picture("field", voltage=_VOLTAGE, more=more)
 
 
 def _unknown(subject: str) -> doc.Words:
@@ -220,21 +202,12 @@ def cycle_pictures(content: Content) -> Iterator[doc.Block]:
     if not best.steps and "demand" not in content.pictures:
         yield _unknown("The motor's current over time is unknown")
     if "fields" in content.pictures:
-        yield doc.Picture("fields", f"The motor's torque-speed field with each load case alone. {_VOLTAGE} {_DOT}",
-                          "torque-speed field of the motor with each load cycle",
-                          about="sets each load case against the limits of the motor.")  # fmt: skip
+        yield doc.picture("fields", voltage=_VOLTAGE)
     first = f" The load cycle is that of {content.cycles[0][0]}." if len(content.cycles) > TOGETHER else ""
-    yield doc.Picture("efficiency", _EFFICIENCY + first,
-                      "efficiency of motor and gearhead over torque and speed with the load cycle",
-                      about="shows the share of the power that arrives.", floats=True)  # fmt: skip
+    yield doc.picture("efficiency", first=first)
     cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
     of = "" if content.wheel else " those of the case as specified,"
-    cut = _cut(len(stretches(content.cycles)))
-    yield doc.Picture("demand", "Current and voltage of the motor over the cycle, at the mean temperature of the "
-                  f"winding over the cycle{cases}. Limits are{of} without the margins that the spec requires.{cut}",
-                  "current and voltage over the cycle with their limits",
-                  about="shows current and voltage over time, as the checks by physics use them.",
-                  floats=True)  # fmt: skip
+    yield doc.picture("demand", cases=cases, of=of, cut=_cut(len(stretches(content.cycles))))
 
 
 @doc.section("heat", "Heat", level=2, early="never")
@@ -252,10 +225,7 @@ def heat(content: Content) -> Iterator[doc.Block]:
         return
     several = len(behaviour.cycles) > 1
     worst = f" {'at' if content.wheel else 'in load case'} {behaviour.hottest[0]}, the warmest" if several else ""
-    yield doc.Picture("heat", f"Winding and housing{worst}. Left from cold to where less than 1 % of the rise remains, "
-                  "the winding as a band between its lowest and its highest in each cycle; right the periodic steady "
-                  "state, with its peak.", "temperatures of winding and housing from cold and over the cycle",
-                  about="shows the motor warming up.")  # fmt: skip
+    yield doc.picture("heat", worst=worst)
 
 
 @doc.section("energy", "Energy", level=2, media="paper")
@@ -271,10 +241,7 @@ def energy(content: Content) -> Iterator[doc.Block]:
     yield doc.Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({kept} of "
                 "it, by the spec).")  # fmt: skip
     of = content.of_drives.of_machine(", each at its wheel", ", as specified")
-    yield doc.Picture("energy", f"Energy of one cycle, all drives{of}. Each bar begins where the one above it ends.",
-                      "losses and work in the energy of a cycle",
-                      about="splits the energy that the supply gives in a cycle; the parts sum to the whole.",
-                      floats=True)  # fmt: skip
+    yield doc.picture("energy", of=of)
 
 
 # -- The closed loop: its verdict and tightest checks first, what helps, then all checks, figures, gains and courses.
@@ -338,13 +305,10 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
     if v.checks:
         yield check_table(f"Checks of the {v.loop}", v.checks, "loop-checks", grouped=True, record="validation")
     if v.linear:
-        yield doc.Picture("diagram", "The loop as simulated, after figure 3 of the paper: K is the total ratio, r the "
-                      "radius of the load's travel, J the inertia at the motor with the load.",
-                      "block diagram of the closed loop", about="is its block diagram.")  # fmt: skip
+        yield doc.picture("diagram")
     *first, last = [title for _, title in closed_loop_rows(v)]
-    shown = f"In {v.loop}: {', '.join(first)} and {last}." if first else f"In {v.loop}: {last}."
-    yield doc.Picture("loop", shown + _cut(len(windows(v.series))), f"{v.loop} over time", about="shows it over time.",
-                      floats=True)  # fmt: skip
+    shown = f"{', '.join(first)} and {last}" if first else last
+    yield doc.picture("loop", loop=v.loop, shown=shown, cut=_cut(len(windows(v.series))))
     rule = f"{v.gains.rule}. Source: {v.gains.source}."
     gains = [doc.row("gains", one, value=_gain(one.value, one.unit), note=rule) for one in gain_rows(v.gains)]
     yield doc.Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
@@ -408,14 +372,8 @@ def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
                     map(_loop_row, loops), more=figures)  # fmt: skip
     line = " It is longer than the margin that is given where the other direction of power has the lesser one."
     none = " An unstable loop has no margins." if unstable else ""
-    yield doc.Picture(
-        "bode", "Frequency response. Marked are the crossover, the phase margin there (a line from the phase to −180°) "
-        "and the bandwidth, 3 dB below rest. Each curve ends at the Nyquist frequency of its loop."
-        f"{line if directed else ''}{none}", "Bode diagram of the loops", about="is the frequency response.",
-        floats=True)  # fmt: skip
-    yield doc.Picture("step", "Response of each loop to a step of its reference. The grey band is 2 % to either side "
-                      "of the end, the dashed line the settling time.", "step responses of the loops",
-                      about="is the response to a step.", floats=True)  # fmt: skip
+    yield doc.picture("bode", line=line if directed else "", none=none)
+    yield doc.picture("step")
 
 
 def _loop_row(loop: Loop) -> doc.Row:

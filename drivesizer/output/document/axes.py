@@ -277,10 +277,7 @@ def _power(content: MachineContent) -> Iterator[doc.Block]:
         yield doc.Bullets("Of some axes the power is unknown, and with it the sum:", list(power.unknown), "alarm")
     together = "" if power.synchronised else " Every axis starts at any time; here all their peaks fall together."
     case = f" Load case {power.case}." if power.case else ""
-    stacked = "Power at the controllers of all axes, stacked: above 0 what each draws, below what each returns."
-    source = "The line is what the source gives."
-    yield doc.Picture("power", f"{stacked} {source}{case}{together}", "power of every axis over time",
-                      about="shows the power over the machine's cycle.", floats=True)  # fmt: skip
+    yield doc.picture("power", case=case, together=together)
     yield figures_table("All axes on one supply", power.figures, "power", name="machine_figures", halves=True)
     if power.exceeded:
         titles = {check.name: check.title for check in power.checks}

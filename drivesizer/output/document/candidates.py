@@ -162,11 +162,7 @@ def candidates(content: Content) -> Iterator[doc.Block]:
                 f"{ranked_by(result.objective, result.sets[:1]).capitalize()}.")  # fmt: skip
     if result.sets or result.misses:
         yield _drives(content)
-        margins = ("The drives by mass and smallest margin, numbered as in the table; those of unknown mass are left "
-                   "out.")  # fmt: skip
-        prices = "The drives by mass and price, each as far as it is known of their parts."
-        yield doc.Pair([doc.Picture("sets-margin", margins, "smallest margin over mass of the drives")],
-                       [doc.Picture("sets-price", prices, "price over mass of the drives")])  # fmt: skip
+        yield doc.Pair([doc.picture("sets-margin")], [doc.picture("sets-price")])
     columns, rows = drives_in_rows(every_list(result), result.objective)
     yield doc.Table("All drives", columns, rows, "all-drives", media="book")
 
@@ -277,8 +273,7 @@ def front(content: Content) -> Iterator[doc.Block]:
     yield doc.table("front", caption, rows, more=[*columns, doc.status("status")])
     if len(result.front) > len(shown):
         yield doc.Words(f"And {len(result.front) - len(shown)} more, which the CSV report has.")
-    yield doc.Picture("front", "The front by its first two figures, numbered as in the table.",
-                      "drives of the front by two figures", about="draws the front.")  # fmt: skip
+    yield doc.picture("front")
 
 
 # -- The probability that each drive passes, its checks over the samples, and the assumptions that matter most.
@@ -378,11 +373,7 @@ def reliability(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
                        "alone at its 5 % and 95 % quantile", found.drivers[:_MOST_DRIVERS])  # fmt: skip
         if found.drivers[_MOST_DRIVERS:]:
             yield _drivers("Other assumptions", found.drivers[_MOST_DRIVERS:], name="", media="wide")
-    yield doc.Picture(
-        "tornado", f"The smallest margin of all checks of {drive.label} with one assumption at its 5 % and at its 95 % "
-        "quantile, all others nominal; at the right the share of the variance that each makes alone. Left of the line "
-        "the drive does not pass.", "bars of the effect of each assumption on the smallest margin",
-        about="draws the effect of each assumption.")  # fmt: skip
+    yield doc.picture("tornado", drive=drive.label)
 
 
 def spreads_table(caption: str, checks: Sequence[Spread], name: str) -> doc.Table:

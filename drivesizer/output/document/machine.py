@@ -65,10 +65,7 @@ def battery_picture(content: Content) -> Iterator[doc.Block]:
     if budget is None:
         return
     lacks = " Unknown consumers are not counted." if any(isnan(one.mean) for one in budget.consumers) else ""
-    mean = f"Mean power that the consumers draw from the battery ({budget.battery}).{lacks}"
-    charge = "The charge that is left over time, from full."
-    yield doc.Picture("battery", f"{mean} {charge}", "consumers, and the battery's charge over time",
-                      about="shows the consumers and the battery's charge over time.")  # fmt: skip
+    yield doc.picture("battery", battery=budget.battery, lacks=lacks)
 
 
 @doc.section("battery-figures", "Battery", level=2, of_drive=True)
@@ -107,8 +104,7 @@ def permitted(content: Content) -> Iterator[doc.Block]:
     if found is None:
         return
     with_motors = failed_motors_text(found) if found.failed else "with all motors"
-    yield doc.Picture("permitted", f"Highest steady speed over the direction, {with_motors} and without each.",
-                      "permitted speed over the direction", about="shows how fast the robot may go.")  # fmt: skip
+    yield doc.picture("permitted", motors=with_motors)
     yield from permitted_blocks(found)
 
 
@@ -140,9 +136,7 @@ def followed(content: Content) -> Iterator[doc.Block]:
         yield doc.Words(f"Not simulated: {does.not_followed}", "alarm")
         return
     plain = "; of the runs those with P loops, poses not fed back" if len(does.followed) > 4 else ""
-    yield doc.Picture("followed",
-                      f"The path from above, desired and driven, distance and heading error along it{plain}.",
-                      "the path desired and driven", about="shows how the robot follows its path.")  # fmt: skip
+    yield doc.picture("followed", runs=plain)
     yield from followed_blocks(does.path, content.drive, does.followed)
 
 

@@ -338,6 +338,17 @@ class Picture:
     small: bool = False  # narrower than the text
 
 
+@cache
+def _pictures() -> dict[str, list[str]]:
+    return {name: cells for _, (name, *cells) in rows_of_file(__package__, "pictures.txt")}
+
+
+def picture(declared: str, name: str = "", **words: str) -> Picture:
+    """A figure as ``pictures.txt`` declares it, with words in its caption."""
+    alt, about, look, caption = (one.format(**words) for one in _pictures()[declared])
+    return Picture(name or declared, caption, alt, about, "floats" in look, "small" in look)
+
+
 @dataclass(frozen=True, slots=True)
 class Pair:
     """Blocks beside each other, where there is room."""

@@ -13,7 +13,7 @@ from drivesizer.output.derivation import cleaned, margin
 from drivesizer.output.document.candidates import gearhead_words
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import as_data
-from drivesizer.output.document.records import Picture
+from drivesizer.output.document.records import picture as picture_of
 from drivesizer.output.json import documents
 from drivesizer.output.report.figures import picture
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
@@ -116,12 +116,6 @@ _RULE = (
     "has a weight, 1.1 for one that is a tenth worse in the mean. Of equal scores the larger margin goes first."
 )
 _NEGATIVE = "Where the smallest energy is not above zero, 1 + its distance from that over the largest amount counts."
-_PICTURE = Picture(
-    "choices",
-    "The same drives by mass and price, as far as both are known, their energy per cycle as colour. Diamonds are those "
-    "that no other beats in all three.",
-    "price over mass of the drives to choose from, coloured by energy per cycle",
-)
 _UNKNOWN = "Drives of which a figure with a weight is unknown go below all others, whatever it would be."
 
 
@@ -147,7 +141,7 @@ def weights_section(content: Content) -> dict[str, Any] | None:
         "rules": [*_rules(offered)], "left_out": [*_left_out(every, offered)], **_table(chosen, offered),
         **_command(content, chosen),
     }  # fmt: skip
-    blocks = [block, *as_data([_PICTURE])]
+    blocks = [block, *as_data([picture_of("choices")])]
     made: dict[str, Any] = cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": blocks})
     return made
 
