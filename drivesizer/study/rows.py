@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.files.arithmetic import names_in
 from drivesizer.files.yaml_source import Path_, YamlSource
 from drivesizer.machine.budgets import machine_budget
 from drivesizer.output.parts import unknown_of
@@ -465,28 +466,31 @@ def spec_figures(job: Job, variant: Variant) -> Callable[[str], float]:
 
 
 def _required(job: Job, variant: Variant, rows: list[Row]) -> list[Row]:
-    """Rows of the drives within the study's limits; where none is, one that says which limit the closest is beyond."""
+    """Rows of the drives within the study's limits; where none is, one that says which limit the closest is beyond.
+
+    Of a sum that lacks parts nobody knows whether it is within one.
+    """
     if not job.require:
         return rows
-    before, columns = len(variant.head), result_columns(job)
-    heads, of_spec = [column.head for column in columns], spec_figures(job, variant)
+    columns, of_spec = result_columns(job), spec_figures(job, variant)
+    heads, lacks = [column.head for column in columns], [f"{name}_lacks" for name in names_in(job.require)]
     kept, closest = list[Row](), None
     for row in rows:
-        cells = row[before:]
-        if cells[heads.index("status")] in ("fail", "error"):
+        cells = dict(zip(heads, row[len(variant.head) :], strict=True))
+        if cells["status"] in ("fail", "error"):
             return rows
-        figure = row_figures(heads, cells, of_spec)
+        figure = row_figures(heads, [*cells.values()], of_spec)
         excesses = [(one.excess(figure), one.text) for one in job.require]
         unknown = next((text for by, text in excesses if isnan(by)), "")
         by, text = (nan, unknown) if unknown else max(excesses)
         if by <= 1e-9:
-            kept.append(row)
+            status = "unknown" if any(cells.get(name) for name in lacks) else cells["status"]
+            kept.append([*variant.head, *(cells | {"status": status}).values()])
         elif closest is None:
             none = {column.head: "" if column.form == "text" else None for column in columns}
-            counts = {name: cells[heads.index(name)] for name in ("objective", "sets_examined", "sets_that_stand")}
-            label = cells[heads.index("set")] if "set" in heads else ""
-            said = {"status": "fail", "smallest_margin": _MARGIN[0].cell(-by), "smallest_margin_check": text}
-            closest = [*variant.head, *(none | counts | said | {"nearest_miss": label}).values()]
+            none |= {name: cells[name] for name in ("objective", "sets_examined", "sets_that_stand")}
+            none |= {"status": "fail", "smallest_margin": _MARGIN[0].cell(-by), "smallest_margin_check": text}
+            closest = [*variant.head, *(none | {"nearest_miss": cells.get("set", "")}).values()]
     return kept or ([closest] if closest else rows)
 
 
