@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import answer, at_a_terminal, file_argument, file_option, whole_option
+from drivesizer.commands.common import answer, at_a_terminal, file_argument, file_option, print_json, whole_option
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.words import number_of
 
@@ -39,18 +39,6 @@ def open_named(names: list[str] | None) -> dict[str, Catalog]:
     return open_catalogs(names or ())
 
 
-def _text(document: dict[str, Any]) -> str:
-    from drivesizer.output.json.documents import as_text
-
-    return as_text(document)
-
-
-def _parts_of(shelf: dict[str, Catalog], hits: list[Hit], *, sources: bool = False) -> dict[str, Any]:
-    from drivesizer.catalog.exporting import as_document
-
-    return as_document(shelf, hits, sources=sources)
-
-
 def known_section(section: str) -> str:
     """Refuse the name of an unknown section; else return it."""
     from drivesizer.catalog import PARTS
@@ -61,15 +49,7 @@ def known_section(section: str) -> str:
 
 
 def write_csv(path: Path, hits: list[Hit]) -> None:
-    """Write the parts of one section to a CSV file; nothing without parts.
-
-    Parameters
-    ----------
-    path
-        Of the CSV file.
-    hits
-        The parts.
-    """
+    """Write the parts of one section to a CSV file; nothing without parts."""
     from drivesizer.catalog.exporting import as_csv
     from drivesizer.files.writing import write_files
 
@@ -94,9 +74,11 @@ def export(
     if output.suffix == ".csv":
         write_csv(output, hits)
     elif output.suffix == ".json":
+        from drivesizer.catalog.exporting import as_document
         from drivesizer.files.writing import write_files
+        from drivesizer.output.json.documents import as_text
 
-        write_files({output: f"{_text(_parts_of(shelf, hits))}\n".encode()})
+        write_files({output: f"{as_text(as_document(shelf, hits))}\n".encode()})
     else:
         raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .csv or .json")
     typer.echo(f"{output}: {number_of(len(hits), 'part')}")
@@ -132,7 +114,11 @@ def take_in(
     from drivesizer.files.writing import new
     from drivesizer.output.terminal import findings as terminal_findings
 
-    target = _target(output, dry_run)
+    if output is None and not dry_run:
+        raise InputError("--output: no file to write is named; expected -o my_parts.yaml, or --dry-run")
+    target = _target(output or Path("parts.yaml"), dry_run=output is None)
+    if output is not None and os.path.lexists(target):
+        raise InputError(f"{target}: the file exists and is left alone; name another with -o")
     stated = {"manufacturer": manufacturer, "family": family, "name": name, "document": document,
               "confidence": confidence, "date": date, "url": url}  # fmt: skip
     planned = plan(section, map_, stated, set_ or ())
@@ -187,19 +173,15 @@ def _one_of(text: str, known: Iterable[str]) -> None:
         raise InputError(f"{quoted(text)} is not known{nearest(text, known)}")
 
 
-def _target(output: Path | None, dry_run: bool) -> Path:
+def _target(output: Path, dry_run: bool = False) -> Path:
+    """A catalogue file that can be written, or is only a name."""
     from drivesizer.files.writing import ready
 
-    if output is None and not dry_run:
-        raise InputError("--output: no file to write is named; expected -o my_parts.yaml, or --dry-run")
-    target = output or Path("parts.yaml")
-    if target.suffix not in (".yaml", ".yml"):
-        raise InputError(f"{target}: the suffix {quoted(target.suffix)} is not known; expected .yaml")
-    if output is not None and os.path.lexists(target):
-        raise InputError(f"{target}: the file exists and is left alone; name another with -o")
-    if output is not None:
-        ready(target)
-    return target
+    if output.suffix not in (".yaml", ".yml"):
+        raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .yaml")
+    if not dry_run:
+        ready(output)
+    return output
 
 
 def add(
@@ -215,14 +197,12 @@ def add(
     from drivesizer.catalog.importing import meant_by, on_shop_pages
     from drivesizer.catalog.law_check import check as checked
     from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
-    from drivesizer.files.writing import ready, write_files
+    from drivesizer.files.writing import write_files
     from drivesizer.files.yaml_source import written
     from drivesizer.output.terminal import findings as terminal_findings
 
     known_section(section)
-    if output.suffix not in (".yaml", ".yml"):
-        raise InputError(f"{output}: the suffix {quoted(output.suffix)} is not known; expected .yaml")
-    ready(output)
+    _target(output)
     given = dict[str, Any]()
     for entry in set_ or ():
         name, sign, text = entry.partition("=")
@@ -298,12 +278,15 @@ def listed(
     csv: Csv = None,
 ) -> None:
     """List the parts that meet conditions, or all families."""
+    from drivesizer.catalog import columns_of
+    from drivesizer.catalog.conditions import name_of
+    from drivesizer.catalog.exporting import as_document
+    from drivesizer.output.terminal import catalog as terminal_catalog
+
     shelf = open_named(catalog)
     options = {"family": family, "voltage": voltage, "diameter": diameter, "power": power, "kind": kind}
     wanted = [*filter(None, options.values()), *(where or ()), sort]
     if section is None and not any(wanted) and not (json or csv):
-        from drivesizer.output.terminal import catalog as terminal_catalog
-
         terminal_catalog.overview(shelf)
         return
     found = _selected(shelf, section, options, where or [], sort=sort, excluded=excluded)
@@ -312,12 +295,8 @@ def listed(
         write_csv(csv, hits)
     if json:
         undecided = sum(selection.undecided for selection in found.values())
-        typer.echo(_text({"found": len(hits), "undecided": undecided} | _parts_of(shelf, hits)))
+        print_json({"found": len(hits), "undecided": undecided} | as_document(shelf, hits))
         raise typer.Exit(0 if hits else 1)
-    from drivesizer.catalog import columns_of
-    from drivesizer.catalog.conditions import name_of
-    from drivesizer.output.terminal import catalog as terminal_catalog
-
     extra = [*(name_of(text) for text in where or []), sort.removeprefix("-")]  # columns that conditions name
     for name, selection in found.items():
         if selection.hits or section or not hits:
@@ -351,6 +330,7 @@ def show(
     json: Json = False,
 ) -> None:
     """Show one part as a data sheet, with matching parts; one of several voltages as a column for each."""
+    from drivesizer.catalog.exporting import as_document
     from drivesizer.catalog.query import find, partners, side_by_side
 
     shelf = open_named(catalog)
@@ -359,11 +339,11 @@ def show(
         from drivesizer.catalog.estimates import as_records
         from drivesizer.catalog.estimates.estimate import limit_records
 
-        document = _parts_of(shelf, hits, sources=True)
+        document = as_document(shelf, hits, sources=True)
         for one, hit in zip(document["parts"], hits, strict=True):
             one["goes_with"] = partners(hit)
             one["estimates"] = as_records(hit.table, hit.row) + limit_records(hit.table, hit.row)
-        typer.echo(_text(document))
+        print_json(document)
         return
     from drivesizer.output.terminal import catalog as terminal_part
 
@@ -387,6 +367,7 @@ def compare(
     json: Json = False,
 ) -> None:
     """Set parts side by side, the rows that differ marked."""
+    from drivesizer.catalog.exporting import as_document
     from drivesizer.catalog.query import find, side_by_side
 
     shelf = open_named(catalog)
@@ -395,7 +376,7 @@ def compare(
         raise InputError(f"{quoted(' '.join(parts))} is one part; expected two or more to compare")
     rows = [row for row in side_by_side(hits) if row.differs is not False or not differing]
     if json:
-        typer.echo(_text(_parts_of(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}}))
+        print_json(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}})
         return
     from drivesizer.output.terminal import catalog as terminal_catalog
 
@@ -417,7 +398,7 @@ def search(
     found = bool(parts or any(groups.values()))
     if json:
         names = {section: {name: len(hits) for name, hits in group.items()} for section, group in groups.items()}
-        typer.echo(_text({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]}))
+        print_json({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]})
     elif found:
         from drivesizer.output.terminal import catalog as terminal_catalog
 
@@ -437,7 +418,7 @@ def stats(catalog: Names = None, json: Json = False) -> None:
         from drivesizer.catalog.query import coverage, pairs_of
 
         sections = {name: {s: coverage(c, s)._asdict() for s in PARTS} for name, c in shelf.items()}
-        typer.echo(_text({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}}))
+        print_json({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}})
         return
     from drivesizer.output.terminal import findings as terminal_findings
 
@@ -457,7 +438,7 @@ def check(
     if json:
         from drivesizer.catalog.exporting import as_finding
 
-        typer.echo(_text({"findings": [as_finding(one) for one in found if one.unexplained or everything]}))
+        print_json({"findings": [as_finding(one) for one in found if one.unexplained or everything]})
     else:
         from drivesizer.output.terminal import findings as terminal_findings
 

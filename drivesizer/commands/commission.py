@@ -47,12 +47,7 @@ def commission(
     from drivesizer.output.terminal.tables import bare, console
     from drivesizer.simulate import commissioned, hardest_case
 
-    fields, drives = common.fields_and_drives(chosen)
-    robot = common.load(spec, catalogs, axis, fields)
-    if robot.is_several:
-        names = ", ".join(one.name for one in robot.axes)
-        raise InputError(f"--axis: expected one of {names}; a file is that of one drive")
-    _, own, found = common.with_drives(robot, drives)[0][0]
+    own, found = common.one_drive(spec, chosen, catalogs, axis, "a file is that of one drive")
     one, board = device_for(found, device, firmware), settings_of(found, device, firmware, settings)
     if axis:  # where the controller's form has the name of a joint
         named = (row._replace(name=row.name.replace("JOINT", axis)) for row in one.parameters)
@@ -64,8 +59,7 @@ def commission(
         made = commissioned(own, found, one, settings=board, unconfirmed=unconfirmed, load_case=case)
     rows, proof = made.rows, made.rounded
     if output:
-        for path in write_files(device_file.files(one, rows, _remarks(one, made, board), output)):
-            typer.echo(f"{path} written", err=True)
+        common.print_written(write_files(device_file.files(one, rows, _remarks(one, made, board), output)))
     out = console()
     shared = rows[0].parameter.name.rpartition(".")[0] + "."
     if len(shared) < _LONG or not all(row.parameter.name.startswith(shared) for row in rows):

@@ -6,7 +6,7 @@ import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -254,6 +254,24 @@ def load(
     return found if axis is None else alone(found, axis)
 
 
+def load_chosen(
+    path: Path, chosen: list[str] | None, more: list[str] | None, axis: str | None
+) -> tuple[MachineSpec, list[str]]:
+    """A machine with the fields that ``--set`` gives, and the drives that it names."""
+    fields, drives = fields_and_drives(chosen)
+    return load(path, more, axis, fields), drives
+
+
+def one_drive(
+    path: Path, chosen: list[str] | None, more: list[str] | None, axis: str | None, why: str
+) -> tuple[RobotSpec, DriveSet]:
+    """The spec and the drive of a single axis, named or the best; of several the one that is wanted must be named."""
+    machine, drives = load_chosen(path, chosen, more, axis)
+    if machine.is_several:
+        raise InputError(f"--axis: expected one of {', '.join(one.name for one in machine.axes)}; {why}")
+    return with_drives(machine, drives)[0][0][1:]
+
+
 def load_axis(
     path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
 ) -> RobotSpec:
@@ -391,7 +409,20 @@ def _named(spec: RobotSpec, chosen: str) -> DriveSet:
     return min(explain(spec, *parts), key=lambda one: (GRAVEST[::-1].index(one.status), one.rank))
 
 
-def print_notes(messages: tuple[str, ...]) -> None:
+def print_json(document: Any) -> None:
+    """Print a document as JSON, and nothing else."""
+    from drivesizer.output.json.documents import as_text
+
+    typer.echo(as_text(document))
+
+
+def print_written(paths: Iterable[Path]) -> None:
+    """Name the files that were written beside the answer, on stderr."""
+    for path in paths:
+        typer.echo(f"{path} written", err=True)
+
+
+def print_notes(messages: Iterable[str]) -> None:
     """Print notes to stderr, a line each."""
     for message in messages:
         typer.echo(f"note: {message}", err=True)

@@ -34,8 +34,7 @@ def export(
     """
     from drivesizer.output import export as exports
 
-    fields, drives = common.fields_and_drives(chosen)
-    robot = common.load(spec, catalogs, axis, fields)
+    robot, drives = common.load_chosen(spec, chosen, catalogs, axis)
     exports.accept(form, output)
     bodies, several = exports.FORMATS[form].bodies, robot.is_several
     if wheel is not None and several:

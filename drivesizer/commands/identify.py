@@ -17,10 +17,9 @@ if TYPE_CHECKING:
 
     from drivesizer.catalog.query import Hit
     from drivesizer.identification.identify import Reference
-    from drivesizer.results.drive_set import DriveSet
     from drivesizer.results.identification import Comparison, Identification
-    from drivesizer.spec.robot import RobotSpec
 
+_ONE = "a log is that of one drive"
 _DRAWN = (".svg", ".pdf", ".png")
 _SPECS = (".yaml", ".yml")
 
@@ -135,21 +134,7 @@ def _reference(
         return hits[0], of_motor(hits[0], ratio)
     if spec is None:
         return None, Reference(ratio=ratio)
-    own, drive = _machine(spec, chosen, axis, catalogs)
-    return None, of_drive(own, drive)
-
-
-def _machine(
-    spec: Path, chosen: list[str] | None, axis: str | None, catalogs: list[str] | None
-) -> tuple[RobotSpec, DriveSet]:
-    """A spec and its drive: named, or the best."""
-    fields, drives = common.fields_and_drives(chosen)
-    axes = common.with_drives(common.load(spec, catalogs, axis, fields), drives)[0]
-    if len(axes) > 1:
-        raise InputError(
-            f"--axis: expected one of {', '.join(name for name, _, _ in axes)}; a log is that of one drive"
-        )
-    return axes[0][1], axes[0][2]
+    return None, of_drive(*common.one_drive(spec, chosen, catalogs, axis, _ONE))
 
 
 # -- ``drivesizer compare``.
@@ -183,7 +168,7 @@ def compare(
 
     paths = _targets(output, "the corrected spec")
     logged = scaled(read_log(log, _heads(column)), _factors(scale))
-    own, drive = _machine(spec, chosen, axis, catalogs)
+    own, drive = common.one_drive(spec, chosen, catalogs, axis, _ONE)
     with common.simulating("simulating what was promised"):
         proof = validate(own, drive, profile=profile, load_case=hardest_case(own, drive))
     found = compared(logged, proof)
@@ -217,9 +202,7 @@ def _answer(found: Identification | Comparison, files: dict[Path, bytes], *, jso
     from drivesizer.results.identification import Identification
 
     if json:
-        from drivesizer.output.json.documents import as_text
-
-        typer.echo(as_text(found))
+        common.print_json(found)
     else:
         from drivesizer.output.terminal import sizing as terminal
 
@@ -227,5 +210,4 @@ def _answer(found: Identification | Comparison, files: dict[Path, bytes], *, jso
             terminal.identified(found)
         else:
             terminal.compared(found)
-    for path in write_files(files):
-        typer.echo(f"{path} written", err=True)
+    common.print_written(write_files(files))

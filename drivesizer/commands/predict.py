@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from drivesizer.commands.catalog import Names
-from drivesizer.commands.common import Json, file_option, number_option, print_notes, working
+from drivesizer.commands.common import Json, file_option, number_option, print_json, print_notes, print_written, working
 from drivesizer.errors import InputError, quoted
-
-if TYPE_CHECKING:
-    from drivesizer.results.prediction import Prediction
-
 
 _FORMS = (".svg", ".png")
 
@@ -49,6 +45,7 @@ def predict(
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
     from drivesizer.errors import FieldError
     from drivesizer.files.writing import ready, write_files
+    from drivesizer.output.terminal.sizing import predicted
     from drivesizer.prediction.bench import predict_set
 
     if figure is not None:
@@ -72,22 +69,13 @@ def predict(
         form: Any = figure.suffix.lower().removeprefix(".")
         drawn = {figure: bench(found)(form)}
     try:  # none of the figure where the answer cannot be given, but to a reader who has enough
-        _answer(found, json)
+        if json:
+            print_json(found)
+        else:
+            predicted(found)
+            print_notes(found.warnings)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first
         write_files(drawn)
         raise
-    for path in write_files(drawn):
-        typer.echo(f"{path} written", err=True)
-
-
-def _answer(found: Prediction, json: bool) -> None:
-    if json:
-        from drivesizer.output.json.documents import as_text
-
-        typer.echo(as_text(found))
-        return
-    from drivesizer.output.terminal.sizing import predicted
-
-    predicted(found)
-    print_notes(found.warnings)
+    print_written(write_files(drawn))

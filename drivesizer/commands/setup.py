@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Json, OfAxis, file_argument, file_option, load_axis, working
+from drivesizer.commands import common
+from drivesizer.commands.common import DEFAULT, Json, OfAxis, at_a_terminal, file_argument, file_option
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.text import shipped_folder
 
@@ -26,23 +26,7 @@ MACHINES = sorted(path.stem for path in _MACHINES.glob("*.yaml"))
 
 
 def starter(kind: str) -> str:
-    """The commented spec that ships for a kind of load, or for a machine.
-
-    Parameters
-    ----------
-    kind
-        One of ``KINDS`` or ``MACHINES``, or ``machine``.
-
-    Returns
-    -------
-    str
-        YAML.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """The commented spec that ships for a kind of load, or for a machine."""
     name = "gantry" if kind == "machine" else kind
     if name not in KINDS and name not in MACHINES:
         known = ", ".join([*KINDS, "machine", *MACHINES])
@@ -60,25 +44,7 @@ def examples() -> dict[str, Path]:
 
 
 def copy_example(name: str, output: Path) -> list[Path]:
-    """Write an example, and the CSV and URDF files that it names beside it, where no such files are yet.
-
-    Parameters
-    ----------
-    name
-        Of ``examples``.
-    output
-        The spec to write.
-
-    Returns
-    -------
-    list of Path
-        Files that were written, the spec first.
-
-    Raises
-    ------
-    InputError
-        When there is no such example, or a file exists.
-    """
+    """Write an example, and the CSV and URDF files that it names beside it, where no such files are yet."""
     from drivesizer.files.writing import write_files
 
     known = examples()
@@ -102,19 +68,8 @@ _OF_THE_TRADE = {"mass": "lb", "length": "in", "speed": "ft/s", "force": "lbf", 
                  "inertia": "lb*in^2", "temperature": "degF"}  # fmt: skip
 
 
-def interactive() -> bool:
-    """Whether someone is there to answer: both ends of the program are terminals."""
-    return sys.stdin.isatty() and sys.stdout.isatty()
-
-
 def questionnaire() -> str:
-    """The starter of a kind of machine with the figures that the user types; each is read as strictly as in a file.
-
-    Returns
-    -------
-    str
-        YAML with the comments of the starter.
-    """
+    """The starter of a kind of machine with the figures that the user types; each is read as strictly as in a file."""
     kind = _kind()
     lines = starter(kind).splitlines()
     american = typer.prompt("Units: metric or US", default="metric", show_default=True).strip().lower().startswith("u")
@@ -195,7 +150,7 @@ def equations(
     sizing, platform = derivation.find(number), robot_figures.find(number)
     if sizing is None and platform is None:
         raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(PLATFORM)}")
-    robot = None if spec is None else load_axis(spec, None, axis)
+    robot = None if spec is None else common.load_axis(spec, None, axis)
     if sizing is not None:
         terminal_equations.equation(sizing, *(_steps(sizing, robot) if robot else ()))
     elif platform is not None:
@@ -232,7 +187,7 @@ def _with_best_drive(robot: Any) -> tuple[Any, Any]:
     """The machine of the mass that it was sized for, and the drive that a sizing reports, or None."""
     from drivesizer.sizing import size as sized
 
-    with working("sizing the drive"):
+    with common.working("sizing the drive"):
         found = sized(robot, top=1, brief=True)
     return found.spec, found.shown
 
@@ -265,7 +220,7 @@ def init(
         _start(_from_description(urdf, joint, output), output)
     elif example is not None:
         _written(copy_example(example, output))
-    elif kind is None and str(output) != "-" and interactive():
+    elif kind is None and str(output) != "-" and at_a_terminal():
         start_by_questions(output)
     else:
         _start(starter(kind or "wheeled_vehicle"), output)
@@ -289,24 +244,13 @@ def _from_description(path: Path, joint: str | None, output: Path) -> str:
 
     if joint is not None or has_wheels(path) or (path.suffix == ".urdf" and joints_to_drive(path) < 2):
         return spec_of(path, joint)
-    answered = interactive() and str(output) != "-"
+    answered = at_a_terminal() and str(output) != "-"
     masses = ("with_drives" if typer.confirm(_HOLD_DRIVES, default=True) else "without") if answered else ""
     return machine_of(path, Path() if str(output) == "-" else output.parent, masses)
 
 
 def start_by_questions(output: Path) -> None:
-    """Write the spec that the answers at a terminal give.
-
-    Parameters
-    ----------
-    output
-        The file, which must not exist yet.
-
-    Raises
-    ------
-    InputError
-        When it exists.
-    """
+    """Write the spec that the answers at a terminal give to a file that must not exist yet."""
     if os.path.lexists(output):  # before the first question
         raise InputError(f"{output}: the file exists and is left alone; name another with -o")
     _start(questionnaire(), output)
@@ -319,27 +263,19 @@ def _start(text: str, output: Path) -> None:
         return
     from drivesizer.files.writing import new
 
-    new(output, _naming(text, output.name).encode())
+    if output.name.isprintable():  # else no comment can hold it
+        text = text.replace(_NEXT.format("robot.yaml"), _NEXT.format(output.name), 1)
+    new(output, text.encode())
     _written([output])
 
 
-def _naming(text: str, name: str) -> str:
-    """A spec whose comment on the next command names its own file; a name that no comment can hold is left out.
-
-    >>> _naming("# Then: drivesizer size robot.yaml", "hoist.yaml")
-    '# Then: drivesizer size hoist.yaml'
-    """
-    return text.replace(_NEXT.format("robot.yaml"), _NEXT.format(name), 1) if name.isprintable() else text
-
-
 _HOLD_DRIVES = "Do the masses of its links hold the drives already (most robots on sale do)"
-_NEXT = "# Then: drivesizer size {}"
+_NEXT = "# Then: drivesizer size {}"  # in a starter, the command with its file
 
 
 def _written(paths: list[Path]) -> None:
     """Name the files that were written, and the next command."""
-    spec = paths[0]
-    behind = "" if spec == DEFAULT else f" {spec}"
+    behind = "" if paths[0] == DEFAULT else f" {paths[0]}"
     typer.echo(f"{', '.join(map(str, paths))} written; now: drivesizer size{behind}")
 
 
@@ -359,10 +295,12 @@ def schema(
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.study.plan import StudyFile
 
-    made = {"spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": schemas.report_schema}
-    made |= {"study": StudyFile.model_json_schema, "prediction": schemas.prediction_schema, "export": export_schema}
-    made |= {"machine": machine_schema, "identification": schemas.identification_schema}
-    made |= {"comparison": schemas.comparison_schema}
+    made = {
+        "spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": schemas.report_schema,
+        "study": StudyFile.model_json_schema, "prediction": schemas.prediction_schema, "export": export_schema,
+        "machine": machine_schema, "identification": schemas.identification_schema,
+        "comparison": schemas.comparison_schema,
+    }  # fmt: skip
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")
     typer.echo(json.dumps(made[of](), indent=2, ensure_ascii=False))
@@ -374,9 +312,7 @@ def doctor(json: Json = False) -> None:
 
     found = examined()
     if json:
-        from drivesizer.output.json.documents import as_text
-
-        typer.echo(as_text({"findings": found}))
+        common.print_json({"findings": found})
     else:
         print_findings(found)
     raise typer.Exit(0 if all(f.works for f in found) else 1)

@@ -9,7 +9,7 @@ import typer
 
 from drivesizer.commands import common
 from drivesizer.commands.common import DEFAULT, TOP, Fields, Json, More, OfAxis, Profile, Spec, Top, file_option
-from drivesizer.commands.setup import interactive, start_by_questions
+from drivesizer.commands.setup import start_by_questions
 from drivesizer.errors import InputError
 
 Objective = Annotated[
@@ -66,7 +66,7 @@ def size(
     from drivesizer.output import report as reports
     from drivesizer.output.terminal import sizing as terminal
 
-    if spec == DEFAULT and not spec.exists() and not json and interactive():
+    if spec == DEFAULT and not spec.exists() and not json and common.at_a_terminal():
         start_by_questions(spec)
     robot = common.load(spec, catalogs, axis, fields)
     reports.accept([pdf] if pdf else [], tables=[csv] if csv else [])
@@ -79,9 +79,7 @@ def size(
         with common.working("writing the report"):
             reports.write(*simulated, [pdf])
     if json:
-        from drivesizer.output.json import documents
-
-        typer.echo(documents.as_text(result))
+        common.print_json(result)
         raise typer.Exit(int(result.status == "fail"))
     chosen = {"checks": checks, "derivation": derivation, "paper": beside, "ranking": top != TOP}
     details = terminal.DETAILS if verbose else frozenset(name for name, wanted in chosen.items() if wanted)
@@ -197,11 +195,9 @@ def explain(
             except InputError as error:
                 raise (InputError(f"{name}: {error}") if name else error) from None
     if json:
-        from drivesizer.output.json import documents
-
         names = found if several else [robot.name]
         each = [{"name": name, **one._asdict()} for name, one in zip(names, found.values(), strict=True)]
-        typer.echo(documents.as_text({"axes": each}))
+        common.print_json({"axes": each})
     elif several:
         terminal.machine_explained(robot.name, found)
     else:

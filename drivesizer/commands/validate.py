@@ -41,11 +41,9 @@ def validate(
 ) -> None:
     """Simulate a drive over the profile in closed loop: every demand against its limit."""
     from drivesizer.output import report as reports
-    from drivesizer.output.json import documents
     from drivesizer.output.terminal import sizing
 
-    fields, drives = common.fields_and_drives(chosen)
-    robot = common.load(spec, catalogs, axis, fields)
+    robot, drives = common.load_chosen(spec, chosen, catalogs, axis)
     reports.accept([], tables=[csv] if csv else [])
     _known_case(robot, case)
     if everything:
@@ -62,13 +60,12 @@ def validate(
     for name, proof in proofs.items():
         if drawings:
             folder = drawings.with_name(f"{drawings.name}_{name}") if several else drawings
-            for path in reports.write_loop_figures(proof, folder):
-                typer.echo(f"{path} written", err=True)
+            common.print_written(reports.write_loop_figures(proof, folder))
         if csv:
             reports.write_series(proof, csv.with_name(f"{csv.stem}_{name}{csv.suffix}") if several else csv)
     if json:
         each = [{"name": name or robot.name, "validations": [proof]} for name, proof in proofs.items()]
-        typer.echo(documents.as_text({"axes": each}))
+        common.print_json({"axes": each})
     elif several:
         sizing.machine_proofs(robot.name, proofs)
     else:
@@ -111,7 +108,6 @@ def _known_case(machine: MachineSpec, name: str | None) -> None:
 
 def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: int, json: bool) -> int:
     """The best drives of the search in closed loop, of every axis those that pass first; the exit status."""
-    from drivesizer.output.json import documents
     from drivesizer.output.terminal import sizing as terminal
     from drivesizer.simulate import validate_all
 
@@ -130,7 +126,7 @@ def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: in
             terminal.validations(proofs, axis.result.objective)
         common.print_notes(tuple(f"{axis.name}: {note}" if several else note for note in notes))
     if json:
-        typer.echo(documents.as_text({"axes": each}))
+        common.print_json({"axes": each})
     return int(failing)
 
 
@@ -177,10 +173,9 @@ def drive(
     runs = _followed(found, one, drawings) if follow else {}
     speeds = permitted_speeds(on_path, one) if one else None
     if json:
-        from drivesizer.output.json.documents import as_text
         from drivesizer.output.json.documents import driving as document
 
-        typer.echo(as_text(document(found, one, runs, speeds)))
+        common.print_json(document(found, one, runs, speeds))
     else:
         from drivesizer.output.terminal import sizing as terminal
 
@@ -199,8 +194,7 @@ def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     if drawings:
         from drivesizer.output.report import write_path
 
-        for path in write_path(drawn(runs), drawings):
-            typer.echo(f"{path} written", err=True)
+        common.print_written(write_path(drawn(runs), drawings))
     return runs
 
 
