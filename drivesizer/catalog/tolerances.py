@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import resources
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from drivesizer.errors import CatalogError, InputError, quoted
+from drivesizer.files.text import listed
 from drivesizer.units import number
 
 # -- Distributions of an uncertain figure, evaluated as columns.
@@ -156,37 +155,24 @@ def _per_cent(text: str) -> float:
 
 
 _PER_STAGE = 4.0  # ratio of a pair of spur gears, where the number of stages is unknown
-_PER_PAIR = 0.9  # efficiency
+_PER_PAIR, _PLASTIC = 0.9, 0.87  # efficiency, and the least of plastic ones
 _PAIRS = 4.0  # of a spur gear whose ratio is unknown
 
-CLASSES = {
-    ("motor", "resistance"): "Motor resistance",
-    ("motor", "torque_constant"): "Motor torque constant",
-    ("motor", "friction"): "Motor friction and iron loss",
-    ("motor", "dry_friction"): "Dry share of motor friction",
-    ("motor", "commutation"): "Inductive voltage drop",
-    ("motor", "rotor_inertia"): "Rotor inertia",
-    ("motor", "thermal_resistance"): "Motor thermal resistances",
-    ("motor", "pull_out"): "Pull-out torque",
-    ("motor", "holding_torque"): "Holding torque",
-    ("motor", "inductance"): "Phase inductance",
-    ("motor", "start_speed"): "Start speed without a ramp",
-    ("gearhead", "peak_torque"): "Peak torque by stall",
-    ("gearhead", "efficiency"): "Gearhead losses",
-    ("gearhead", "inertia"): "Gearhead inertia",
-    ("controller", "losses"): "Controller losses",
-    ("controller", "phase_current"): "Phase current set",
-}
-OF_STEPPERS = {("motor", figure) for figure in ("pull_out", "holding_torque", "inductance", "start_speed")} | {
-    ("controller", "phase_current")
-}
-NOT_OF_STEPPERS = {
-    *(
-        ("motor", figure)
-        for figure in ("torque_constant", "friction", "dry_friction", "commutation", "thermal_resistance")
-    ),
-    ("controller", "losses"),
-}
+
+class _Default(NamedTuple):
+    """A line of ``tolerances.txt``."""
+
+    part: str  # motor, gearhead or controller
+    figure: str
+    title: str
+    of: str  # steppers, or others; empty: of all
+    tolerance: str
+    why: str
+
+
+_TABLE = [(head, _Default(*cells)) for head, cells in listed("drivesizer.catalog", "tolerances.txt")]
+CLASSES = {(one.part, one.figure): one for head, one in _TABLE if head == "classes"}
+OF_STEPPERS, NOT_OF_STEPPERS = ({key for key, one in CLASSES.items() if one.of == of} for of in ("steppers", "others"))
 
 
 class Class(NamedTuple):
@@ -207,29 +193,26 @@ class Class(NamedTuple):
 
 
 @cache
-def _default() -> dict[str, dict[str, dict[str, str]]]:
-    text = (resources.files("drivesizer.catalog.tolerances") / "classes.yaml").read_text(encoding="utf-8")
-    found: dict[str, dict[str, dict[str, str]]] = yaml.safe_load(text)
-    return found
-
-
-@cache
 def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Class:
     """The class of a figure."""
-    title = CLASSES[part, figure] + (f", {whose}" if whose else "")
+    title = CLASSES[part, figure].title + (f", {whose}" if whose else "")
     return Class(part, figure, title, text, share(text), why, whose)
+
+
+def _instead(head: str, figure: str) -> _Default:
+    return next(one for of, one in _TABLE if (of, one.figure) == (head, figure))
 
 
 def resistance_from_stall() -> Class:
     """The class of a resistance that is nominal voltage over stall current."""
-    one = _default()["from_stall"]["resistance"]
-    return class_of("motor", "resistance", one["tolerance"], one["why"], "from no load and stall")
+    one = _instead("from stall", "resistance")
+    return class_of("motor", "resistance", one.tolerance, one.why, "from no load and stall")
 
 
 def losses_identified() -> Class:
     """The class of a gear's losses where its efficiency is that of an identified friction."""
-    one = _default()["identified"]["efficiency"]
-    return class_of("gearhead", "efficiency", one["tolerance"], one["why"], "identified in motion")
+    one = _instead("identified", "efficiency")
+    return class_of("gearhead", "efficiency", one.tolerance, one.why, "identified in motion")
 
 
 def pairs_of(ratio: Any, stages: Any) -> Array:
@@ -251,12 +234,12 @@ def usual_of_spur_gears(ratio: Any, stages: Any) -> Array:
 
 def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float) -> Class:
     """The class of a spur gear's losses where its efficiency follows from the stall torque."""
-    one = _default()["from_stall"]["efficiency"]
-    usual = share(one["tolerance"])
+    one = _instead("from stall", "efficiency")
+    usual = share(one.tolerance)
     assert usual is not None
-    plastic = (float(float(one["per_stage"]) ** -pairs_of(ratio, stages)) - 1.0) / (1.0 / efficiency - 1.0)
+    plastic = (float(_PLASTIC ** -pairs_of(ratio, stages)) - 1.0) / (1.0 / efficiency - 1.0)
     text = f"{usual.low:g}..{max(usual.high, plastic):.3g} times"
-    return class_of("gearhead", "efficiency", text, one["why"], part)
+    return class_of("gearhead", "efficiency", text, one.why, part)
 
 
 def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
@@ -268,13 +251,8 @@ def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, 
     >>> [(one.text, one.why) for one in found if one.why == "given in the spec"]
     [('+- 7 %', 'given in the spec'), ('none', 'given in the spec')]
     """
-    found = []
-    for part, figure in CLASSES:
-        own = (given or {}).get((part, figure))
-        text = own or _default()[part][figure]["tolerance"]
-        why = "given in the spec" if own else _default()[part][figure]["why"]
-        found.append(class_of(part, figure, text, why))
-    return tuple(found)
+    own = {key: (text, "given in the spec") for key, text in (given or {}).items()}
+    return tuple(class_of(*key, *own.get(key, (one.tolerance, one.why))) for key, one in CLASSES.items())
 
 
 # -- Tolerances that makers state for their figures, by maker and family.
