@@ -24,7 +24,7 @@ from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.sheets import Sheet, currency_of, decimal_sign, figure, plain_head, split_head, unit_of
-from drivesizer.files.yaml_source import Path_, YamlSource, read
+from drivesizer.files.yaml_source import Path_, YamlSource, read, shipped_data
 from drivesizer.units import scale
 
 _KEYS = ("manufacturer", "family", "source", "unknown", "common", "units", "columns")
@@ -205,9 +205,8 @@ def _head(cell: str, unit: str, line: int, units: Mapping[str, str]) -> Head:
 # -- What a head means.
 
 
-@cache
 def _words() -> dict[str, Any]:
-    found: dict[str, Any] = read(Path(__file__).with_name("headers.yaml")).data
+    found: dict[str, Any] = shipped_data("drivesizer.catalog", "headers.yaml")
     return found
 
 

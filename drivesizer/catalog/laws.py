@@ -7,27 +7,20 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from drivesizer.catalog.expressions import FURTHER, code, solved, value
 from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Note, Table
-from drivesizer.files.yaml_source import LOADER
+from drivesizer.files.yaml_source import shipped_data
 
 Numbers = NDArray[np.float64]
 
 
-def text() -> str:
-    """The table of laws as it is written."""
-    return (resources.files(__package__) / "laws.yaml").read_text(encoding="utf-8")
-
-
-_TABLE: dict[str, Any] = yaml.load(text(), Loader=LOADER)  # noqa: S506  the safe loader
+_TABLE: dict[str, Any] = shipped_data("drivesizer.catalog", "laws.yaml")
 
 
 def _applies(law: str, table: Table[Any]) -> Any:

@@ -100,9 +100,9 @@ def _understood(cells: Sequence[str]) -> tuple[dict[str, int], dict[int, _Amount
 
 @cache
 def _words() -> dict[str, list[str]]:
-    from drivesizer.files.yaml_source import read
+    from drivesizer.files.yaml_source import shipped_data
 
-    given = read(Path(__file__).with_name("headers.yaml")).data["price_list"]
+    given = shipped_data("drivesizer.catalog", "headers.yaml")["price_list"]
     return {name: [name.replace("_", " "), *words.split("; ")] for name, words in given.items()}
 
 

@@ -7,8 +7,6 @@ import os
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +19,7 @@ from drivesizer.catalog.prices import currencies, is_list
 from drivesizer.catalog.tables import CONFIDENCE, OTHER_NAMES, spelling
 from drivesizer.catalog.tolerances import MakerTolerance, maker_tolerances_of
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.files.yaml_source import read
+from drivesizer.files.yaml_source import shipped_data
 
 # -- Queries of catalogues: parts that meet conditions.
 #
@@ -305,16 +303,11 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
 def needed(table: Table[Any]) -> dict[tuple[str, str], NDArray[np.bool_]]:
     """The figures of a kind of part that decide in a sizing, what each is for, and which rows of a table lack them."""
     found = {}
-    for names, purpose in _decisive().get(table.section, {}).items():
+    decisive = shipped_data("drivesizer.catalog", "headers.yaml")["needed"]
+    for names, purpose in decisive.get(table.section, {}).items():
         each = [table[name] for name in names.split(" or ")]
         unknown = [values == "" if values.dtype.kind == "U" else np.isnan(values) for values in each]
         found[names.replace("_", " "), purpose] = np.all(unknown, axis=0)
-    return found
-
-
-@cache
-def _decisive() -> dict[str, dict[str, str]]:
-    found: dict[str, dict[str, str]] = read(Path(__file__).with_name("headers.yaml")).data["needed"]
     return found
 
 

@@ -337,12 +337,11 @@ def show(
     hits = find(shelf, part)
     if json:
         from drivesizer.catalog.estimates import as_records
-        from drivesizer.catalog.estimates.estimate import limit_records
 
         document = as_document(shelf, hits, sources=True)
         for one, hit in zip(document["parts"], hits, strict=True):
             one["goes_with"] = partners(hit)
-            one["estimates"] = as_records(hit.table, hit.row) + limit_records(hit.table, hit.row)
+            one["estimates"] = as_records(hit.table, hit.row)
         print_json(document)
         return
     from drivesizer.output.terminal import catalog as terminal_part

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
+from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -119,6 +121,13 @@ def _short(key: str, longest: int = 60) -> str:
 def read(path: Path, largest: int = _LARGEST) -> YamlSource:
     """Read a YAML file of at most `largest` bytes."""
     return YamlSource(read_text(path, largest), str(path))
+
+
+@cache
+def shipped_data(package: str, name: str) -> Any:
+    """The data of a YAML file that ships with the program; not to be changed."""
+    text = (resources.files(package) / name).read_text(encoding="utf-8")
+    return yaml.load(text, Loader=LOADER)  # noqa: S506  the safe loader
 
 
 def written(data: Mapping[str, Any], name: str = "spec") -> YamlSource:

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.cli import app
-from drivesizer.commands import setup, sizing
+from drivesizer.commands import common, setup
 from drivesizer.commands import setup as starting
 from drivesizer.commands.setup import KINDS
 from drivesizer.spec.machine import load_any
@@ -18,8 +18,8 @@ from drivesizer.spec.robot import load_spec
 def told(tmp_path, monkeypatch):
     """Run the program in an empty folder at a terminal, with answers, a line each."""
     monkeypatch.chdir(tmp_path)
-    for module in (setup, sizing):
-        monkeypatch.setattr(module, "interactive", lambda: True)
+    for module in (setup, common):  # which `size` has it of
+        monkeypatch.setattr(module, "at_a_terminal", lambda: True)
 
     def run(*arguments, answers=""):
         return CliRunner().invoke(app, list(arguments), input=answers)
@@ -63,7 +63,7 @@ def test_an_existing_file_is_told_before_anything_is_asked(told):
 
 def test_size_without_a_spec_asks_and_goes_on(told, monkeypatch):
     seen = []
-    monkeypatch.setattr(sizing.common, "load", lambda path, *_: seen.append(path.read_text(encoding="utf-8")) or 1 / 0)
+    monkeypatch.setattr(common, "load", lambda path, *_: seen.append(path.read_text(encoding="utf-8")) or 1 / 0)
     with pytest.raises(ZeroDivisionError):
         CliRunner().invoke(app, ["size"], input="fan\n" + "\n" * 20, catch_exceptions=False)
     assert "kind: fan" in seen[0]

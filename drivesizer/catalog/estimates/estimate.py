@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -96,7 +96,12 @@ def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -
         value = np.where(idle.value > high, np.sqrt(low * high), idle.value)
         found = found | {"no_load_current": idle._replace(value=value, low=low, high=high)}
     winding, housing = (_filled(table, found, name) for name in _R_TH)
-    share = np.fmin(1.0, _largest_resistance(table, rating) / (winding + housing))
+    printed, one = table["max_winding_temperature"], np.ones(len(table))
+    hottest = np.where(unstated, _HOTTEST, printed)
+    current = continuous_current(np.asarray(resistance_25(table)), one, 0.0 * one, hottest, rated_ambient(table))
+    with np.errstate(invalid="ignore", divide="ignore"):  # the resistance with which it brings about what is permitted
+        largest = np.asarray(current / rating) ** 2
+    share = np.fmin(1.0, largest / (winding + housing))
     limited = {name: _scaled(found[name], share) for name in _R_TH if name in found}
     times = {name: _scaled(found[name], share[:1].repeat(3, 0)) for name in _TAU if name in found}
     found = found | limited | times
@@ -111,7 +116,11 @@ def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -
     value = np.where(brushed, (low + high) / 2.0, value)
     rated = Estimates(rows, value, low, high, np.full(len(rows), _RATED))
     rest = np.setdiff1d(np.flatnonzero(unstated & np.isnan(rating)), rows)
-    both: list[NDArray[Any]] = [np.concatenate(columns) for columns in zip(rated, _unrated(table, rest), strict=True)]
+    rest = rest[np.isin(table["kind"][rest], tuple(_LEAST))]  # that print neither it nor a rating
+    least = np.array([_LEAST[kind] for kind in table["kind"][rest].tolist()], float)
+    most = np.full(len(rest), _HOTTEST)
+    unrated = Estimates(rest, np.sqrt(least * most), least, most, np.full(len(rest), UNRATED))
+    both: list[NDArray[Any]] = [np.concatenate(columns) for columns in zip(rated, unrated, strict=True)]
     order = np.argsort(both[0])
     every = Estimates(*(column[order] for column in both))
     return found | {"max_winding_temperature": every} if len(order) else found
@@ -128,15 +137,6 @@ def _output_constant(table: Table[Any]) -> NDArray[np.float64]:
     """Torque at the output of actuators per ampere, the losses of the gear included."""
     inner = table["ratio"] * table["efficiency"] * table["motor_torque_constant"]
     return np.asarray(np.where(np.isnan(inner), table["torque_constant"], inner))
-
-
-def _unrated(table: Table[Any], rows: NDArray[np.int64]) -> Estimates:
-    """The permitted winding temperature of parts that print neither it nor a rating, nor what follows from one."""
-    known = np.isin(table["kind"][rows], tuple(_LEAST))
-    rows = rows[known]
-    low = np.array([_LEAST[kind] for kind in table["kind"][rows].tolist()], float)
-    high = np.full(len(rows), _HOTTEST)
-    return Estimates(rows, np.sqrt(low * high), low, high, np.full(len(rows), UNRATED))
 
 
 def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
@@ -191,12 +191,13 @@ def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
 def estimates_by_rule(catalog: Catalog, row: int, figure: str) -> list[Estimate]:
     """A figure of an actuator that is by a rule, where it is one."""
     found = rule_of_thumb_bands(catalog).get(figure)
-    at = np.flatnonzero(found.rows == row) if found else ()
-    return [
-        Estimate(figure, float(found.value[k]), float(found.low[k]), float(found.high[k]), shipped_laws()[found.fit[k]])
-        for k in at
-        if found
-    ]
+    return [_of_row(figure, found, k) for k in np.flatnonzero(found.rows == row).tolist()] if found else []
+
+
+def _of_row(figure: str, found: Estimates, k: int) -> Estimate:
+    """One of the estimates of a figure."""
+    value, low, high = (float(column[k]) for column in (found.value, found.low, found.high))
+    return Estimate(figure, value, low, high, shipped_laws()[found.fit[k]])
 
 
 # A servo's printed stall is that of a warm motor or its controller's limit: of the resistance out of it 0.70 to 0.84
@@ -204,15 +205,6 @@ def estimates_by_rule(catalog: Catalog, row: int, figure: str) -> list[Estimate]
 # measured while it lifts. Least, usual and greatest multiple of the figure out of the printed stall, and the most that
 # it may be.
 _OF_PRINTED_STALL = {"resistance": (0.68, 0.95, 1.0, inf), "efficiency": (1.0, 1.0, 1.5, 0.85)}
-
-
-def _largest_resistance(table: Table[Any], rating: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Thermal resistance with which a rated current brings the winding to what is permitted [K/W]."""
-    one, printed = np.ones(len(table)), table["max_winding_temperature"]
-    hottest = np.where(np.isnan(printed), _HOTTEST, printed)
-    current = continuous_current(np.asarray(resistance_25(table)), one, 0.0 * one, hottest, rated_ambient(table))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(current / rating) ** 2
 
 
 def _filled(table: Table[Any], found: dict[str, Estimates], name: str) -> NDArray[np.float64]:
@@ -264,7 +256,7 @@ class _Parts:
 
     def __init__(self, table: Table[Any]) -> None:
         self.table = table
-        self._makers = np.unique(table["manufacturer"], return_inverse=True)
+        self.makers = np.unique(table["manufacturer"], return_inverse=True)
         self._built = [np.unique(names, return_inverse=True) for names in constructions_of(table)]
         self._terms: dict[str, _Term] = {}
         self._members: dict[str, NDArray[np.bool_]] = {}
@@ -282,12 +274,6 @@ class _Parts:
         for into, values in zip(columns, (found.value, found.low / found.value, found.high / found.value), strict=True):
             into[found.rows] = np.log(values)
         self._terms[name] = _Term(*columns)
-
-    def of_makers(self, makers: Sequence[str]) -> NDArray[np.bool_]:
-        """Mask of the parts of some makers."""
-        names, which = self._makers
-        found: NDArray[np.bool_] = np.isin(names, makers)[which]
-        return found
 
     def strangers(self, fit: Fit) -> NDArray[np.bool_]:
         """Mask of the parts that are built as no peer of a law is; none where either is not known."""
@@ -324,14 +310,10 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
                 ends = np.sort([low[1][keep], high[1][keep]], axis=0)
                 found[name] = Estimates(one.rows[keep], middle[keep], ends[0], ends[1], one.fit[keep])
             parts.complete(figure, one)
-    return peak_torque_estimates(table, estimates_by_rated_current(_with_resistance(table, found), found))
-
-
-def _with_resistance(table: Table[Any], found: dict[str, Estimates]) -> Table[Any]:
-    """A table with the middle of estimated resistances: what a rated current brings about is judged with it."""
-    if "resistance" not in found:
-        return table
-    return replace(table, columns={**table.columns, "resistance": _filled(table, found, "resistance")[0]})
+    rated = table
+    if "resistance" in found:  # what a rated current brings about is judged with the middle of those
+        rated = replace(table, columns={**table.columns, "resistance": _filled(table, found, "resistance")[0]})
+    return peak_torque_estimates(table, estimates_by_rated_current(rated, found))
 
 
 def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estimates:
@@ -369,7 +351,8 @@ def _law_value(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> _Term:
 def _ends(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> Array:
     """Ends of the band at the peers' centre: the widest band that maker and construction of a part call for."""
     twice = (_STRANGER * fit.band[0], _STRANGER * fit.band[1])
-    maker = ~parts.of_makers(fit.makers)
+    names, which = parts.makers
+    maker = ~np.isin(names, fit.makers)[which]
     found = np.tile(np.array(fit.band)[:, None], len(maker))
     for other, ends in ((maker, fit.other_makers or twice), (stranger, twice)):
         wider = other & (ends[1] - ends[0] > found[1] - found[0])
@@ -379,21 +362,16 @@ def _ends(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> Array:
 
 def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
     """All that a part's data sheet leaves out and its peers give."""
-    found = estimates(table.taken(slice(row, row + 1)))
-    return [
-        Estimate(figure, float(e.value[0]), float(e.low[0]), float(e.high[0]), shipped_laws()[e.fit[0]])
-        for figure, e in found.items()
-    ]
+    return [_of_row(figure, found, 0) for figure, found in estimates(table.taken(slice(row, row + 1))).items()]
 
 
 def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
-    """The estimates of a part for JSON: figures in SI, the band from the 5th to the 95th percentile."""
-    return [
-        {"figure": one.figure, "value": one.value, "low": one.low, "high": one.high, "terms": list(one.fit.law.terms),
-         "peers": one.fit.source or one.fit.law.of or one.fit.law.section, "parts": one.fit.parts,
-         "families": one.fit.families}
-        for one in estimates_of(table, row)
-    ]  # fmt: skip
+    """The estimates of a part for JSON, and limits of its family: figures in SI, the 5th to the 95th percentile."""
+    names = ("figure", "value", "low", "high", "terms", "peers", "parts", "families")
+    rows = [(*one[:4], list(one.fit.law.terms), one.fit.source or one.fit.law.of or one.fit.law.section, one.fit.parts,
+             one.fit.families) for one in estimates_of(table, row)]  # fmt: skip
+    rows += [(name, x, x, x, [], SAME_FAMILY, members, 1) for name, x, members in family_limits(table, row)]
+    return [dict(zip(names, cells, strict=True)) for cells in rows]
 
 
 def law_text(fit: Fit) -> str:
@@ -432,24 +410,19 @@ def written(fits: list[Fit]) -> str:
 
     ``width`` is the upper end of the band over the lower one, median over the parts of the law.
     """
-    lines = (json.dumps(_rounded(_record(fit))) for fit in fits)
+
+    def six(value: Any) -> Any:
+        if isinstance(value, float):
+            return float(f"{value:.6g}")
+        return [six(one) for one in value] if isinstance(value, tuple) else value
+
+    lines = []
+    for fit in fits:
+        width = float(np.exp(fit.width * (fit.band[1] - fit.band[0])))
+        record = fit.law._asdict() | fit._asdict() | (fit.peers._asdict() if fit.peers else {}) | {"width": width}
+        kept = {name: six(value) for name, value in record.items() if name not in ("law", "source", "peers")}
+        lines.append(json.dumps(kept))
     return "[\n" + ",\n".join(lines) + "\n]\n"
-
-
-def _record(fit: Fit) -> dict[str, Any]:
-    centre = fit.peers._asdict() if fit.peers else {}
-    width = float(np.exp(fit.width * (fit.band[1] - fit.band[0])))
-    return fit.law._asdict() | fit._asdict() | centre | {"width": width}
-
-
-def _rounded(record: dict[str, Any]) -> dict[str, Any]:
-    return {name: _six(value) for name, value in record.items() if name not in ("law", "source", "peers")}
-
-
-def _six(value: Any) -> Any:
-    if isinstance(value, float):
-        return float(f"{value:.6g}")
-    return [_six(one) for one in value] if isinstance(value, tuple) else value
 
 
 # -- Permitted limits of parts whose maker prints one and the same limit for all others of the family.
@@ -489,15 +462,6 @@ def family_limits(table: Table[Any], row: int) -> list[FamilyLimit]:
         if np.ptp(printed) <= _ROUNDING * np.abs(printed).max():
             found.append(FamilyLimit(figure, float(printed[0]), len(printed)))
     return found
-
-
-def limit_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
-    """The same for JSON, with the keys of the other estimates; ``low`` and ``high`` are the value."""
-    return [
-        {"figure": one.figure, "value": one.value, "low": one.value, "high": one.value, "terms": [],
-         "peers": SAME_FAMILY, "parts": one.members, "families": 1}
-        for one in family_limits(table, row)
-    ]  # fmt: skip
 
 
 # -- Estimates of all parts of a catalogue.

@@ -5,16 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import cache
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from drivesizer.catalog.expressions import value
 from drivesizer.catalog.tables import Catalog, Table, as_printed
 from drivesizer.files.text import listed
+from drivesizer.files.yaml_source import shipped_data
 
 
 class Law(NamedTuple):
@@ -101,17 +100,11 @@ def _motor_constructions(table: Table[Any]) -> NDArray[np.str_]:
 
 
 @cache
-def _patterns() -> list[dict[str, str]]:
-    text = (resources.files(__package__) / "constructions.yaml").read_text(encoding="utf-8")
-    found: list[dict[str, str]] = yaml.safe_load(text)
-    return found
-
-
-@cache
 def _construction(name: str) -> str:
+    """Construction of the brushless motors of a maker's family."""
     maker, family = name.split("\n", 1)
-    fits = (p["construction"] for p in _patterns() if p["maker"] == maker and re.match(p["family"], family))
-    return next(fits, "")
+    patterns = shipped_data("drivesizer.catalog.estimates", "constructions.yaml")
+    return next((p["construction"] for p in patterns if p["maker"] == maker and re.match(p["family"], family)), "")
 
 
 # -- Laws fitted over the catalogues, and how far each is off for a family that it has not seen.
@@ -177,13 +170,14 @@ def fit(law: Law, table: Table[Any]) -> Fit | None:
     families, makers = np.unique(family), np.unique(maker)
     if len(y) < _PARTS or len(families) < _FAMILIES:
         return None
-    weight = _weights(family)
+    _, back, count = np.unique(family, return_inverse=True, return_counts=True)
+    weight = np.asarray(1.0 / count[back])  # one over the members of each part's family
     peers = _peers(x[:, 1:], weight)
     wide = widening(peers, x[:, 1:])  # what a whole maker is off by is not for the others' scatter to explain
     return Fit(
         law,
         tuple(_solved(x, y).tolist()),
-        _band(left_out(x, y, family) / _widening_left_out(x[:, 1:], family, weight)),
+        _band(left_out(x, y, family, weight)),
         _band(left_out(x, y, maker) / wide) if len(makers) >= _MAKERS else None,
         tuple((float(low), float(high)) for low, high in zip(x[:, 1:].min(0), x[:, 1:].max(0), strict=True)),
         len(y),
@@ -195,22 +189,15 @@ def fit(law: Law, table: Table[Any]) -> Fit | None:
     )
 
 
-def left_out(x: Array, y: Array, group: NDArray[np.str_]) -> Array:
-    """Residual of each part by a fit without its group."""
+def left_out(x: Array, y: Array, group: NDArray[np.str_], weight: Array | None = None) -> Array:
+    """Residual of each part by a fit without its group; with weights over the widening by the peers outside of it."""
     left = np.empty(len(y))
     for name in np.unique(group):
         own = group == name
         left[own] = y[own] - x[own] @ _solved(x[~own], y[~own])
+        if weight is not None:
+            left[own] /= widening(_peers(x[~own, 1:], weight[~own]), x[own, 1:])
     return left
-
-
-def _widening_left_out(x: Array, group: NDArray[np.str_], weight: Array) -> Array:
-    """Widening for each part by the peers outside its group."""
-    wide = np.empty(len(x))
-    for name in np.unique(group):
-        own = group == name
-        wide[own] = widening(_peers(x[~own], weight[~own]), x[own])
-    return wide
 
 
 def widening(peers: Peers, x: Array) -> Array:
@@ -225,12 +212,6 @@ def _peers(x: Array, weight: Array) -> Peers:
     away = x - centre
     precision = np.linalg.pinv((weight[:, None] * away).T @ away, hermitian=True)
     return Peers(round(weight.sum()), tuple(centre.tolist()), tuple(map(tuple, precision.tolist())))
-
-
-def _weights(family: NDArray[np.str_]) -> Array:
-    """One over the members of each part's family."""
-    _, back, count = np.unique(family, return_inverse=True, return_counts=True)
-    return np.asarray(1.0 / count[back])
 
 
 def _seen(built: NDArray[np.str_], family: NDArray[np.str_]) -> tuple[str, ...]:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from importlib import resources
 from typing import Any, Literal
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from drivesizer.catalog import tables
@@ -18,7 +16,7 @@ from drivesizer.catalog.parts import DIRECT, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Table, filled, with_pairs, with_rows
 from drivesizer.catalog.tolerances import usual_of_spur_gears
 from drivesizer.errors import CatalogError, quoted
-from drivesizer.files.yaml_source import LOADER
+from drivesizer.files.yaml_source import shipped_data
 from drivesizer.physics.drive_train import DRY_SHARE, SERVO
 
 # -- Tables of parts with estimates where a figure is missing: at their middles, and at both ends of their bands.
@@ -68,10 +66,7 @@ def _at_band_end(table: Table[Any], found: Estimates, name: str, end: End) -> ND
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
 _NAMES = ("part", "order_number", "also_called", "family", "manufacturer")
-_INSIDE: dict[str, dict[str, Any]] = yaml.load(
-    (resources.files(__package__) / "inside.yaml").read_text(encoding="utf-8"),
-    Loader=LOADER,  # noqa: S506
-)
+_INSIDE: dict[str, dict[str, Any]] = shipped_data("drivesizer.catalog.view", "inside.yaml")
 
 
 def printed_field(role: str, field: str) -> str:
