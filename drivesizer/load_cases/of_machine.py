@@ -14,6 +14,7 @@ from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle, load_springs, profile_of
 from drivesizer.loads.course import course
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.physics.figures import Alike
 from drivesizer.physics.load_cycle import CYCLE_COLUMNS, LoadCycle, OwnLimit, middle
 from drivesizer.results.check import Check
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
@@ -86,14 +87,14 @@ def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
     return min(found)[1]
 
 
-def distance_of(spec: RobotSpec, cycle: LoadCycle) -> float:
-    """Distance that a vehicle travels in a cycle."""
+def distance_of(spec: RobotSpec, cycle: LoadCycle) -> Alike:
+    """Distance that a vehicle travels in a cycle, there and back [m], or in each of several; NaN of other loads."""
     load: Any = spec.load
     if load.is_wheel:
         return float(load.distance)
     if not isinstance(load, WheeledVehicle):
         return nan
-    return float(cycle.radius * (middle(np.abs(cycle.speed)) @ cycle.duration))
+    return cycle.radius * (middle(np.abs(cycle.speed)) * cycle.duration).sum(axis=0)
 
 
 # -- Requirements on the machine against what its motion and its equipment come to, whatever drives it.

@@ -21,10 +21,11 @@ import numpy as np
 from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle
+from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.machine.supply_power import Draw, DrivePower
 from drivesizer.physics import battery as laws
-from drivesizer.physics.figures import Array, Range
+from drivesizer.physics.figures import Alike, Array, Range
+from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
@@ -108,7 +109,7 @@ class Pack:
         """Share of the charge that may be drawn from the start on [1]."""
         return self.usable - (1.0 - self.start)
 
-    def emf(self, charge: Any) -> Any:
+    def emf(self, charge: Alike) -> Alike:
         """Voltage at rest with a share of the charge left [V]."""
         return self.emf_empty + (self.emf_full - self.emf_empty) * charge
 
@@ -208,7 +209,7 @@ def lacking(pack: Pack) -> tuple[str, ...]:
     return (*run_times, *(name for name in names if np.isnan(getattr(pack, name)).all()))
 
 
-def longest_run_time(pack: Pack, power: Any) -> Any:
+def longest_run_time(pack: Pack, power: Alike) -> Alike:
     """Run time of a full battery at a constant power at most [s]: by the other end of the exponents of its class."""
     if not pack.of_class:
         return run_time(pack, power)
@@ -216,7 +217,7 @@ def longest_run_time(pack: Pack, power: Any) -> Any:
     return run_time(replace(pack, peukert_exponent=_OF_CLASS[0], rated_time=pack.law[0]), power)
 
 
-def run_time(pack: Pack, power: Any) -> Any:
+def run_time(pack: Pack, power: Alike) -> Alike:
     """Run time of a full battery at a constant power [s], all of its charge drawn; the least by a class of exponents.
 
     By its discharge table, inside of it; else by Peukert's law at the current P / V of its mean voltage; a lithium
@@ -249,18 +250,18 @@ def strings_needed(pack: Pack, needed: float) -> float:
     return nan if isnan(share) else float(max(1, ceil(share * (1.0 - _NEARLY))))
 
 
-def accepted(spec: Any) -> Any:
+def accepted(spec: RobotSpec) -> Alike:
     """Share of regenerated power that goes into the battery; what of it is not stored is lost inside."""
     return 1.0 if spec.accepts_all else spec.supply.regeneration
 
 
-def raised_voltage(pack: Pack, back: Any, emf: Any) -> Any:
+def raised_voltage(pack: Pack, back: Alike, emf: Any) -> Alike:
     """Voltage at the terminals while power is regenerated [V]: E + R I; E where none does, whatever the resistance."""
     raised = laws.terminal_voltage(-_returned_current(pack, back, emf), emf, pack.resistance)
     return np.where(np.asarray(back) == 0.0, emf, raised)[()]
 
 
-def _returned_current(pack: Pack, back: Any, emf: Any) -> Any:
+def _returned_current(pack: Pack, back: Alike, emf: Alike) -> Alike:
     """Current into the battery [A]: the root of R I^2 + E I = P that is not negative."""
     into = -laws.current_of_power(-np.asarray(back), emf, pack.resistance)
     return np.where(np.asarray(back) == 0.0, 0.0, into)[()]
@@ -272,28 +273,28 @@ def _returned_current(pack: Pack, back: Any, emf: Any) -> Any:
 class Load(NamedTuple):
     """The load of a battery; NaN is unknown. Figures, or columns over samples."""
 
-    mean: Any  # W
-    peak: Any  # W
+    mean: Alike  # W
+    peak: Alike  # W
     rms: float  # W
     back: float  # W into the battery, at most
-    speed: Any  # m/s, mean
-    full: Any = nan  # s, until all of its charge is drawn, at least
+    speed: Alike  # m/s, mean
+    full: Alike = nan  # s, until all of its charge is drawn, at least
     required: float = nan  # s that it must last; also where nothing is required
-    charge: Any = nan  # share left at the end
-    lowest: Any = nan  # V at the terminals
-    highest: Any = nan  # V there, at the largest return
-    longest: Any = nan  # s, until all of its charge is drawn, at most
+    charge: Alike = nan  # share left at the end
+    lowest: Alike = nan  # V at the terminals
+    highest: Alike = nan  # V there, at the largest return
+    longest: Alike = nan  # s, until all of its charge is drawn, at most
     others: float = 0.0  # W of the mean that is not the drives'
 
 
-def required_autonomy(spec: RobotSpec, pack: Pack) -> Any:
+def required_autonomy(spec: RobotSpec, pack: Pack) -> Alike:
     """Time that a battery must last: the autonomy of its section, else the mission."""
     if pack.section.autonomy is not None:
         return pack.section.autonomy
     return nan if spec.mission is None or spec.mission.legs else spec.mission.duration
 
 
-def load_of(spec: Any, pack: Pack, mean: Any, peak: Any, speed: Any, strings: Any = 1.0) -> Load:
+def load_of(spec: RobotSpec, pack: Pack, mean: Alike, peak: Alike, speed: Alike, strings: Alike = 1.0) -> Load:
     """Load of a battery, of so many times its strings, by the powers that are drawn [W]: figures, or columns.
 
     Lowest is the voltage at the peak, at the end of the time; unknown where no current gives that power.
@@ -343,7 +344,7 @@ def charge_along(legs: Sequence[Leg], pack: Pack, load: Load) -> Array:
     return np.array(found)
 
 
-def drawn_columns(spec: Any, pack: Pack, load: Any) -> list[CheckColumn]:
+def drawn_columns(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
     """Limits of what is drawn alone: autonomy and range, voltages that the drive was sized for, currents.
 
     Single figures, or columns where the figures of spec and load are columns.
@@ -369,7 +370,7 @@ def drawn_columns(spec: Any, pack: Pack, load: Any) -> list[CheckColumn]:
     ]
 
 
-def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
+def charging(spec: RobotSpec, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
     """Highest voltage and charge current, from the largest regenerated power; without any no limit applies.
 
     The margin to the voltage at which a charge ends counts from the voltage at rest: by so much the current may grow.
@@ -385,7 +386,7 @@ def charging(spec: Any, pack: Pack, load: Load) -> tuple[CheckColumn, ...]:
     return _known_at_rest(pack, over), _known_at_rest(pack, bus), into
 
 
-def _resting_voltage(pack: Pack, mean: Any) -> Any:
+def _resting_voltage(pack: Pack, mean: Alike) -> Alike:
     """Highest voltage at rest: that of the start, or of a full battery where more is regenerated than drawn."""
     return pack.emf(np.where(np.asarray(mean) < 0.0, 1.0, pack.start))[()]
 
@@ -411,17 +412,16 @@ class Feeding(NamedTuple):
     """A battery and the equipment that draws from it, of samples."""
 
     pack: Pack
-    charge: Any  # of the battery over its nominal one
-    mean: Any  # W, of the equipment
-    peak: Any  # W
-    travels: bool
+    charge: Alike  # of the battery over its nominal one
+    mean: Alike  # W, of the equipment
+    peak: Alike  # W
 
 
 def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
     """The battery of a machine, and what the equipment draws from it."""
     given = spec.battery
     assert given is not None
-    charge: Any = 1.0
+    charge: Alike = 1.0
     for name in ("capacity", "health"):
         if name in given.model_fields_set:
             charge = charge * (getattr(given, name) / getattr(rated, name))
@@ -429,17 +429,17 @@ def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
     mission = spec.mission.duration if spec.mission else None
     drawn = [one.drawn(mission) for one in spec.equipment]
     mean, peak = (sum(powers) for powers in zip(*drawn, strict=True)) if drawn else (0.0, 0.0)
-    on_wheels = spec.load.is_wheel or isinstance(spec.load, WheeledVehicle)
-    return Feeding(pack_of(given, catalog), charge, mean, peak, on_wheels)
+    return Feeding(pack_of(given, catalog), charge, mean, peak)
 
 
-def columns_of(spec: Any, feeds: Feeding, total: Any, speed: Any, draws: Sequence[Draw]) -> list[CheckColumn]:
-    """Autonomy, range, peak and voltage, from figures of the cycle."""
-    share = spec.supply.regeneration
+def columns_of(spec: RobotSpec, feeds: Feeding, cycle: LoadCycle, draws: Sequence[Draw]) -> list[CheckColumn]:
+    """Autonomy, range, peak and voltage, from what drives draw over a cycle, or samples each over its own."""
+    share, total = spec.supply.regeneration, cycle.total
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
     slip = spec.platform.slip if spec.platform else 0.0
     mean = (drawn / (1.0 - slip) - share * returned) / total + feeds.mean
     peak = np.maximum(draws[0].peak, 0.0) / (1.0 - slip) + feeds.peak
+    speed = distance_of(spec, cycle) / total
     load = load_of(spec, feeds.pack, mean, peak, speed, feeds.charge)  # of so many parallel strings
     checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
     checked -= {*BATTERY_VOLTAGES} if feeds.pack.polarisation else set()

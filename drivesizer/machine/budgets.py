@@ -29,7 +29,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.supply_power import power_of_cases
-from drivesizer.physics.figures import no_less
+from drivesizer.physics.figures import Alike, no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_most, over_ends
@@ -180,7 +180,7 @@ class MassBudget:
         return (known,) if isnan(self.limit) else (known, left)
 
 
-def mass_columns(known: Any, lacking: Any, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
+def mass_columns(known: Alike, lacking: Alike, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
     """The known mass against the limits, as columns."""
     limits = {"mass": nan if limit is None else limit, "mass_sized_for": nan if sized_for is None else sized_for}
     mass = no_less(known, ~np.asarray(lacking, bool))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite, isnan, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from drivesizer.machine.set_cycle import SetCycle, turned
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, CycleAtBelt
 from drivesizer.physics.drive_train import commutation, friction
-from drivesizer.physics.figures import Array
+from drivesizer.physics.figures import Alike, Array
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.physics.thermal import continuous_current, current_derating, rated_ambient, resistance_25, resistance_at
 from drivesizer.physics.winding import heat, housing_loss
@@ -126,7 +126,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         demand = demand._replace(coefficients=c, rms_current=rms_current)
     c, ratio = demand.coefficients[0], float(demand.total_ratio[0])
 
-    def rubbed(w: Any) -> Any:
+    def rubbed(w: Alike) -> Alike:
         """Friction torque of the motor itself at a speed, turning [N*m]."""
         return c[DIRECTION] + c[SPEED] / ratio * w
 
@@ -140,7 +140,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     k_e, X = float(demand.back_emf[0]), float(commutation(motor)[0])
     cold, warm = (float(resistance_at(resistance_25(drive_set.motor), T) + feed.leads) for T in (ambient, hot))
 
-    def by_voltage(R: float, w: Any) -> Any:
+    def by_voltage(R: float, w: Alike) -> Alike:
         """Torque at the shaft that the voltage gives behind stage and supply [N*m]."""
         return k_t * (voltage - k_e * w) / (R + X * w) - rubbed(w)
 

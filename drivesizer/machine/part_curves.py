@@ -12,7 +12,7 @@ from drivesizer.catalog.parts import NO_PULL_OUTS, PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
 from drivesizer.kernel.warming import State, overload_time, steady_state
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
-from drivesizer.physics.figures import Array, Figures, Whole
+from drivesizer.physics.figures import Alike, Array, Figures, Whole
 from drivesizer.physics.stepper import pull_out_torque, rescaled_torque
 from drivesizer.physics.thermal import (
     DATA_TEMPERATURE,
@@ -54,7 +54,7 @@ def torque_of_drive(drive: DriveParts, speed: Array, voltage: float) -> Array:
     return found
 
 
-def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: Any) -> Array:
+def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: Alike) -> Array:
     """Pull-out torque of steppers: by the printed curve where there is one, else the model's times its share.
 
     Of several curves that of the highest voltage that the supply reaches counts, else that of the lowest.
@@ -77,7 +77,7 @@ def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: An
     return found
 
 
-def _curves_of(curves: PullOuts, voltage: Any, steppers: Whole) -> Whole:
+def _curves_of(curves: PullOuts, voltage: Alike, steppers: Whole) -> Whole:
     """Number of the curve of each stepper, on a voltage of its own or that of all; -1 where it has none."""
     count = int(steppers.max(initial=0)) + 1
     if np.ndim(voltage) == 0:

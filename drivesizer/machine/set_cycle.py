@@ -26,7 +26,7 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import AtGearhead, CycleAtBelt
 from drivesizer.physics.extremes import first_largest
 from drivesizer.physics.figures import Array, Whole
-from drivesizer.physics.load_cycle import middle, places, rms
+from drivesizer.physics.load_cycle import LoadCycle, middle, places, rms
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import two_bodies
@@ -237,14 +237,14 @@ def motor_pieces(
     return *found, piece("cycle", slice(None))
 
 
-def _motions(load: Any) -> Whole:
+def _motions(load: LoadCycle) -> Whole:
     """The kind of each segment, as a number in ``_MOTIONS``."""
     way, slope = np.sign(middle(load.speed)), middle(load.acceleration)
     gaining = np.where(np.abs(slope) <= _LEVEL * np.abs(load.acceleration).max(), 0.0, np.sign(slope * way))
     return np.where(way == 0.0, 0.0, 2.0 + gaining + 3.0 * (way < 0.0)).astype(np.int64)
 
 
-def _seen_motions(load: Any) -> Whole:
+def _seen_motions(load: LoadCycle) -> Whole:
     """The kind of each segment of a noisy course: by straight lines through its speed, as an eye sees them.
 
     A line ends where the speed leaves it by more than five times the noise, within 5 to 15 % of the largest speed.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite, isnan, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +17,17 @@ from drivesizer.kernel.records import Drive
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.machine.set_cycle import SetCycle, driven, turned
 from drivesizer.physics.braking import burning, burnt_energy, largest_mean, largest_pulse, most_stored
-from drivesizer.physics.cycle_at_gearhead import ACCELERATION, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
+from drivesizer.physics.cycle_at_gearhead import (
+    ACCELERATION,
+    BRAKING,
+    DIRECTION,
+    DRIVING,
+    SPEED,
+    AtGearhead,
+    CycleAtBelt,
+)
 from drivesizer.physics.drive_train import friction
-from drivesizer.physics.figures import Array, Figures
+from drivesizer.physics.figures import Alike, Array, Figures, Whole
 from drivesizer.physics.load_cycle import integral
 from drivesizer.physics.motor_demand import Demands, mean_gear_loss
 from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
@@ -44,9 +52,9 @@ _NO_TIME = 1e-12  # of the cycle: two ends so near are one
 class Draw(NamedTuple):
     """Energy out of the source and returned over a cycle [J], and peak power [W]: columns over drives or samples."""
 
-    drawn: Any
-    returned: Any
-    peak: Any
+    drawn: Alike
+    returned: Alike
+    peak: Alike
 
 
 class DrivePower(NamedTuple):
@@ -86,7 +94,7 @@ class DrivePower(NamedTuple):
         names = ("drawn", "bus_drawn", "peak", "motor_drawn", "most")
         return self._replace(**{name: getattr(self, name) / (1.0 - slip) for name in names})
 
-    def at(self, duration: Array, pieces: Any) -> DrivePower:
+    def at(self, duration: Array, pieces: Whole) -> DrivePower:
         """Some of its pieces in an order, with other durations [s]."""
         return self._replace(duration=duration, **{name: getattr(self, name)[pieces] for name in _POWERS})
 
@@ -94,7 +102,9 @@ class DrivePower(NamedTuple):
 _POWERS = tuple(name for name in DrivePower._fields if name not in ("duration", "distance"))
 
 
-def drive_power(spec: RobotSpec, drive_set: DriveParts, base: Any = None, *, merged: bool = False) -> DrivePower:
+def drive_power(
+    spec: RobotSpec, drive_set: DriveParts, base: CycleAtBelt | None = None, *, merged: bool = False
+) -> DrivePower:
     """Power over one cycle in periodic steady state; unknown where the winding's temperature is."""
     feed = spec.feed_of(drive_set.controller, drive_set.brake)
     if drive_set.steps:
@@ -386,7 +396,7 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
         timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
         own = regenerated_of(name, spec, power_of_cases(some, one, merged=len(some) == 1 and not timed))
         if len(some) > 1:  # drives that act at the same time: what one draws of another's return goes no further
-            net: Any = own.drawn - own.returned
+            net: Array = own.drawn - own.returned
             own = replace(own, drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
         found.append(own)
     return found

@@ -29,7 +29,7 @@ from drivesizer.physics.drive_train import (
     motor_and_gears,
     usual_idle,
 )
-from drivesizer.physics.figures import Array
+from drivesizer.physics.figures import Alike, Array
 from drivesizer.physics.power_stage import Feed, power_stage, with_stage_losses
 from drivesizer.physics.thermal import TwoBodies, resistance_at, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -262,7 +262,7 @@ def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
     return np.where(high < _RUNAWAY, high, np.inf), np.asarray(np.where(high < _RUNAWAY, housing, np.inf))
 
 
-def time_to_limit(heating: Heating, start: State, limit: Any) -> Array:
+def time_to_limit(heating: Heating, start: State, limit: Alike) -> Array:
     """Time until the winding has its permitted temperature."""
     body, whole = heating.bodies, np.ones(np.shape(heating.bodies.R_25))
     state = start.winding * whole, start.housing * whole
@@ -290,7 +290,7 @@ def time_to_limit(heating: Heating, start: State, limit: Any) -> Array:
     return np.where(at_once, 0.0, np.where(reached, begun + high, np.inf))
 
 
-def _step(heating: Heating, state: tuple[Array, Array], span: Any) -> tuple[Array, Array]:
+def _step(heating: Heating, state: tuple[Array, Array], span: Alike) -> tuple[Array, Array]:
     """Temperatures after a span, with the sources at the mean of the winding's temperature before and after."""
     winding, moved = state[0], state
     for _ in range(2):
@@ -324,12 +324,12 @@ class SetAtVoltage(NamedTuple):
         """Dry friction of motor and gear without load, at the motor [N*m]."""
         return self.drive.coulomb + self.drive.idle
 
-    def winding(self, temperature: Any) -> Winding:
+    def winding(self, temperature: Alike) -> Winding:
         """Electrical side with the winding at a temperature [K], leads included."""
         R = np.asarray(resistance_at(self.bodies.R_25, temperature) + self.leads)
         return Winding(R, self.motor["inductance"], self.drive.k_t, self.drive.k_e, commutation(self.motor))
 
-    def stall_current(self, temperature: Any) -> Array:
+    def stall_current(self, temperature: Alike) -> Array:
         """Current at standstill and full voltage [A]."""
         return np.asarray(np.minimum(self.voltage / self.winding(temperature).R, self.most_current))
 
@@ -342,12 +342,12 @@ class SetAtVoltage(NamedTuple):
         drop = source - self.voltage / self.duty
         return np.asarray(source * (at_bus + ((stage.loss - self.duty * drop) * current + stage.standby) / sagged))
 
-    def motor_torque(self, torque_out: Any) -> Array:
+    def motor_torque(self, torque_out: Alike) -> Array:
         """Torque at the motor that drives one at the output, dry friction included [N*m]; none needs no efficiency."""
         driving = 0.0 if np.all(torque_out == 0.0) else torque_out / (self.drive.ratio * self.drive.efficiency)
         return np.asarray(driving + self.coulomb)
 
-    def running(self, torque_out: Any, temperature: Any) -> tuple[Array, Array]:
+    def running(self, torque_out: Alike, temperature: Alike) -> tuple[Array, Array]:
         """Speed of the motor [rad/s] and current [A] under a torque at the output; stalled where that is too much."""
         winding = self.winding(temperature)
         speed, current = operating_point(winding, self.voltage, self.motor_torque(torque_out), self.drive.viscous)

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.figures import Array, Mask, Range, Whole
+from drivesizer.physics.figures import Alike, Array, Mask, Range, Whole
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS
 
@@ -172,7 +172,7 @@ class CheckColumn(NamedTuple):
 
 
 def at_most(
-    name: str, demand: Any, limit: Any, *, time: Any = None, zero: Any = 0.0, needed: float = 0.0, **more: Any
+    name: str, demand: Alike, limit: Alike, *, time: Alike = None, zero: Alike = 0.0, needed: float = 0.0, **more: Any
 ) -> CheckColumn:
     """A demand that must not exceed a limit; margin = limit/demand - 1. Each a figure or a ``Range``, as a time is.
 
@@ -226,12 +226,12 @@ def _ends(figure: Any) -> tuple[Array, Array]:
     return np.asarray(figure.low, float), np.asarray(figure.high, float)
 
 
-def at_least(name: str, required: Any, actual: Any, **more: Any) -> CheckColumn:
+def at_least(name: str, required: Alike, actual: Alike, **more: Any) -> CheckColumn:
     """A minimum that must be reached; margin = actual/required - 1."""
     return at_most(name, required, actual, **more)
 
 
-def fits(name: str, good: Any, known: Any) -> CheckColumn:
+def fits(name: str, good: Alike, known: Alike) -> CheckColumn:
     """A condition that is met or not, without figures."""
     _refuse_undeclared(name)
     good, known = np.asarray(good, bool), np.asarray(known, bool)

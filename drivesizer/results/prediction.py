@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from drivesizer.physics.figures import Array
+from drivesizer.physics.figures import Alike, Array
 from drivesizer.results.drive_set import EstimatedFigure
 
 HOTTEST = 573.15  # K: enamel of class 240 has charred, so that a temperature above says no more than this
@@ -30,10 +30,10 @@ class Band(NamedTuple):
     Figures [SI], or arrays over an axis; infinite: not within any time; NaN: unknown.
     """
 
-    nominal: Any
-    p5: Any
-    p50: Any
-    p95: Any
+    nominal: Alike
+    p5: Alike
+    p50: Alike
+    p95: Alike
 
 
 class Predicted(NamedTuple):

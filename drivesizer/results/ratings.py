@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.physics.drive_train import back_emf_constant
-from drivesizer.physics.figures import Array, Figures, Range, once_per_part
+from drivesizer.physics.figures import Alike, Array, Figures, Range, once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
@@ -33,7 +33,7 @@ _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that
 
 
 def continuous_speed_limit(
-    gearhead: Figures, mean_speed: Any, sustained_speed: Any, ratio: Any, needed: float = 0.0
+    gearhead: Figures, mean_speed: Alike, sustained_speed: Alike, ratio: Alike, needed: float = 0.0
 ) -> CheckColumn:
     """The lasting speed at a gearhead's input against its continuous one, by the rule of its maker."""
     speed = np.where(_limits_mean_speed(gearhead), mean_speed, sustained_speed)
@@ -59,7 +59,7 @@ def _limits_mean_speed(gearhead: Figures) -> Any:
     return np.isin(gearhead["manufacturer"], _BY_THE_MEAN)
 
 
-def controller_current(controller: Figures, ambient: Array | float) -> Any:
+def controller_current(controller: Figures, ambient: Array | float) -> Alike:
     r"""Continuous current of controllers in an ambient, where their derating is printed.
 
     .. math:: I = \max(I_N - s (T - T_N), 0) \text{ above } T_N, \quad I = 0 \text{ above } T_{max}
@@ -84,7 +84,7 @@ def controller_current(controller: Figures, ambient: Array | float) -> Any:
     return np.where(np.isnan(printed), np.nan, found)
 
 
-def controller_power_limit(power: Any, controller: Figures, voltage: float, **more: Any) -> CheckColumn:
+def controller_power_limit(power: Alike, controller: Figures, voltage: float, **more: Any) -> CheckColumn:
     r"""The largest power of a drive against what its controller permits at a supply voltage.
 
     .. math:: P = P_{max} - (P_{max} - P_{red}) \frac{V - V_{max}}{V_{red} - V_{max}}, \qquad P_{red} \le P \le P_{max}
@@ -141,7 +141,7 @@ def nominal_torque_limit(
 
 
 def _rated(
-    name: str, rms: Array | float, rating: Any, motor: Figures, ambient: Array | float, needed: float
+    name: str, rms: Array | float, rating: Alike, motor: Figures, ambient: Array | float, needed: float
 ) -> CheckColumn:
     """An RMS demand against a thermal rating, in another ambient than that of the rating."""
     T_max, rated, gain = motor["max_winding_temperature"], rated_ambient(motor), motor["mounted_gain"]
@@ -162,7 +162,7 @@ def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> Check
     return column._replace(failed=column.failed & (column.demand > most[0])) if most else column
 
 
-def ambient_range(name: str, ambient: float, least: Any, most: Any, *, waived: bool = False) -> CheckColumn:
+def ambient_range(name: str, ambient: float, least: Alike, most: Alike, *, waived: bool = False) -> CheckColumn:
     """The ambient within a range: outside of a known end it fails, within both it passes.
 
     An end that the maker does not state is that of IEC 60034-1, 6.2 and 6.4, at which it passes as an assumption.
@@ -180,7 +180,7 @@ def ambient_range(name: str, ambient: float, least: Any, most: Any, *, waived: b
     )  # fmt: skip
 
 
-def supply_voltage_limit(motor: Figures, volts: Any) -> list[CheckColumn]:
+def supply_voltage_limit(motor: Figures, volts: Alike) -> list[CheckColumn]:
     """The highest supply voltage against what the insulation of motors permits.
 
     Where the maker prints a limit it counts. Else a winding is taken to withstand 1.5 times its nominal voltage, and

@@ -11,7 +11,6 @@ from math import nan
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import Load, accepted, charging, columns_of, feeding, pack_of, raised_voltage
 from drivesizer.machine.budgets import (
@@ -65,10 +64,8 @@ def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np
         case, cycle = problem.cases[numbers[0]].spec, problem.cases[numbers[0]].cycle
         least = np.sum([problem.cases[n].spec.load.alike * least_power(problem, n, sets) for n in numbers], axis=0)
         energy = cycle.total * (least - _ROUNDING * np.abs(least))
-        draw, alone = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan)), np.ones_like(energy)
-        speed = alone * distance_of(case, cycle) / cycle.total
-        feeds = feeding(case, battery, problem.catalog)
-        for check in columns_of(case, feeds, cycle.total, speed, [draw]):
+        draw = Draw(energy, np.zeros_like(energy), np.full_like(energy, np.nan))
+        for check in columns_of(case, feeding(case, battery, problem.catalog), cycle, [draw]):
             if check.name in BATTERY_LASTING:
                 found[check.name] = found.get(check.name, False) | check.failed
     return found
@@ -177,8 +174,7 @@ def _batteries(whole: Evaluation) -> Iterator[CheckColumn]:
         draw = Draw(drawn, figures["returned"], figures["power"])
         idle = draw._replace(drawn=np.zeros_like(drawn), returned=np.zeros_like(drawn))
         feeds = feeding(case, battery, problem.catalog)
-        speed = np.full_like(drawn, distance_of(case, cycle) / cycle.total)
-        yield from columns_of(case, feeds, cycle.total, speed, [draw, *([idle] * (len(numbers) - 1))])
+        yield from columns_of(case, feeds, cycle, [draw, *([idle] * (len(numbers) - 1))])
         # the peak of the charge power is no less than its mean over the cycle
         pack, rest = feeds.pack, accepted(case) * draw.returned / cycle.total
         least = Load(mean=nan, peak=nan, rms=nan, back=rest, speed=nan, charge=pack.start)

@@ -222,13 +222,6 @@ class AtSamples(AtGearhead):
         return bounded(value, np.broadcast_to(np.nan, value.shape), left_out)
 
     @cached_property
-    def travel(self) -> Array:
-        """Travel of the load over each cycle, there and back [m]."""
-        cycle = self.load_cycle
-        found: Array = cycle.radius * (np.abs(cycle.speed).mean(axis=1) * cycle.duration).sum(axis=0)
-        return found
-
-    @cached_property
     def speeds(self) -> Array:
         """Speed at the gearhead's output, at both ends of each segment [rad/s]: shape (segments, 2, samples)."""
         scaled: Array = self.base.functions[SPEED] * self.belt
@@ -253,7 +246,7 @@ class Block(NamedTuple):
     """Some of the samples, ready for any drive: a load case each."""
 
     size: int
-    specs: tuple[Any, ...]  # with columns
+    specs: tuple[RobotSpec, ...]  # with columns
     ats: tuple[Mapping[float, AtSamples], ...]  # by belt ratio
     feeds: tuple[tuple[Feeding, tuple[int, ...]], ...]  # batteries, each with the cases that draw from it
     factors: Mapping[Class, Array]  # of the catalogue's figures
@@ -453,7 +446,7 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
     draws = []
 
-    def geared(spec: Any, at: AtSamples, drive: BeltDrive | None) -> list[CheckColumn]:
+    def geared(spec: RobotSpec, at: AtSamples, drive: BeltDrive | None) -> list[CheckColumn]:
         found = limits.gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
         return limits.that_apply(spec, found)
 
@@ -473,15 +466,12 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
             by_name.setdefault(check.name, []).append((number, check))
     for feeds, numbers in block.feeds:
         first, drawn = numbers[0], [draws[number] for number in numbers]
-        spec, at = block.specs[first], block.ats[first][one.belt]
-        total, travel = at.load_cycle.total, spec.load.distance if spec.load.is_wheel else at.travel
-        speed = travel / total if feeds.travels else np.full_like(total, np.nan)
-        for check in columns_of(spec, feeds, total, speed, drawn):
+        for check in columns_of(block.specs[first], feeds, block.ats[first][one.belt].load_cycle, drawn):
             by_name.setdefault(check.name, []).append((first, check))
     return {name: worst_case(same) for name, same in by_name.items()}
 
 
-def _controller_fits(spec: Any, controller: Any, one: SetRows) -> CheckColumn:
+def _controller_fits(spec: RobotSpec, controller: Figures, one: SetRows) -> CheckColumn:
     """Whether the chosen controller permits the supply's voltages."""
     lowest, highest = np.asarray(spec.supply.lowest), np.asarray(spec.supply.highest)
     good = (controller["supply_min"] <= lowest) & (controller["supply_max"] >= highest) & (one.controller >= 0)
@@ -498,7 +488,7 @@ class _Loaded(NamedTuple):
     over_time: Pair  # bounds of what needs the waveform
 
 
-def _loaded(spec: Any, at: AtSamples, drive: _Drive, *, energies: bool) -> _Loaded:
+def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) -> _Loaded:
     """Demands, heat and waveform of a drive in one load case."""
     parts, ambient = drive.parts, spec.environment.ambient
     required = demands(at, parts.motor, parts.gearhead, parts.encoder, brake_inertia(parts, at.belt))
@@ -516,7 +506,7 @@ def _loaded(spec: Any, at: AtSamples, drive: _Drive, *, energies: bool) -> _Load
     return _Loaded(required, warmth, peaks, least(figures, at, required, warmth, peaks))
 
 
-def _servo_checks(spec: Any, at: AtSamples, drive: _Drive, energies: bool) -> tuple[list[CheckColumn], Draw]:
+def _servo_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, energies: bool) -> tuple[list[CheckColumn], Draw]:
     """The checks of one load case that hang on a motor with a controller, and the energy that its drives draw."""
     parts, (required, warmth, peaks, over_time) = drive.parts, _loaded(spec, at, drive, energies=energies)
     found = [c for c in limits.moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
@@ -534,7 +524,7 @@ def _stepper_demands(at: AtSamples, parts: Parts) -> Demands:
     return demands(at, Frictionless(parts.motor), parts.gearhead, parts.encoder, brake_inertia(parts, at.belt))
 
 
-def _stepper_checks(spec: Any, at: AtSamples, drive: _Drive, _: bool) -> tuple[list[CheckColumn], Draw]:
+def _stepper_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, _: bool) -> tuple[list[CheckColumn], Draw]:
     """The same of a stepper."""
     parts = drive.parts
     assert drive.pull_out is not None
@@ -572,7 +562,7 @@ def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Ar
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _servo_figures(spec: Any, at: AtSamples, drive: _Drive) -> dict[str, Any]:
+def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     """Figures that the load cycle makes, unknown where only a least demand is known; and those at the supply alone."""
     case = _loaded(spec, at, drive, energies=True)
     known, over_time = case.required.complete, case.over_time[0].agreed(case.over_time[1])
@@ -599,7 +589,7 @@ def _servo_figures(spec: Any, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     return found
 
 
-def _stepper_figures(spec: Any, at: AtSamples, drive: _Drive) -> dict[str, Any]:
+def _stepper_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     """Figures of a stepper in one load case."""
     parts, pull_out = drive.parts, drive.pull_out
     assert pull_out is not None
