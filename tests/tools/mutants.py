@@ -1,4 +1,4 @@
-"""Mutation run: small faults put into the physics, the search and the controllers; the tests should find each.
+"""Mutation run: small faults put into physics, kernel, checks, search and controllers; the tests should find each.
 
     python tests/tools/mutants.py [--tree CHECKOUT] [--count 60] [--seed 1] [--room ROOM] [--time 600]
 
@@ -25,9 +25,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("physics", "search", "control")
+ROOMS = ("physics", "kernel", "results", "search", "control")
 ACROSS = ("tests/test_sps_robot.py", "tests/test_equations.py", "tests/against/test_brute_force.py")
-ALSO = {"control": ("tests/test_simulate.py", "tests/against/test_servo.py"), "search": (), "physics": ()}
+ALSO = {"control": ("tests/test_simulate.py", "tests/against/test_servo.py")}
 COMPARED = {ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq}
 COMPUTED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult}
 
