@@ -31,7 +31,7 @@ from drivesizer.search.uncertainty.uncertain_figures import (
     Assumption,
     applied,
     case_paths,
-    holding,
+    holding_of_a_set,
     of_a_class,
     of_the_file,
 )
@@ -53,16 +53,14 @@ class _UncertainAxis(NamedTuple):
     power: AxisPower
     paths: dict[int, dict[Path_, int]]  # by load case of the axis
     start: int | None
-    classes: dict[tuple[str, str], int]  # by part and figure
+    classes: dict[Class, int]
     quickest: float  # s, winding
 
     def at(self, values: Values, given: Sequence[Assumption]) -> AxisPower:
         """The axis with the figures of a sample."""
         problem = self.power.problem
         cases = tuple(self._case(case, values, given) for case in problem.cases)
-        factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}, "controller": {}}
-        for (part, figure), k in self.classes.items():
-            factors[part][figure] = float(values[k])
+        factors = {held: float(values[k]) for held, k in self.classes.items()}
         start = self.power.start if self.start is None else float(values[self.start])
         one = deviating_drive(self.power.one, cases[0].spec, factors)
         return self.power._replace(problem=replace(problem, cases=cases), one=one, start=start)
@@ -128,7 +126,7 @@ def uncertain_machine(machine: MachineSpec, shared: RobotSpec, axes: Sequence[Ax
                        for k, path in case_paths(spec, n - 1 if n else None).items() if not _planned(axis, path)}
                    for n in range(len(spec.load_cases))},
             start=of_file(starts) if starts in figures else None,
-            classes={(one.part, one.figure): number(one, of_a_class(one)) for one in _classes(axis.problem, axis.one)},
+            classes={held: number(held, of_a_class(held)) for held in _classes(axis.problem, axis.one)},
             quickest=quickest_winding(axis.problem.catalog),
         ))  # fmt: skip
     of_shared = {
@@ -143,15 +141,11 @@ def _planned(axis: AxisPower, path: Path_) -> bool:
 
 
 def _classes(problem: Problem, one: DriveParts) -> Iterator[Class]:
-    """The tolerance classes of the parts of a drive."""
-    catalog: Catalog = problem.catalog
-    rows = {
-        "motor": catalog.motors.rows.get(one.motor.part, -1),
-        "gearhead": catalog.gearheads.rows.get(one.gearhead.part, -1),
-        "controller": catalog.controllers.rows.get(one.controller.part, -1) if one.controller else -1,
-    }
-    for part, row in rows.items():
-        yield from (held for held in holding(catalog, problem.machine.tolerances.given, part, row) if held.factor)
+    """The tolerance classes of the parts of a drive that have a distribution."""
+    parts: dict[str, Any] = {"motors": one.motor, "gearheads": one.gearhead, "controllers": one.controller}
+    rows = (problem.catalog.table(name).rows.get(part.part, -1) if part else -1 for name, part in parts.items())
+    held = holding_of_a_set(problem.catalog, problem.machine.tolerances.given, *rows)
+    return (own for own in held if own.factor)
 
 
 # -- Limits of a machine's common supply over samples of all uncertain figures: probability that none is exceeded.

@@ -54,12 +54,7 @@ def deviating(
     """Machine and drive with the figures of one sample."""
     paths = case_paths(spec, None)
     moved = applied(spec, {path: float(values[k]) - given[k].nominal for k, path in paths.items()})
-    factors: dict[str, dict[str, float]] = {"motor": {}, "gearhead": {}, "controller": {}}
-    for k, assumption in enumerate(given):
-        if assumption.catalogue:
-            of_part, figure = factors[assumption.catalogue.part], assumption.catalogue.figure
-            assert figure not in of_part, f"{assumption.name}: of another maker's part"
-            of_part[figure] = float(values[k])
+    factors = {a.catalogue: float(values[k]) for k, a in enumerate(given) if a.catalogue}
     return moved, deviating_drive(one, moved, factors)
 
 

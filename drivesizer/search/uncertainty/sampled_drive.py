@@ -417,22 +417,24 @@ def _drive(catalog: Catalog, one: SetRows, block: Block) -> _Drive:
     return _Drive(parts, printed, factors, pull_out, highest, listed)
 
 
-def deviating_drive(one: DriveParts, spec: RobotSpec, factors: Mapping[str, Mapping[str, float]]) -> DriveParts:
-    """A drive whose figures deviate from those of the catalogue, by part and figure; by 1 where a factor is missing."""
+def deviating_drive(one: DriveParts, spec: RobotSpec, given: Mapping[Class, float]) -> DriveParts:
+    """A drive whose figures deviate from those of the catalogue by the factors of their classes."""
+    of_motor, of_gearhead, of_controller = (
+        {held.figure: factor for held, factor in given.items() if held.part == part}
+        for part in ("motor", "gearhead", "controller")
+    )
 
     def varied(part: Any, figures: Mapping[str, Any]) -> Any:
         return replace(part, **{name: float(x) for name, x in figures.items()})
 
-    of_motor, controller = factors["motor"], one.controller
-    times = stepper_times(one.motor, {**of_motor, **factors["controller"]}) if one.steps else motor_times(
-        one.motor, of_motor
-    )  # fmt: skip
-    if controller and "losses" in factors["controller"]:
+    times = stepper_times(one.motor, of_motor | of_controller) if one.steps else motor_times(one.motor, of_motor)
+    controller = one.controller
+    if controller and "losses" in of_controller:
         assume = spec.select.estimates == "on"
-        controller = varied(controller, with_stage_losses(controller, factors["controller"]["losses"], assume=assume))
+        controller = varied(controller, with_stage_losses(controller, of_controller["losses"], assume=assume))
     return replace(
         one, motor=varied(one.motor, times), controller=controller, belt_efficiency=spec.belt_efficiency,
-        gearhead=varied(one.gearhead, gearhead_times(one.gearhead, factors["gearhead"])),
+        gearhead=varied(one.gearhead, gearhead_times(one.gearhead, of_gearhead)),
     )  # fmt: skip
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import isnan, nan
+from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
 from drivesizer.catalog.estimates.estimate import MOUNTED
-from drivesizer.catalog.tables import ESTIMATED, Table
+from drivesizer.catalog.query import Hit
+from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.tolerances import (
     CLASSES,
     NOT_OF_STEPPERS,
@@ -106,45 +107,37 @@ def _concerns(catalog: Catalog, part: str, row: int, figure: str) -> bool:
     if figure == "commutation":
         return bool(table["kind"][row] == "brushless" and table["pole_pairs"][row] * table["inductance"][row] > 0.0)
     if figure == "peak_torque":
-        one = _sold_as(catalog, part, row)
-        return bool(one and one.table["peak_torque"][one.row] == one.table["stall_torque"][one.row])
+        sold = _sold_as(catalog, part, row)
+        return sold.section == "actuators" and bool(sold["peak_torque"] == sold["stall_torque"])
     return True
 
 
-class _Sold(NamedTuple):
-    """A part as its catalogue has it."""
-
-    section: str
-    table: Table[Any]
-    row: int
-
-
-def _sold_as(catalog: Catalog, part: str, row: int) -> _Sold | None:
-    """The actuator that a part is inside of; None of a part of its own."""
-    inside = str(catalog.table(_SECTIONS[part])["inside"][row])
-    return _Sold("actuators", catalog.actuators, catalog.actuators.rows[inside]) if inside else None
+def _sold_as(catalog: Catalog, part: str, row: int) -> Hit:
+    """The part as its catalogue has it: the actuator, of one that is inside of that."""
+    section = _SECTIONS[part]
+    inside = str(catalog.table(section)["inside"][row])
+    return Hit("", catalog, "actuators", catalog.actuators.rows[inside]) if inside else Hit("", catalog, section, row)
 
 
 def _of_stall(catalog: Catalog, part: str, row: int, figure: str) -> Class | None:
     """The class of a figure that is worked out from no-load and stall figures; None of others."""
     if figure not in ("resistance", "efficiency"):
         return None
-    sold = _sold_as(catalog, part, row) or _Sold(_SECTIONS[part], catalog.table(_SECTIONS[part]), row)
+    sold = _sold_as(catalog, part, row)
     if "stall_current" not in sold.table.columns:
         return None
-    one = {name: values[sold.row] for name, values in sold.table.columns.items()}
-    if figure == "efficiency" and isnan(one.get("efficiency", 1.0)) and not isnan(one.get("load_friction", nan)):
+    if figure == "efficiency" and isnan(sold["efficiency"]) and not isnan(sold["load_friction"]):
         return losses_identified()
-    if not abs(one["resistance"] * one["stall_current"] / one["nominal_voltage"] - 1.0) < _ROUNDED:
+    if not abs(sold["resistance"] * sold["stall_current"] / sold["nominal_voltage"] - 1.0) < _ROUNDED:
         return None
     confidence = catalog.confidence(sold.section, sold.row)
     if not {confidence["resistance"], confidence.get(figure, "")} <= _WORKED_OUT:
         return None
     if part == "motor":
         return resistance_from_stall()
-    if one["gearing"] != "spur" or not one["efficiency"] < 1.0:
+    if sold["gearing"] != "spur" or not sold["efficiency"] < 1.0:
         return None
-    return losses_from_stall(str(one["part"]), *(float(one[name]) for name in ("efficiency", "ratio", "stages")))
+    return losses_from_stall(sold.part, *(float(sold[name]) for name in ("efficiency", "ratio", "stages")))
 
 
 _WORKED_OUT = {"derived", "recalled", ESTIMATED}  # confidences of figures that are not printed
