@@ -100,7 +100,7 @@ def source_of(mutant: Mutant) -> str:
 
 def tests_of(tree: Path, room: str) -> list[str]:
     """Tests of a room and those across, each that is there."""
-    return [t for t in (f"tests/{room}", *ACROSS, *ALSO[room]) if (tree / t).exists()]
+    return [t for t in (f"tests/{room}", *ACROSS, *ALSO.get(room, ())) if (tree / t).exists()]
 
 
 def killed(tree: Path, room: str, limit: float) -> bool:
