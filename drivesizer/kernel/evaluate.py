@@ -38,8 +38,12 @@ def evaluate(drives: Drive, cycle: Any, level: int, rows: NDArray[np.int64] | No
     Figures
         Columns of that shape, or of these rows.
     """
-    columns = [column if rows is None else column[rows] for column in np.broadcast_arrays(*drives)]
-    shape, table = columns[0].shape, np.stack(columns, axis=-1, dtype=float).reshape(-1, len(drives))
+    whole = np.broadcast_shapes(*map(np.shape, drives))
+    shape = whole if rows is None else rows.shape
+    columns = np.empty((*shape, len(drives)))
+    for k, column in enumerate(drives):
+        columns[..., k] = column if rows is None or not np.ndim(column) else np.broadcast_to(column, whole)[rows]
+    table = columns.reshape(-1, len(drives))
     found = np.empty((len(table), len(Figures._fields)))
     (arrays, steps, segments, cycles), samples = _laid_out(cycle), np.arange(len(table)) if rows is None else rows
     size = max(-(-len(table) // _threads()), _A_THREAD // segments, 1)

@@ -59,15 +59,15 @@ def after(bodies: TwoBodies, ambient: Figure, start: State, I2: Figure, P_h: Fig
     still = Drive(*np.zeros(len(Drive._fields)))
     drive = still._replace(  # one that turns at 1 rad/s under a torque of 1 N*m
         driving=np.sqrt(I2), R=resistance_at(bodies.R_25, ambient), R_rise=COPPER * bodies.R_25, R_th1=bodies.R_th1,
-        R_th2=bodies.R_th2, C_w=bodies.capacity_w, C_h=bodies.capacity_h, friction=P_h, course=1.0, finest=np.inf,
+        R_th2=bodies.R_th2, C_w=bodies.capacity_w, C_h=bodies.capacity_h, friction=P_h, finest=np.inf,
         winding_start=start.winding - ambient, housing_start=start.housing - ambient,
     )  # fmt: skip
-    *figures, spans = np.broadcast_arrays(*drive, np.maximum(t, _NO_TIME))
-    one = np.ones((1, 2, 1))
-    span = SimpleNamespace(duration=spans.reshape(1, -1), speed=one, acceleration=0.0 * one, torque=one)
-    ends = evaluate(Drive(*(x.ravel() for x in figures)), span, HEAT)
+    shape, one = np.broadcast_shapes(*map(np.shape, (*drive, t))), np.ones((1, 2, 1))
+    spans = np.broadcast_to(np.maximum(t, _NO_TIME), shape).reshape(1, -1)
+    span = SimpleNamespace(duration=spans, speed=one, acceleration=0.0 * one, torque=one)
+    ends = evaluate(drive._replace(course=np.ones(shape)), span, HEAT)
     rises = (np.where(np.isinf(ends.winding), np.inf, x) for x in (ends.winding_end, ends.housing_end))
-    return State(*((ambient + rise.reshape(spans.shape))[()] for rise in rises))
+    return State(*((ambient + rise)[()] for rise in rises))
 
 
 def steady_state(motor: TwoBodies, ambient: float, I_rms: float, P_h: float = 0.0) -> State:

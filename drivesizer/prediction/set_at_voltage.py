@@ -218,7 +218,7 @@ def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[
 
 
 _RUNAWAY = 3000.0  # K, beyond which a winding is taken to run away
-_HALVINGS = 60
+_HALVINGS, _FINE = 60, 40  # of temperatures, and of a step of time
 _FIRST, _GROWTH = 0.02, 0.15  # of the time to the limit at the first slope; of the time so far
 _LONG = 40.0  # time constants of the housing
 _STEPS = 400
@@ -283,7 +283,7 @@ def time_to_limit(heating: Heating, start: State, limit: Alike) -> Array:
         span = np.maximum(span, _GROWTH * time)
     w, h, begun, span = before
     low, high = np.zeros_like(span), span
-    for _ in range(_HALVINGS):
+    for _ in range(_FINE):
         middle = (low + high) / 2.0
         there = _step(heating, (w, h), middle)[0] >= limit
         low, high = np.where(there, low, middle), np.where(there, middle, high)
@@ -292,12 +292,14 @@ def time_to_limit(heating: Heating, start: State, limit: Alike) -> Array:
 
 def _step(heating: Heating, state: tuple[Array, Array], span: Alike) -> tuple[Array, Array]:
     """Temperatures after a span, with the sources at the mean of the winding's temperature before and after."""
-    winding, moved = state[0], state
+    sources, moved = heating.sources(state[0]), state
     for _ in range(2):
-        current, loss = heating.sources((state[0] + winding) / 2.0)
+        current, loss = sources
         moved = after(heating.bodies, heating.ambient, State(*state), current**2, loss, span)
         moved = tuple(np.minimum(np.nan_to_num(x, nan=_RUNAWAY), _RUNAWAY) for x in moved)
-        winding = moved[0]
+        sources = heating.sources((state[0] + moved[0]) / 2.0)
+        if np.array_equal(sources, (current, loss)):  # as while it holds
+            break
     return moved
 
 

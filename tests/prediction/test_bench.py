@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import inf, isnan, nan
 
 import numpy as np
@@ -23,15 +24,17 @@ ROOM = 298.15
 NOTHING = Conditions(voltage=nan, ambient=ROOM, load=nan, hold=nan, inertia=0.0, duration=3600.0, warm=nan,
                      resistance=0.0)  # fmt: skip
 DCX = "DCX22S01EBKL598"
+listed = cache(lambda catalogue: load([catalogue]))
 
 
 def hit(part, section="motors", catalogue="maxon"):
-    catalog = load([catalogue])
+    catalog = listed(catalogue)
     return Hit(catalogue, catalog, section, catalog.table(section).rows[part])
 
 
-def of(motor, gearhead=None, **changes):
-    return predict(motor, gearhead, None, completed(NOTHING._replace(**changes), motor, gearhead))
+def of(motor, gearhead=None, controller=None, *, warming=False, **changes):
+    given = completed(NOTHING._replace(**changes), motor, gearhead)
+    return predict(motor, gearhead, controller, given, warming=warming)
 
 
 def nominal(found, name):
@@ -40,7 +43,7 @@ def nominal(found, name):
 
 @pytest.fixture(scope="module")
 def brushed():
-    return of(hit(DCX))
+    return of(hit(DCX), warming=True)
 
 
 @pytest.mark.parametrize(
@@ -110,13 +113,13 @@ def test_gearhead_and_mounted_inertia():
 
 
 def test_a_held_torque_of_nothing_takes_no_current_at_the_least(brushed):
-    found = of(hit(DCX), hold=0.0)
+    found = of(hit(DCX), hold=0.0, warming=True)
     assert nominal(found, "hold_current") == 0.0 and nominal(found, "hold_winding_settled") == ROOM
     assert nominal(found, "hold_time_cold") == inf and found.figure("hold_time_cold").never == 1.0
 
 
 def test_a_load_that_is_too_much_stalls_the_motor():
-    found = of(hit(DCX), load=0.2)
+    found = of(hit(DCX), load=0.2, warming=True)
     assert nominal(found, "load_speed") == nominal(found, "load_power") == 0.0
     assert nominal(found, "load_current") == nominal(found, "stall_current")
     assert nominal(found, "work_time_cold") < 60.0
@@ -124,12 +127,12 @@ def test_a_load_that_is_too_much_stalls_the_motor():
 
 def test_what_is_unknown_is_named():
     """goBILDA prints no nominal current: what its winding is permitted is assumed, in a wide band."""
-    found = of(hit("5203-2402-0139", "actuators", "gobilda"), load=1.0)
+    found = of(hit("5203-2402-0139", "actuators", "gobilda"), load=1.0, warming=True)
     band = found.figure("stall_time_cold").band
     assert band.p5 < band.nominal < band.p95 and band.p95 > 10 * band.p5
     assert found.figure("stall_time_warm").missing == ("--warm",)
     assert not any(isnan(f.band.nominal) and not f.missing for f in found.figures)
-    servo = of(hit("XL330-M288-T 5 V", "actuators", "robotis"))
+    servo = of(hit("XL330-M288-T 5 V", "actuators", "robotis"), warming=True)
     assert nominal(servo, "stall_current") == pytest.approx(1.47, rel=0.01)  # as printed
     one = servo.figure("work_time_warm")  # no nominal speed, so that nobody knows how warm it gets at that point
     assert isnan(one.band.nominal) and one.missing == ("--warm",)
@@ -141,7 +144,7 @@ def test_a_thermal_resistance_of_nothing_is_none():
     """Pittman prints one resistance of winding to ambient: two bodies are not known."""
     motor = hit("9233S013", catalogue="pittman")
     assert motor["thermal_resistance_winding"] == 0.0
-    assert of(motor).figure("hold_winding").missing == ("motor thermal resistance winding",)
+    assert of(motor, warming=True).figure("hold_winding").missing == ("motor thermal resistance winding",)
 
 
 def test_estimated_figures_are_listed_and_widen_the_band():
@@ -160,8 +163,7 @@ def test_estimated_figures_are_listed_and_widen_the_band():
 def test_a_controller_that_prints_no_voltage_drop_takes_up_to_one_volt():
     motor, controller = hit(DCX), hit("438725", "controllers")
     assert isnan(controller["voltage_drop"])
-    given = completed(NOTHING, motor, None)
-    found = predict(motor, None, controller, given)
+    found = of(motor, None, controller)
     drop = next(one for one in found.estimates if one.part == "controller")
     assert (drop.low, drop.value, drop.high) == pytest.approx((0.05, 0.5, 0.95))
     least, most = (12.0 * controller["max_duty"] - x for x in (1.0, 0.0))
@@ -217,7 +219,7 @@ def test_a_stalled_brushless_motor_is_hottest_in_one_phase():
                      R_th2=motor["thermal_resistance_housing"], tau_w=motor["winding_time_constant"],
                      tau_h=motor["motor_time_constant"])  # fmt: skip
     torque = 1.7 * motor["nominal_torque"]
-    found = of(motor, hold=torque)
+    found = of(motor, hold=torque, warming=True)
     alone = overload_time(
         mean, ROOM, State(ROOM, ROOM), motor["max_winding_temperature"], nominal(found, "hold_current")
     )
