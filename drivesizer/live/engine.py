@@ -13,10 +13,9 @@ import threading
 import time
 import warnings
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -91,7 +90,6 @@ def take_over(held: EngineMemory, own: Mapping[str, bytes]) -> None:
 # -- The life of the process: one job after another.
 
 
-_FAULT = "a fault of drivesizer itself"
 _MEMORY = 4 << 30  # bytes that the process may take: some six times what a sizing with all its reports needs
 
 OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
@@ -111,33 +109,36 @@ def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
     try:
         yield from getattr(import_module(f"drivesizer.live.{(JOBS | INSIDE)[job]}"), job)(held, request)
     except InputError as error:
-        yield _wrong(error.lines)
+        yield wrong(*error.lines)
     except DrivesizerError as error:
-        yield _wrong([str(error)])
+        yield wrong(str(error))
     except StoppedError:
         raise
     except MemoryError:
         held.sized.clear()
-        yield _wrong(["more memory is needed than there is"])
+        yield wrong("more memory is needed than there is")
     except Exception as error:  # whatever it is, the page goes on, and the terminal has it
         yield _fault(error)
 
 
-def _wrong(lines: Iterable[str]) -> Piece:
-    return {"kind": "wrong", "lines": list(lines)}
+def wrong(*lines: str) -> Piece:
+    """A piece that says what is wrong."""
+    return {"kind": "wrong", "lines": [*lines]}
 
 
 def _fault(error: Exception) -> Piece:
     found = printable(f"{type(error).__name__}: {error}"[:300])
-    print(f"drivesizer: {_FAULT} ({found}); please report it", file=sys.stderr, flush=True)
-    return _wrong([f"{_FAULT} ({found}); please report it"])
+    said = f"a fault of drivesizer itself ({found}); please report it"
+    print(f"drivesizer: {said}", file=sys.stderr, flush=True)
+    return wrong(said)
 
 
-def _line(piece: Piece) -> bytes:
+def line(piece: Piece) -> bytes:
+    """A piece as a line of JSON."""
     try:
         return json.dumps(piece, allow_nan=False, ensure_ascii=False).encode() + b"\n"
     except (TypeError, ValueError) as error:  # it has what JSON does not
-        return _line(_fault(error))
+        return line(_fault(error))
 
 
 def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: bool, folder: str) -> None:
@@ -150,7 +151,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
     _limit_memory()
     held = EngineMemory(file)
     _open(held, spec, first)
-    held.say = lambda piece: pipe.send_bytes(_line(piece))
+    held.say = lambda piece: pipe.send_bytes(line(piece))
     try:
         pipe.send_bytes(b"")
         while True:
@@ -159,17 +160,14 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
                 take_over(held, request)
                 pipe.send_bytes(b"")
                 continue
-            held.stopped, held.next = partial(_is, unwanted, number), time.monotonic() + _SLOW
+            held.stopped = lambda own=number: bool(unwanted.value == own)
+            held.next = time.monotonic() + _SLOW
             with suppress(StoppedError):
                 for piece in done(held, job, request):
-                    pipe.send_bytes(_line(piece))
+                    pipe.send_bytes(line(piece))
             pipe.send_bytes(b"")
     except (EOFError, OSError):  # the server has ended
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _is(unwanted: Any, number: int) -> bool:
-    return bool(unwanted.value == number)
 
 
 def _end_with_server(folder: str) -> None:
@@ -191,20 +189,14 @@ def _limit_memory() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
 
 
-def _texts(spec: str | None, name: str) -> list[str]:
-    """Texts of a spec, each of which may name a file."""
-    with suppress(InputError):
-        return list(texts_in(YamlSource(spec or "", name).data))
-    return []
-
-
 def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
     """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
     from drivesizer.files.text import restrict_reading, shipped_folder
 
-    answer = import_module("drivesizer.live.answer")
-    below = Path(held.name).parent
-    restrict_reading([below / name for name in _texts(spec, held.name)], [shipped_folder("catalogs")])
+    answer, below, named = import_module("drivesizer.live.answer"), Path(held.name).parent, list[Path]()
+    with suppress(InputError):  # each text of a spec may name a file
+        named = [below / text for text in texts_in(YamlSource(spec or "", held.name).data)]
+    restrict_reading(named, [shipped_folder("catalogs")])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
             answer.whole(held, spec, brief=True)

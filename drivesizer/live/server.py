@@ -22,7 +22,7 @@ from drivesizer.files.cache import digest_of, kept
 from drivesizer.files.text import decoded
 from drivesizer.files.writing import write_files
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.live.engine import Piece
+from drivesizer.live.engine import Piece, wrong
 from drivesizer.live.http import CATALOGUE, PageRequest, PageServer, Refusal, Response, reply
 from drivesizer.live.requests import LONGEST, REQUESTS, CatalogueRequest, SaveRequest, request_of
 from drivesizer.live.worker import Engines, FullError
@@ -136,20 +136,22 @@ def _styles_inside(script: str) -> list[str]:
 
 
 def form_schema() -> str:
-    """JSON with the schemas of spec and machine, along or about which axis a kind of load moves, and how one begins."""
+    """JSON with the schemas of spec and machine, and of each kind of load its axis, how it begins, and its symbols."""
     package = Path(__file__).resolve().parents[1]  # the program as it is: for those who change it, by its files' dates
     dates = sorted(f"{path.name} {path.stat().st_mtime_ns}" for path in package.rglob("*.py"))
 
     def made() -> bytes:
         from drivesizer.commands.setup import KINDS, starter
         from drivesizer.loads.kinds import AXES
+        from drivesizer.output.sketch import SKETCHES, symbols
         from drivesizer.spec.machine import machine_schema
         from drivesizer.spec.robot import RobotSpec
 
         axes = {**AXES, "recorded": None}  # which brings its own motion
         starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
         begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
-        found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin}
+        found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin,
+                 "symbols": {kind: symbols(kind) for kind in SKETCHES}}  # fmt: skip
         return json.dumps(found, ensure_ascii=False).encode()
 
     return kept(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", made).decode()
@@ -217,7 +219,7 @@ def saved(path: Path, request: Piece) -> Piece:
         raw = (mark + (plain.replace("\n", "\r\n") if ends else plain)).encode()
         write_files({path: raw})
     except InputError as error:
-        return {"kind": "wrong", "lines": list(error.lines)}
+        return wrong(*error.lines)
     return {"kind": "saved", "mark": _mark(raw)}
 
 
@@ -235,7 +237,7 @@ def taken(request: Piece, engines: Engines) -> Piece:
     """Keep a catalogue where it is right, or give one up."""
     own, plain = engines.own, _UNUSUAL.sub("_", request["name"][-80:])  # a file's name as specs have it
     if not _NAME.fullmatch(plain):
-        return _wrong("expected a catalogue, a file that ends in .yaml, or a table or data sheet, e.g. .csv or .pdf")
+        return wrong("expected a catalogue, a file that ends in .yaml, or a table or data sheet, e.g. .csv or .pdf")
     given = f"{FOLDER}/{plain}"
     name = given if plain.endswith((".yaml", ".yml")) else f"{FOLDER}/{Path(plain).stem}.yaml"
     if request["content"] is None:
@@ -244,12 +246,12 @@ def taken(request: Piece, engines: Engines) -> Piece:
     try:
         content = base64.b64decode(request["content"], validate=True)
     except (binascii.Error, ValueError):
-        return _wrong(f"{given}: expected its content in base64")
+        return wrong(f"{given}: expected its content in base64")
     if len(content) > _LARGEST:
-        return _wrong(f"{given}: the file is larger than {_LARGEST // 1_000_000} MB")
+        return wrong(f"{given}: the file is larger than {_LARGEST // 1_000_000} MB")
     if name not in own and len(own) >= MOST:
-        return _wrong(f"{name}: {MOST} catalogues are here already ({', '.join(own)}); remove one of them first")
-    found = _wrong(f"{name}: another one came before this was checked")
+        return wrong(f"{name}: {MOST} catalogues are here already ({', '.join(own)}); remove one of them first")
+    found = wrong(f"{name}: another one came before this was checked")
     wanted = {"name": given, "content": content, "text": request["text"]}
     for line in engines.answer("check", wanted, kind=f"check {name}", slow=True):
         found = json.loads(line)
@@ -257,7 +259,3 @@ def taken(request: Piece, engines: Engines) -> Piece:
         own[name] = found.get("text", "").encode() or content
         return found | {"kind": "kept"}
     return found
-
-
-def _wrong(line: str) -> Piece:
-    return {"kind": "wrong", "lines": [line]}

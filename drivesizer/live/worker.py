@@ -7,7 +7,6 @@ long leave one for what is short.
 
 from __future__ import annotations
 
-import json
 import multiprocessing
 import os
 import signal
@@ -19,7 +18,7 @@ from math import inf
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from drivesizer.live.engine import OWN, Piece, run
+from drivesizer.live.engine import OWN, Piece, line, run, wrong
 
 _LOOK = 0.05  # s from one look to the next whether a job is still wanted
 _GRACE = 5.0  # s after which a job of which nobody wants the answer ends with its process
@@ -29,6 +28,7 @@ _WAITING = 32  # requests that wait
 _OF_A_TAB = 2  # processes
 _KEYS = 1000  # of which newest jobs are known
 _AFRESH = "the engine ended in the middle of this and has been started afresh"
+_SUPERSEDED: Piece = {"kind": "superseded"}
 _STOPPED = "drivesizer serve has been stopped"
 
 
@@ -92,7 +92,7 @@ class Engine:
                 until += time.monotonic() - start
             if not useful():  # any more
                 free = True
-                yield line({"kind": "superseded"})
+                yield line(_SUPERSEDED)
                 return
             self.pipe.send(job)
             while body := self._next(until, job[0], useful):
@@ -103,9 +103,9 @@ class Engine:
             raise
         except _TooLongError:
             late = wrong(f"it took longer than {longest:g} s and was stopped")
-            yield late if useful() else line({"kind": "superseded"})
+            yield line(late if useful() else _SUPERSEDED)
         except (OSError, EOFError):
-            yield wrong(_STOPPED if self.closed else _AFRESH)
+            yield line(wrong(_STOPPED if self.closed else _AFRESH))
         finally:
             if not free:
                 self.afresh()
@@ -166,7 +166,7 @@ class Engines:
             return not self.closed and self.newest.get(key, job[0]) == job[0] and wanted()
 
         if (engine := self._taken(tab, slow, useful)) is None:
-            yield wrong(_STOPPED) if self.closed else line({"kind": "superseded"})
+            yield line(wrong(_STOPPED) if self.closed else _SUPERSEDED)
             return
         try:
             yield from engine.pieces(job, self.own, _SLOW if slow else _QUICK, useful)
@@ -225,13 +225,3 @@ def _interruptions_elsewhere() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def wrong(reason: str) -> bytes:
-    """A fault as a line."""
-    return line({"kind": "wrong", "lines": [reason]})
-
-
-def line(piece: Piece) -> bytes:
-    """A piece as a line."""
-    return json.dumps(piece).encode() + b"\n"

@@ -365,6 +365,17 @@ SKETCHES: dict[str, Callable[[Pen], None]] = {
 """How each kind of load is drawn."""
 
 
+def symbols(kind: str) -> dict[str, str]:
+    """Symbols of a sketch by the fields of its load.
+
+    >>> symbols("flywheel")
+    {'inertia': 'J', 'friction_torque': 'T_f'}
+    """
+    pen = Pen(None)
+    SKETCHES[kind](pen)
+    return {field: symbol for symbol, field in pen.legend if symbol != field}
+
+
 def sketch(kind: str, entered: Mapping[str, object] | None = None) -> bytes:
     """A kind of load with its symbols as SVG.
 

@@ -4,9 +4,6 @@ import { button, element } from "./dom.js";
 import { drawn } from "./figure.js";
 import { state } from "./state.js";
 
-const ROLES = { motors: "motor", actuators: "motor", steppers: "motor", gearheads: "gearhead", encoders: "encoder", controllers: "controller", brakes: "brake", screws: "screw", batteries: "battery", power_supplies: "supply", brake_resistors: "brake resistor" };
-const ALONE = ["batteries", "power_supplies"]; // of which a spec names no family
-const WHOLE = ["batteries", "power_supplies", "brake_resistors"]; // one for all axes
 let act = {};
 
 /** `choose` puts a part into the spec, `back` leads to the list. */
@@ -27,13 +24,12 @@ export function show(place, piece) {
 
 /** Buttons that put it into the spec. */
 function uses(piece) {
-  const role = ROLES[piece.section];
-  if (!role) return "";
-  const axes = WHOLE.includes(piece.section) ? [] : Object.keys(state.data?.axes ?? {});
+  if (!piece.use) return "";
+  const axes = piece.use.axes ? Object.keys(state.data?.axes ?? {}) : [];
   const axis = element("select", { aria: { label: "for which axis" } }, element("option", { value: "", textContent: "all axes" }), ...axes.map((name) => element("option", { value: name, textContent: name })));
   const does = (family) => () => act.choose({ part: [piece.catalogue, piece.section, piece.part], family, axis: axis.value });
   const made = element("p", { className: "uses" }, button("Use this part", does(false)));
-  if (!ALONE.includes(piece.section) && piece.family) made.append(button(`Only this family, ${piece.family}`, does(true)));
+  if (piece.use.family) made.append(button(`Only this family, ${piece.use.family}`, does(true)));
   if (axes.length > 1) made.append(axis);
   return made;
 }

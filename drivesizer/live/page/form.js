@@ -9,6 +9,9 @@ import { row, single, small } from "./rows.js";
 
 const form = document.getElementById("form");
 const OPEN = new Set(["load", "motion", "transmission", "supply", "axes", "robot"]); // sections that are open at first
+// what moves and how, what from, what with; the rest in the order of the schema, and load cases and reports last
+const FIRST = ["name", "load", "platform", "motion", "once", "mission", "axes", "robot", "supply", "battery", "brake_resistor", "environment", "needs", "transmission", "select"];
+const LAST = ["cases", "tolerances", "design", "report"];
 const SHORT = 3; // items of a list that are open at first
 const added = new Set(); // paths of fields that were added and have no value yet
 const opened = new Map(); // groups that the user opened or closed
@@ -60,7 +63,7 @@ function elsewhere(path) {
 
 /** Fields of a group that are given or required, and a button for those that may be added. */
 function fieldsOf(schema, value, path, but, removable = false) {
-  const known = Object.keys(schema.properties ?? {}), given = value && typeof value === "object" ? Object.keys(value) : [];
+  const known = ordered(Object.keys(schema.properties ?? {})), given = value && typeof value === "object" ? Object.keys(value) : [];
   const required = new Set(schema.required ?? []);
   const shown = known.filter((one) => one !== but && (given.includes(one) || required.has(one) || added.has(keyOf([...path, one]))));
   const further = given.filter((one) => one !== but && !known.includes(one));
@@ -72,6 +75,11 @@ function fieldsOf(schema, value, path, but, removable = false) {
   if (removable) tools.push(remover(path));
   if (tools.length) made.push(element("p", { className: "add" }, ...tools));
   return made;
+}
+
+function ordered(names) {
+  const place = (name) => FIRST.indexOf(name) + 1 || FIRST.length + 1 + (LAST.indexOf(name) + 1);
+  return names.includes("load") || names.includes("axes") ? names.sort((a, b) => place(a) - place(b)) : names;
 }
 
 function adder(schema, names, path) {

@@ -51,7 +51,7 @@ export function row(input, path, description, context, beside = []) {
   const key = keyOf(path), id = `field-${(context.count += 1)}`;
   input.id = id;
   input.dataset.key = key;
-  const made = element("div", { className: "field" }, element("label", { htmlFor: id, textContent: words(path.at(-1)) }), input, element("span", { className: "beside" }, ...beside));
+  const made = element("div", { className: "field" }, element("label", { htmlFor: id }, words(path.at(-1)), ...symbol(path, context)), input, element("span", { className: "beside" }, ...beside));
   const ids = [];
   const say = (className, text) => {
     const said = element("p", { className, id: `${id}-${ids.length}`, textContent: text });
@@ -67,6 +67,15 @@ export function row(input, path, description, context, beside = []) {
   }
   if (ids.length) input.setAttribute("aria-describedby", ids.join(" "));
   return made;
+}
+
+/** The symbol of a load's field in its sketch. */
+function symbol(path, context) {
+  const load = path.at(-2) === "load" ? path.slice(0, -1).reduce((at, step) => at?.[step], context.data) : null;
+  const found = context.schemas.symbols?.[load?.kind]?.[path.at(-1)];
+  if (!found) return [];
+  const [base, index] = found.split("_");
+  return [element("i", { className: "symbol", aria: { hidden: "true" } }, base, ...(index ? [element("sub", { textContent: index })] : []))];
 }
 
 function slider(path, whole, context) {
