@@ -28,7 +28,7 @@ from drivesizer.output.report.csv import report_csv
 from drivesizer.output.report.figures import cycle as motion
 from drivesizer.output.report.figures import cycle as wheels
 from drivesizer.output.report.figures import machine
-from drivesizer.output.report.figures.set_behaviour import Behaviour
+from drivesizer.output.report.figures.all_figures import Behaviour
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.page import report_html
 from drivesizer.output.report.json import report_json

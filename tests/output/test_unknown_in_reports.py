@@ -14,9 +14,9 @@ from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.operating_field import field
 from drivesizer.machine.problem import problem
+from drivesizer.output.report.figures.all_figures import Behaviour
 from drivesizer.output.report.figures.field import Panel, torque_speed
 from drivesizer.output.report.figures.picture import on_paper
-from drivesizer.output.report.figures.set_behaviour import Behaviour
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import hardest_case, validate
 from drivesizer.sizing import explain, size

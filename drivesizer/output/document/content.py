@@ -23,8 +23,8 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
+    from drivesizer.output.report.figures.all_figures import Behaviour
     from drivesizer.output.report.figures.picture import Pictured
-    from drivesizer.output.report.figures.set_behaviour import Behaviour
     from drivesizer.spec.machine import MachineSpec
 
 
@@ -135,7 +135,7 @@ class Content(Reported):
     @cached_property
     def behaviour(self) -> Behaviour | None:
         """Behaviour of the reported drive over the load cycles."""
-        from drivesizer.output.report.figures.set_behaviour import Behaviour
+        from drivesizer.output.report.figures.all_figures import Behaviour
 
         return Behaviour(self.result.problem, self.drive) if self.drive else None
 

@@ -99,10 +99,22 @@ def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> 
     )
 
 
+def one_way(speed: Array, torque: Array) -> tuple[Array, Array]:
+    """Speed and torque of segments, one way as the other: what brakes is below 0, what holds is not."""
+    way = np.sign(speed.mean(1))[:, None]
+    return np.abs(speed), np.where(way == 0.0, np.abs(torque), way * torque)
+
+
 def signed(found: OperatingField) -> tuple[Array, Array]:
-    """Speed and torque of the cycle, one way as the other: what brakes is below 0, what holds is not."""
-    way = np.sign(found.cycle_speed.mean(1))[:, None]
-    return np.abs(found.cycle_speed), np.where(way == 0.0, np.abs(found.cycle_torque), way * found.cycle_torque)
+    """Speed and torque of the cycle at the motor, one way as the other."""
+    return one_way(found.cycle_speed, found.cycle_torque)
+
+
+def _drawn(speed: Array, torque: Array) -> Array:
+    """Segments of a trace that are drawn: so many, and the extremes."""
+    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
+    found: Array = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
+    return found
 
 
 def reach_of(panel: Panel) -> float:
@@ -199,9 +211,7 @@ def _cycle(found: OperatingField, name: str, unit: str, time: Array | None) -> I
     speed, torque = signed(found)
     if np.isnan(torque).any():
         return
-    extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
-    rows = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
-    texts = []
+    rows, texts = _drawn(speed, torque), list[str]()
     if time is not None:
         power = (speed * torque)[rows].ravel()
         texts = [f"at {at:.6g} s of the cycle, {watts:.4g} W at the shaft".replace("-", "−")
@@ -283,12 +293,9 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
     traces = []
     for name, found in cases:  # at the gearhead's output, one way as the other: what brakes is below 0
         functions = found.cycle.functions
-        way = np.sign(functions[:, :, SPEED].mean(1))[:, None]
-        torque = functions[:, :, : AT_REST + 1].sum(axis=2)
-        torque = np.where(way == 0.0, np.abs(torque), way * torque)
-        extremes = [column.argmax(axis=0) for column in (torque, -torque, np.abs(functions[:, :, SPEED]))]
-        rows = np.unique(np.concatenate([np.arange(0, len(torque), -(-len(torque) // _MOST_SEGMENTS)), *extremes]))
-        traces.append((name, torque[rows].ravel(), np.abs(functions[rows, :, SPEED]).ravel()))
+        speed, torque = one_way(functions[:, :, SPEED], functions[:, :, : AT_REST + 1].sum(axis=2))
+        rows = _drawn(speed, torque)
+        traces.append((name, torque[rows].ravel(), speed[rows].ravel()))
     demand = max(float(np.abs(torque).max()) for _, torque, _ in traces) or 1.0
     rated = float(cases[0][1].gearhead["continuous_torque"][0])
     right = _ROOM * max(demand, min(rated, _FAR_BEYOND_CYCLE * demand) if np.isfinite(rated) else 0.0)
