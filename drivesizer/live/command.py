@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import os
+import secrets
+import signal
+import socket
+import threading
+import webbrowser
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +18,7 @@ import typer
 from drivesizer.commands.common import DEFAULT, Spec, whole_option
 from drivesizer.commands.ends import STOPPED
 from drivesizer.errors import InputError, reason_of
+from drivesizer.files.cache import digest_of, folder
 
 _LOCAL = "127.0.0.1"
 
@@ -20,16 +29,9 @@ def serve(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
 ) -> None:
     """Open a page on this machine where the drive follows the figures as they change."""
-    import json
-    import os
-    import secrets
-    import signal
-    import socket
-    from functools import partial
-
-    from drivesizer.files.cache import digest_of, folder
-
-    _end_on_ctrl_c()
+    # Until it serves Ctrl-C ends this process at once, with what it has started: a library that is loaded may swallow it
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, lambda *_: os._exit(STOPPED))
     if os.path.isdir(spec):  # noqa: PTH112 - of a name that is too long pathlib raises
         raise InputError(f"{spec}: is a folder; expected a spec, for example {spec / DEFAULT}")
     # With its protocol named: only then are answers sent without waiting for acknowledgements, 40 ms each.
@@ -68,8 +70,6 @@ def serve(
 
 def _address_before(path: Path) -> tuple[int, str]:
     """Port and token by which the page of a spec was served before, so that its tab goes on; 0 where unknown."""
-    import json
-
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
         own = path.stat().st_mode & 0o077 == 0  # as this user alone can read it
@@ -80,8 +80,6 @@ def _address_before(path: Path) -> tuple[int, str]:
 
 def _keep(path: Path, text: str) -> bool:
     """Keep a text where this user alone can read it; whether that was possible."""
-    import os
-
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.unlink(missing_ok=True)
@@ -92,20 +90,7 @@ def _keep(path: Path, text: str) -> bool:
     return True
 
 
-def _end_on_ctrl_c() -> None:
-    """Let Ctrl-C end this process at once until it serves, and with it what it has started: a library that is being
-    loaded may swallow an exception."""
-    import os
-    import signal
-
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, lambda *_: os._exit(STOPPED))
-
-
 def _open(kept: Path, address: str) -> None:
     """Open the page by a file that this user alone can read: others see with which words a browser is started."""
-    import threading
-    import webbrowser
-
     if _keep(kept, f'<meta http-equiv="refresh" content="0;url={address}">\n'):
         threading.Thread(target=webbrowser.open, args=(kept.as_uri(),), daemon=True).start()
