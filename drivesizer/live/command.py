@@ -29,7 +29,7 @@ def serve(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
 ) -> None:
     """Open a page on this machine where the drive follows the figures as they change."""
-    # Until it serves Ctrl-C ends this process at once, with what it has started: a library that is loaded may swallow it
+    # Until it serves Ctrl-C ends this process at once, and what it has started: a library being loaded may swallow it
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, lambda *_: os._exit(STOPPED))
     if os.path.isdir(spec):  # noqa: PTH112 - of a name that is too long pathlib raises
