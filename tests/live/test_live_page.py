@@ -236,13 +236,16 @@ def test_file_is_written_and_another_programs_change_is_seen(page: Any, path: Pa
 
 def test_reload_and_link_keep_what_is_not_saved(page: Any, browser: Any, path: Path) -> None:
     typed(page, "load", "mass", value="51 kg")
-    page.get_by_label("slider for motion speed").click()
+    typed(page, "motion", "speed", value="1 m/s .. 2 m/s")  # a range is that of its slider
     answered(page)
     page.wait_for_timeout(500)
     page.reload()
     answered(page)
     expect(field(page, "load", "mass")).to_have_value("51 kg")
+    expect(field(page, "motion", "speed")).to_have_value("1.5 m/s")
     expect(page.get_by_role("slider", name="motion · speed")).to_be_visible()
+    ends = page.get_by_role("textbox", name=re.compile("slider for motion · speed"))
+    assert [one.input_value() for one in ends.all()] == ["1 m/s", "2 m/s"]
     other = live(browser, page.url)
     expect(field(other, "load", "mass")).to_have_value("51 kg")
     expect(other.locator("#unsaved")).to_be_visible()

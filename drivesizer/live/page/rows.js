@@ -3,6 +3,7 @@
 import { button, element, keyOf, words } from "./dom.js";
 import { isFigure, isText } from "./fields.js";
 
+const RANGE = /^([-+]?\d+(?:\.\d+)?)\s*([^.\s].*?)?\s*\.\.\s*([-+]?\d+(?:\.\d+)?)\s*(.*)$/; // 1 m/s .. 2 m/s
 const PLAIN = / with unit$|^a plain number or percent$/; // says what the value says itself
 
 /** A field of one value. */
@@ -32,6 +33,12 @@ function typed(schema, plain, path, context, required) {
   const commit = () => {
     const text = input.value.trim();
     if (!input.isConnected || text === sent) return;
+    const [, low, one = "", high, unit] = RANGE.exec(text) ?? [], own = ["", plain.replace(/^[-+\d.eE]+\s*/, "")];
+    if (high && own.includes(one) && own.includes(unit) && isFigure(schema)) { // it is free between these
+      input.value = plain;
+      context.slide({ path, whole: schema.type === "integer", low: Number(low), high: Number(high) });
+      return;
+    }
     sent = text;
     context.filled(path);
     context.act([[path, text === "" ? null : text, isText(schema)]]);

@@ -22,11 +22,12 @@ function figureAt(path) {
 /** Opens the slider of a figure and gives it the keyboard, unless it is one of a link; a second time the same. */
 export function open(given, keyboard = true) {
   const { path } = given, there = state.sliders.find((one) => keyOf(one.path) === keyOf(path));
-  const figure = figureAt(path);
+  const figure = figureAt(path), bounds = Number.isFinite(given.low) && given.low < given.high ? { low: given.low, high: given.high } : null;
+  if (there && bounds) rebound(there, bounds);
   if (there || !figure) return there && shown(there);
   const one = { path, whole: Boolean(given.whole), points: new Map(), rejected: new Map() };
   one.text = (value) => `${Number(value.toPrecision(8))}${one.unit ? ` ${one.unit}` : ""}`;
-  Object.assign(one, figure, Number.isFinite(given.low) && given.low < given.high ? { low: given.low, high: given.high } : around(figure.number, one.whole));
+  Object.assign(one, figure, bounds ?? around(figure.number, one.whole));
   build(one);
   state.sliders.push(one);
   changed();
@@ -79,14 +80,17 @@ function bound(one, end, label) {
   const made = element("input", { type: "text", autocomplete: "off", spellcheck: false, aria: { label: `${end === "low" ? "from" : "to"}, slider for ${label}` } });
   made.addEventListener("change", () => {
     const found = FIGURE.exec(made.value), next = { low: one.low, high: one.high, [end]: Number(found?.[1]) };
-    if (found && next.low < next.high && (found[2] === "" || found[2] === one.unit)) {
-      Object.assign(one, next);
-      changed();
-      sweeps.want(one);
-    }
-    ranged(one);
+    if (found && next.low < next.high && (found[2] === "" || found[2] === one.unit)) rebound(one, next);
+    else ranged(one);
   });
   return made;
+}
+
+function rebound(one, bounds) {
+  Object.assign(one, bounds);
+  changed();
+  sweeps.want(one);
+  ranged(one);
 }
 
 /** Sets range and bounds, with places at round figures. */
