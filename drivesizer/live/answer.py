@@ -248,7 +248,7 @@ def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         if not sets:
             raise InputError(f"{motor} with {gearhead}: no belt of the spec goes with it")
         drives.append(min(sets, key=lambda one: one.rank))
-    rows: list[tuple[str, str, list[doc.Text]]] = [("parts", "verdict", [(doc.Status(one.status),) for one in drives])]
+    rows: list[tuple[str, str, list[doc.Text]]] = [("drive", "verdict", [(doc.Status(one.status),) for one in drives])]
     for role in dict.fromkeys(role for one in drives for role in one.parts):
         parts = [one.parts.get(role) for one in drives]
         names = [dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"] for part in parts]

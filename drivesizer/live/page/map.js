@@ -8,7 +8,7 @@ import * as sweeps from "./sweeps.js";
 
 const CELLS = 7; // along each side
 const panel = document.getElementById("sliders");
-const wanted = button("map over both sliders", draw), place = element("div", { className: "map", hidden: true });
+const wanted = button("map over both sliders", draw, { hidden: true }), place = element("div", { className: "map", hidden: true });
 let running = null;
 panel.append(wanted, place);
 whenFree(() => running?.abort(), () => {});
