@@ -152,6 +152,7 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
     held = EngineMemory(file)
     _open(held, spec, first)
     held.say = lambda piece: pipe.send_bytes(line(piece))
+    number, held.stopped = 0, lambda: bool(unwanted.value == number)  # of the job under way
     try:
         pipe.send_bytes(b"")
         while True:
@@ -160,7 +161,6 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
                 take_over(held, request)
                 pipe.send_bytes(b"")
                 continue
-            held.stopped = lambda own=number: bool(unwanted.value == own)
             held.next = time.monotonic() + _SLOW
             with suppress(StoppedError):
                 for piece in done(held, job, request):
@@ -196,7 +196,7 @@ def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
     answer, below, named = import_module("drivesizer.live.answer"), Path(held.name).parent, list[Path]()
     with suppress(InputError):  # each text of a spec may name a file
         named = [below / text for text in texts_in(YamlSource(spec or "", held.name).data)]
-    restrict_reading(named, [shipped_folder("catalogs")])
+    restrict_reading(named, [shipped_folder("catalogs"), Path(__file__).resolve().parents[1] / "catalog"])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
             answer.whole(held, spec, brief=True)

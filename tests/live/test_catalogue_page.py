@@ -97,6 +97,15 @@ def test_both_engines_know_what_was_dropped_also_afresh(server: Serving) -> None
     assert server.do("document", text)[-1]["kind"] == "wrong"
 
 
+def test_rows_that_are_pasted_become_a_catalogue_in_the_engine(server: Serving) -> None:
+    rows = "part\tvoltage (V)\tno load speed (rpm)\tstall torque (mNm)\tmass (g)\nK-7\t12\t9000\t310\t52\n"
+    sent = {"name": "pasted.csv", "content": base64.b64encode(rows.encode()).decode(), "text": SPEC}
+    (found,) = server.post("/catalogue", sent).pieces
+    assert (found["kind"], found["name"]) == ("kept", "dropped/pasted.yaml") and "K-7" in found["text"]
+    assert server.do("part", SPEC, catalogue=found["name"], section="motors", part="K-7")[0]["kind"] == "part"
+    assert server.post("/catalogue", {"name": "pasted.yaml", "content": None}).pieces[0]["kind"] == "given up"
+
+
 def test_parts_are_found_sorted_read_and_set_side_by_side(page: Any) -> None:
     assert "motors (" in page.locator("#parts-of option").first.inner_text()
     page.locator("#browser summary", has_text="Catalogues:").click()
