@@ -9,7 +9,7 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.prices import uncompared
 from drivesizer.load_cases import requirements, screw_requirements
-from drivesizer.loads.recorded import computed_load
+from drivesizer.loads.recorded import ComputedLoad
 from drivesizer.machine.budgets import check_battery, machine_requirements
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Reliability, verdict
@@ -85,7 +85,7 @@ def size(
         When a family or part that the spec selects is in no catalogue, no pulleys fit, or the objective needs
         another method.
     """
-    spec = spec if load is None else spec.alone(load=computed_load(load, spec.load.motors), motion=None)
+    spec = spec if load is None else spec.alone(load=ComputedLoad.with_cycle(load, spec.load.motors), motion=None)
     catalog = load_parts(spec, catalog)
     spec = spec.with_select(spec.select.ranked_by(objective))
     picked = shortlist(

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.errors import InputError, quoted
+from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.sheets import decimal_sign, figure, plain_head, sheets, split_head, unit_of
 from drivesizer.files.text import missing, read_text
 from drivesizer.units import KINDS, noun, possible, scale
@@ -43,12 +43,14 @@ class LeftOutWarning(UserWarning):
     """Columns of a recording that nobody takes."""
 
 
-def path_from_spec(spec_file: str, name: str, where: str) -> Path:
-    """Path of a file that a spec names; relative ones count from the spec's folder."""
+def path_from_spec(
+    spec_file: str, name: str, field: tuple[str | int, ...], what: str = "a CSV file", example: str = "cycle.csv"
+) -> Path:
+    """Path of a file that a field of a spec names; relative ones count from the spec's folder."""
     path = Path(spec_file).parent / name if spec_file else Path(name)
     if reason := missing(path):
-        expected = "expected a CSV file, its path from the spec's folder, e.g. cycle.csv"
-        raise InputError(f"{where}: {quoted(name)} cannot be read ({reason}); {expected}")
+        expected = f"expected {what}, its path from the spec's folder, e.g. {example}"
+        raise FieldError(field, f"{quoted(name)} cannot be read ({reason}); {expected}")
     return path
 
 

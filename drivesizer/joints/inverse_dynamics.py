@@ -84,12 +84,23 @@ def torques_of(
     """Torques of joints in several states."""
     mujoco = _mujoco()
     _refuse_unknown_masses(robot, held)
-    model, bodies = _model(mujoco, robot, held, points)
-    model.opt.gravity[:] = gravity
-    _weighed(model, robot, bodies)
-    return _computed(
-        mujoco, model, len(points), joints, states, np.eye(len(joints)) if directions is None else directions
-    )
+    model, principal = _model(mujoco, robot, held, points)
+    model.opt.gravity[:], model.body_mass[:], model.body_inertia[:] = gravity, 0.0, 0.0  # points have none
+    for number, (link, moments) in enumerate(zip(robot.links.values(), principal, strict=True)):
+        body = model.body(f"link{number}").id
+        model.body_mass[body], model.body_inertia[body] = link.mass, moments
+    model.body_subtreemass[:] = model.body_mass
+    for body in range(model.nbody - 1, 0, -1):  # only where moments are taken about hangs on it
+        model.body_subtreemass[model.body_parentid[body]] += model.body_subtreemass[body]
+    place = np.argsort([model.joint(name).id for name in joints])  # the model has its joints in an order of its own
+    position, speed, acceleration = (np.ascontiguousarray(state[:, place]) for state in states)
+    along = (np.eye(len(joints)) if directions is None else directions)[place]
+    bodies = [model.body(f"point{number}").id for number in range(len(points))]
+    parts = [
+        _part(mujoco, model, bodies, (position[rows], speed[rows], acceleration[rows]), along)
+        for rows in (slice(first, first + _AT_ONCE) for first in range(0, len(position), _AT_ONCE))
+    ]
+    return Torques(*(np.concatenate(columns, axis=1) for columns in zip(*parts, strict=True)))
 
 
 def _mujoco() -> Any:
@@ -134,28 +145,21 @@ def _possible(where: str, figures: float | Array, unit: str, most: float) -> Non
 # --- the model
 
 
-def _model(
-    mujoco: Any, robot: Robot, held: Mapping[str, float], points: Sequence[Attached]
-) -> tuple[Any, dict[str, tuple[int, Array]]]:
-    """Compiled model, and the number of each link's body with its principal moments of inertia.
+def _model(mujoco: Any, robot: Robot, held: Mapping[str, float], points: Sequence[Attached]) -> tuple[Any, list[Array]]:
+    """Compiled model, and the principal moments of inertia of each link.
 
     Links are named by their number: their own names may be those that MuJoCo keeps for itself.
     """
-    spec = mujoco.MjSpec()
+    spec, above = mujoco.MjSpec(), robot.above
     made: dict[str, Any] = {}
-    names = {name: f"link{number}" for number, name in enumerate(robot.links)}
-    principal: dict[str, Array] = {}
-    outwards = [name for name in robot.links if name not in robot.above]
-    for name in outwards:  # each behind the one that it hangs on
-        outwards += [joint.child for joint in robot.joints.values() if joint.parent == name]
-    for name in outwards:
-        joint, link = robot.above.get(name), robot.links[name]
-        place, turn = (
-            (np.zeros(3), np.eye(3)) if joint is None else placed(joint, held.get(joint.name, joint.reference))
-        )
-        body = (spec.worldbody if joint is None else made[joint.parent]).add_body(name=names[name])
-        body.pos, body.quat = place, _quaternion(mujoco, turn)
-        principal[name], axes = np.linalg.eigh(link.inertia)
+    numbers, principal = {name: number for number, name in enumerate(robot.links)}, [np.zeros(3)] * len(robot.links)
+    for name in robot.outwards():
+        joint, link = above.get(name), robot.links[name]
+        body = (made[joint.parent] if joint else spec.worldbody).add_body(name=f"link{numbers[name]}")
+        if joint is not None:
+            body.pos, turn = placed(joint, held.get(joint.name, joint.reference))
+            body.quat = _quaternion(mujoco, turn)
+        principal[numbers[name]], axes = np.linalg.eigh(link.inertia)
         axes[:, 0] *= np.sign(np.linalg.det(axes))  # a right-handed rotation
         _weigh(body, link.centre, _quaternion(mujoco, axes))
         if joint is not None and joint.moves and joint.name not in held:
@@ -167,8 +171,7 @@ def _model(
         body.pos = point.at
         _weigh(body, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     spec.compiler.degree = False
-    model = spec.compile()
-    return model, {name: (model.body(names[name]).id, principal[name]) for name in robot.links}
+    return spec.compile(), principal
 
 
 def _weigh(body: Any, centre: Array, axes: Array) -> None:
@@ -182,33 +185,7 @@ def _quaternion(mujoco: Any, turn: Array) -> Array:
     return found
 
 
-def _weighed(model: Any, robot: Robot, bodies: Mapping[str, tuple[int, Array]]) -> None:
-    """Write the description's masses into the model; points have none."""
-    model.body_mass[:], model.body_inertia[:] = 0.0, 0.0
-    for name, (number, principal) in bodies.items():
-        model.body_mass[number], model.body_inertia[number] = robot.links[name].mass, principal
-    model.body_subtreemass[:] = model.body_mass
-    for body in range(model.nbody - 1, 0, -1):  # only where moments are taken about hangs on it
-        model.body_subtreemass[model.body_parentid[body]] += model.body_subtreemass[body]
-
-
 # --- the torques
-
-
-def _computed(
-    mujoco: Any, model: Any, points: int, joints: Sequence[str], states: tuple[Array, Array, Array], directions: Array
-) -> Torques:
-    """All states; the model has its joints, each of one degree of freedom, in an order of its own."""
-    order = np.array([model.joint(name).id for name in joints], dtype=np.int64)
-    place = np.argsort(order)
-    position, speed, acceleration = (np.ascontiguousarray(state[:, place]) for state in states)
-    directions = directions[place]
-    bodies = [model.body(f"point{number}").id for number in range(points)]
-    parts = [
-        _part(mujoco, model, bodies, (position[rows], speed[rows], acceleration[rows]), directions)
-        for rows in (slice(first, first + _AT_ONCE) for first in range(0, len(position), _AT_ONCE))
-    ]
-    return Torques(*(np.concatenate(columns, axis=1) for columns in zip(*parts, strict=True)))
 
 
 def _part(

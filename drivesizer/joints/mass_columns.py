@@ -11,14 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import columns
+from drivesizer.files.csv_columns import columns, path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion, Torques, force_torques, torques_of
 from drivesizer.joints.places import (
     carried_by,
     check_couplings,
     coupling,
     drive_places,
-    file_of,
     fixed_positions,
     joint_of,
     outermost_first,
@@ -30,7 +29,7 @@ from drivesizer.loads.recorded import ComputedLoad
 from drivesizer.loads.springs import BalanceMass, spring_force, unfit_springs
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.spec.description import Joint, Robot, read_description, rotation
-from drivesizer.spec.robot_section import RobotSection
+from drivesizer.spec.robot_section import DrivePlace, RobotSection
 
 # -- Torques of joints beside those of masses: springs, weight that is taken off links, forces on links.
 #
@@ -65,7 +64,7 @@ def forces_in_files(section: RobotSection, spec_file: str, total: float) -> dict
     found = {}
     for number, one in enumerate(section.forces):
         if one.file is not None:
-            path = file_of(spec_file, one.file, ("robot", "forces", number, "file"), ("a CSV file", "foot.csv"))
+            path = path_from_spec(spec_file, one.file, ("robot", "forces", number, "file"), "a CSV file", "foot.csv")
             form = {"time": "time", "x": "force", "y": "force", "z": "force"}
             rows = columns(Path(path), form)
             time = rows["time"]
@@ -179,23 +178,6 @@ def radius_of(joint: Joint, travel_per_turn: float | None) -> float:
     return travel_per_turn / (2.0 * math.pi)
 
 
-def cycle_of(
-    name: str, duration: Array, moving: tuple[Array, Array], torque: Array, static: Array, inertia: float, *,
-    radius: float = 1.0, friction: float = 0.0,
-) -> LoadCycle:  # fmt: skip
-    """Load cycle at the shaft of one joint's drive."""
-    speed, acceleration = moving
-    held = float(np.abs(static).max()) * radius
-    cycle = LoadCycle(
-        f"joint {name}", duration, speed / radius, acceleration / radius, torque * radius,
-        inertia * radius**2, radius=radius, held=held,
-    ).split()  # fmt: skip
-    if not friction:
-        return cycle
-    resisting = friction * radius * cycle.direction
-    return replace(cycle, torque=cycle.torque + resisting).split()
-
-
 # -- Torques of all joints as functions of the masses that ride on the links: exactly linear.
 #
 # .. math:: \tau_i(t) = \tau_i^0(t) + \sum_k m_k \, c_{ik}(t)
@@ -255,26 +237,26 @@ class JointTorques:
         JointLoad
             At the shaft that the joint's drive turns, or each of those that share it.
         """
-        motion, column, place = self.cases[case].motion, self.joints.index(joint), self.section.drives.get(joint)
+        case_, column = self.cases[case], self.joints.index(joint)
+        motion, place = case_.motion, self.section.drives.get(joint, DrivePlace())
         unknown = sorted(set(masses) - set(self.joints))
         if unknown:
             raise ValueError(f"no joint of the robot moves: {', '.join(unknown)}")
         beyond = dict(masses) | self.beyond_links(masses)
-        carried = [self.cases[case].payload if name == _PAYLOAD else beyond.get(name, 0.0) for name in self.points]
+        carried = [case_.payload if name == _PAYLOAD else beyond.get(name, 0.0) for name in self.points]
         weights = np.array([1.0, *carried])
-        torque, static, inertia = (weights @ values[:, :, column] for values in self.cases[case].torques)
+        torque, static, inertia = (weights @ values[:, :, column] for values in case_.torques)
         resisting, coulomb = self._friction(motion, column)
-        motors = place.motors if place else 1
-        cycle = cycle_of(
-            joint, motion.duration, (motion.speed @ self.coupling[column], motion.acceleration @ self.coupling[column]),
-            (torque.reshape(-1, 2) + resisting) / motors, static.reshape(-1, 2) / motors, float(inertia.max()) / motors,
-            radius=radius_of(self.robot.joints[joint], place.travel_per_turn if place else None),
-            friction=coulomb / motors,
-        )  # fmt: skip
-        return JointLoad.model_construct(
-            kind="recorded", file=cycle.name, motors=motors, smoothing=0.0, inertia=0.0, cycle=cycle, joint=joint,
-            case=self.cases[case].name,
-        )  # fmt: skip
+        radius, motors = radius_of(self.robot.joints[joint], place.travel_per_turn), place.motors
+        speed, acceleration = motion.speed @ self.coupling[column], motion.acceleration @ self.coupling[column]
+        cycle = LoadCycle(
+            f"joint {joint}", motion.duration, speed / radius, acceleration / radius,
+            (torque.reshape(-1, 2) + resisting) / motors * radius, float(inertia.max()) / motors * radius**2,
+            radius=radius, held=float(np.abs(static.reshape(-1, 2) / motors).max()) * radius,
+        ).split()  # fmt: skip
+        if coulomb:
+            cycle = replace(cycle, torque=cycle.torque + coulomb / motors * radius * cycle.direction).split()
+        return JointLoad.with_cycle(cycle, motors, joint=joint, case=case_.name)
 
     def beyond_links(self, masses: Mapping[str, float]) -> dict[str, float]:
         """Mass by which drives are heavier than the links that are said to hold them [kg]."""
@@ -300,8 +282,8 @@ class JointTorques:
 
 def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVITY) -> JointTorques:
     """Torques of the joints of a section, over all its load cases."""
-    expected = "a URDF or MJCF file", "arm.urdf"
-    robot = read_description(file_of(spec_file, section.description, ("robot", "description"), expected))
+    field = ("robot", "description")
+    robot = read_description(path_from_spec(spec_file, section.description, field, "a URDF or MJCF file", "arm.urdf"))
     motion = motion_of(section, robot, spec_file)
     names = tuple(name for name in robot.joints if name in motion.joints)  # in the order of the description
     at = [motion.joints.index(name) for name in names]
@@ -313,8 +295,7 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     payload = payload_place(section, robot, motion.joints)
     points = drives if payload is None else {**drives, _PAYLOAD: payload}
     for joint in motion.joints:
-        place = section.drives.get(joint)
-        radius_of(robot.joints[joint], place.travel_per_turn if place else None)
+        radius_of(robot.joints[joint], section.drives.get(joint, DrivePlace()).travel_per_turn)
     carried = carried_by(robot, drives, motion.joints)
     holding = dict[str, tuple[str, float]]()
     if section.masses == "with_drives":

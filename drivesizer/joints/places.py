@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
 
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.text import missing
 from drivesizer.joints.inverse_dynamics import Array, Attached
-from drivesizer.spec.description import Joint, Robot, placed
+from drivesizer.spec.description import Joint, Robot
 from drivesizer.spec.robot_section import DrivePlace, JointFigure, RobotSection
 
 # -- Joints that a machine moves and those that it holds, out of a description.
@@ -47,15 +45,6 @@ def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
             field, f"{found}, and {quoted(joint.name)} {verb}; expected e.g. {'10 deg' if joint.turns else '10 mm'}"
         )
     return figure.value
-
-
-def file_of(spec_file: str, name: str, field: Field, expected: tuple[str, str]) -> Path:
-    """Path of a file that a section names."""
-    path = Path(spec_file).parent / name if spec_file else Path(name)
-    if reason := missing(path):
-        text = f"expected {expected[0]}, its path from the spec's folder, e.g. {expected[1]}"
-        raise FieldError(field, f"{quoted(name)} cannot be read ({reason}); {text}")
-    return path
 
 
 def unit_of(joint: Joint) -> str:
@@ -122,6 +111,7 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
     on_frame = {name for one in section.couplings if one.kind == "corexy" for name in one.joints}
     for name in joints:
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
+        field = ("robot", "drives", name, "belt_passes")
         if place.on == "base" or name in on_frame:
             continue
         if name in pairs and name not in section.drives:
@@ -224,17 +214,12 @@ def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joi
 
     def axis(joint: Joint) -> Array:
         """In the frame of the root, the joints that move at their references."""
-        along = joint.turn @ joint.axis
-        for one in robot.chain(joint.parent):
-            along = placed(one, held.get(one.name, one.reference))[1] @ along
+        along: Array = robot.frame(joint.parent, held)[1] @ joint.turn @ joint.axis
         return along
 
     for row, name in enumerate(joints):
-        place, field, joint = (
-            section.drives.get(name, DrivePlace()),
-            ("robot", "drives", name, "belt_passes"),
-            robot.joints[name],
-        )
+        place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
+        field = ("robot", "drives", name, "belt_passes")
         if not place.belt_passes:
             continue
         before = {one.name for one in robot.chain(place.link)} if place.link else set()

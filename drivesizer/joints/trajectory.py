@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import CsvFile
+from drivesizer.files.csv_columns import CsvFile, path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, JointMotion
-from drivesizer.joints.places import SLACK, Field, figure_of, file_of, joint_of, unit_of, within
+from drivesizer.joints.places import SLACK, Field, figure_of, joint_of, unit_of, within
+from drivesizer.loads.motions import LAWS
 from drivesizer.physics.load_cycle import places
-from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
+from drivesizer.physics.motion_curves import fastest_ramp, periodic_parabola
 from drivesizer.platform import trajectory as curves
 from drivesizer.spec.description import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
@@ -154,20 +155,12 @@ def _periodic(time: Array, row: Array, smoothing: float) -> Curve:
     kept, span, gap = curves.thinned(time, smoothing), time[-1] - time[0], row[-1] - row[0]
     level = row - gap * (time - time[0]) / span
     if len(kept) < len(time):
-        level = _means(time, level, smoothing)
+        level = periodic_parabola(time, level, smoothing)[0]
     level = level[kept]
     level[-1] = level[0]
     through = CubicSpline(time[kept], level, bc_type="periodic")
     steady = (lambda at: gap * (at - time[0]) / span, lambda at: gap / span)
     return lambda at, order: np.asarray(through(at, order)) + (steady[order](at) if order < 2 else 0.0)
-
-
-def _means(time: Array, row: Array, window: float) -> Array:
-    """Values of local parabolas through a periodic row."""
-    span, count = time[-1] - time[0], len(time) - 1
-    around = np.concatenate([time[:-1] - span, time, time[1:] + span])
-    wrapped = np.concatenate([row[:-1] - row[-1] + row[0], row, row[1:] - row[0] + row[-1]])
-    return local_parabola(around, wrapped, window)[0][count : 2 * count + 1]
 
 
 def _pieces(path: Path, time: Array, courses: Sequence[_Course], joints: Sequence[Joint]) -> JointMotion:
@@ -210,21 +203,6 @@ def _pieces(path: Path, time: Array, courses: Sequence[_Course], joints: Sequenc
 _PIECES = 128  # of a move
 _ALL = "all"
 _C_V, _C_A, _C_J = 15.0 / 8.0, 10.0 / math.sqrt(3.0), 60.0
-
-
-class JointPath(NamedTuple):
-    """The path variable over a move: time, itself and its derivatives at both ends of each segment."""
-
-    duration: Array  # s, shape (segments,)
-    s: Array  # shape (segments, 2)
-    speed: Array  # 1/s
-    acceleration: Array  # 1/s^2
-
-
-class _Limits(NamedTuple):
-    speed: Array
-    acceleration: Array
-    jerk: Array  # infinite without a limit
 
 
 def moves_of(section: RobotSection, robot: Robot) -> JointMotion:
@@ -276,8 +254,8 @@ def _stops(section: RobotSection, robot: Robot) -> tuple[list[Joint], Array]:
     return joints, stops
 
 
-def _limits(section: RobotSection, robot: Robot, joints: Sequence[Joint]) -> _Limits:
-    """Speed, acceleration and jerk of each joint: its own, those of all, those of the description."""
+def _limits(section: RobotSection, robot: Robot, joints: Sequence[Joint]) -> list[Array]:
+    """Speed, acceleration and jerk of each joint: its own, those of all, the description's; jerk may be infinite."""
     for name in section.limits:
         if name != _ALL:
             joint_of(robot, name, ("robot", "limits", name))
@@ -297,10 +275,10 @@ def _limits(section: RobotSection, robot: Robot, joints: Sequence[Joint]) -> _Li
                 raise FieldError(("robot", "limits"), message)
             values.append(value)
         columns.append(np.array(values))
-    return _Limits(*columns)
+    return columns
 
 
-def _along(names: tuple[str, ...], start: Array, end: Array, limits: _Limits, law: str) -> JointMotion:
+def _along(names: tuple[str, ...], start: Array, end: Array, limits: Sequence[Array], law: str) -> JointMotion:
     """A move of all joints from one waypoint to the next."""
     distance = end - start
     size = np.abs(distance)
@@ -309,25 +287,17 @@ def _along(names: tuple[str, ...], start: Array, end: Array, limits: _Limits, la
         longest = max(1.0 / speed, math.sqrt(1.0 / acceleration), math.cbrt(1.0 / jerk))
     if not longest < RANGES["time"][1]:
         raise FieldError(("robot", "limits"), f"a move takes {longest:.3g} s; expected faster joints")
-    path = _poly5(speed, acceleration, jerk) if law == "poly5" else _fastest(speed, acceleration, jerk)
-    s, v, a = (c[:, :, None] * distance for c in path[1:])
-    return JointMotion(names, path.duration, start + s, v, a)
-
-
-def _poly5(speed: float, acceleration: float, jerk: float) -> JointPath:
-    span = max(_C_V / speed, math.sqrt(_C_A / acceleration), math.cbrt(_C_J / jerk))
-    x = np.array(list(pairwise(np.linspace(0.0, 1.0, _PIECES + 1))))
-    s = x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
-    v, a = 30.0 * x**2 * (1.0 - x) ** 2, 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
-    return JointPath(np.full(_PIECES, span / _PIECES), s, v / span, a / span**2)
-
-
-def _fastest(speed: float, acceleration: float, jerk: float) -> JointPath:
-    """The fastest way from 0 to 1 under limits of the path variable."""
-    times = fastest_ramp(1.0, speed, acceleration, jerk)
-    bend, level, cruise = times
-    total = bend + level + bend + cruise + bend + level + bend
-    return JointPath(*curves.path_coordinate(times, lambda time, *_: max(1, math.ceil(_PIECES * time / total))))
+    if law == "poly5":
+        span = max(_C_V / speed, math.sqrt(_C_A / acceleration), math.cbrt(_C_J / jerk))
+        x = np.array(list(pairwise(np.linspace(0.0, 1.0, _PIECES + 1))))
+        s, (v, a) = x**3 * (10.0 - 15.0 * x + 6.0 * x**2), LAWS["poly5"].at(x)
+        duration, v, a = np.full(_PIECES, span / _PIECES), v / span, a / span**2
+    else:
+        times = fastest_ramp(1.0, speed, acceleration, jerk)
+        bend, level, cruise = times
+        total = bend + level + bend + cruise + bend + level + bend
+        duration, s, v, a = curves.path_coordinate(times, lambda time, *_: max(1, math.ceil(_PIECES * time / total)))
+    return JointMotion(names, duration, start + s[:, :, None] * distance, *(c[:, :, None] * distance for c in (v, a)))
 
 
 # -- Trajectory of a robot section, inside the limits of its joints.
@@ -339,7 +309,7 @@ def motion_of(section: RobotSection, robot: Robot, spec_file: str) -> JointMotio
     if section.trajectory is None:
         motion = moves_of(section, robot)
     else:
-        path = file_of(spec_file, section.trajectory, field, ("a CSV file", "moves.csv"))
+        path = path_from_spec(spec_file, section.trajectory, field, "a CSV file", "moves.csv")
         motion = motion_in(path, robot, section.smoothing)
     for column, name in enumerate(motion.joints):
         _inside(motion, column, joint_of(robot, name, field), robot, field)

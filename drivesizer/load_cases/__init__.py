@@ -101,7 +101,7 @@ def profile_of(spec: RobotSpec) -> Profile:
         raise InputError(f"motion: a {spec.load.kind} load brings its own; there is no profile of it")
     with located(spec):
         if isinstance(motion, motions.Csv | motions.Cam):
-            path = path_from_spec(spec.file, motion.file, spec.where(("motion", "file")))
+            path = path_from_spec(spec.file, motion.file, ("motion", "file"))
             if isinstance(motion, motions.Csv):
                 made = motions.from_csv(path, motions.SPEED[spec.load.axis][0])
             else:
@@ -200,7 +200,7 @@ def _load_cycle(spec: RobotSpec, profile: Profile | None, sampled: bool) -> Load
         cycle = getattr(load, "cycle", None)  # that of a machine's joint or wheel, which is computed
         if cycle is None:
             with located(spec):
-                path = path_from_spec(spec.file, load.file, spec.where(("load", "file")))
+                path = path_from_spec(spec.file, load.file, ("load", "file"))
                 cycle = LAWS[load.kind](load, path)
         held = cycle.held
         if sampled and cycle.duration.ndim == 1:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar, NamedTuple
@@ -123,16 +123,6 @@ class WheelLoad(ComputedLoad):
         return len(self.numbers)
 
 
-def wheel_load(
-    cycle: LoadCycle, wheels: int, numbers: Iterable[int], distance: float, of: str, rolling: float
-) -> WheelLoad:
-    """The load of one wheel, or of several alike."""
-    return WheelLoad.model_construct(
-        kind="recorded", file=cycle.name, motors=wheels, smoothing=0.0, inertia=0.0, cycle=cycle,
-        numbers=tuple(numbers), distance=distance, of=of, rolling_torque=rolling,
-    )  # fmt: skip
-
-
 # -- A platform on its trajectory as load cases: one for each driven wheel, wheels with equal load cycles as one.
 #
 # A drive is sized for all of them: for the worst wheel. What the supply and the battery give is shared by all
@@ -146,7 +136,8 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
     """The trajectory of the platform; None where the spec's motion is none."""
     motion = spec.motion
     if isinstance(motion, Track):
-        path = path_from_spec(spec.file, motion.trajectory, spec.where(("motion", "trajectory")))
+        with located(spec):
+            path = path_from_spec(spec.file, motion.trajectory, ("motion", "trajectory"))
         return read_track(path, limits_of(spec), motion.smoothing, spec.where(("motion", "smoothing")))
     if isinstance(motion, Waypoints):
         limits = limits_of(spec)
@@ -217,8 +208,10 @@ def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
         *others, last = (str(driven[i] + 1) for i in alike)
         which = f"wheels {', '.join(others)} and {last}" if others else f"wheel {last}"
         worst = [max(limits, key=_tightness) for limits in zip(*(cycles[i].own for i in alike), strict=True)]
-        cycle, own = replace(cycles[alike[0]], own=tuple(worst)), float(rolling[driven[alike[0]]])
-        load = wheel_load(cycle, case.load.driven_wheels, alike, trajectory.length, name, own)
+        load = WheelLoad.with_cycle(
+            replace(cycles[alike[0]], own=tuple(worst)), case.load.driven_wheels, numbers=tuple(alike),
+            distance=trajectory.length, of=name, rolling_torque=float(rolling[driven[alike[0]]]),
+        )  # fmt: skip
         yield (which if name in ("", AS_SPECIFIED) else f"{name}, {which}"), case.alone(load=load, motion=None)
 
 

@@ -21,7 +21,7 @@ from drivesizer.files import fields
 from drivesizer.files.csv_columns import columns
 from drivesizer.loads.course import Profile, columns_of
 from drivesizer.physics.figures import Alike
-from drivesizer.physics.motion_curves import fastest_ramp, local_parabola
+from drivesizer.physics.motion_curves import fastest_ramp, periodic_parabola
 
 SPEED = {"linear": ("speed", "m/s"), "rotary": ("rotary_speed", "rpm")}  # of a load along a line or about an axis
 TRAVEL = {"linear": ("length", "mm"), "rotary": ("angle", "deg")}
@@ -324,13 +324,13 @@ def harmonic(motion: Harmonic) -> Profile:
 # acceleration the RMS acceleration by 6e-4 at most.
 
 
-_Point = tuple[float, float]  # f' and f'' at a share of the time
+_Point = tuple[Any, Any]  # f' and f'' at a share of the time
 
 
 class Law(NamedTuple):
     """Transfer function of a law that is no straight line."""
 
-    at: Callable[[float], _Point]  # f' and f'' at a share of the time
+    at: Callable[[Any], _Point]
     peaks: tuple[float, ...] = ()  # shares at which it peaks, beside eighths of the time
 
 
@@ -470,8 +470,7 @@ def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
             ("motion", "smoothing"),
             f"{motion.smoothing:g} s is longer than the table of {time[-1]:g} s; expected at most that, e.g. 2 ms",
         )
-    around = [np.append(c[:-1] - c[-1] + c[0], np.append(c, c[1:] + c[-1] - c[0])) for c in (time, position)]
-    slope = local_parabola(around[0], around[1], motion.smoothing)[1][len(time) - 1 : 2 * len(time) - 1]
+    slope = periodic_parabola(time, position, motion.smoothing)[1]
     speed = np.where(np.abs(slope) <= _STILL * np.abs(slope).max(), 0.0, slope)
     return _checked(Profile(str(path), tuple(time.tolist()), tuple(speed.tolist())), "master_speed")
 

@@ -25,7 +25,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import nan
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -155,27 +155,14 @@ class ComputedLoad(Recorded):
 
     cycle: Any  # a LoadCycle, of its shaft
 
+    @classmethod
+    def with_cycle(cls, cycle: LoadCycle, motors: int = 1, **more: Any) -> Self:
+        """The load that a cycle of one drive is of, so many drives sharing it equally."""
+        return cls.model_construct(
+            kind="recorded", file=cycle.name, smoothing=0.0, inertia=0.0, cycle=cycle, motors=motors, **more
+        )
+
     @property
     def shaft_inertia(self) -> float:
         """Of all that one drive moves, at its shaft [kg*m^2]."""
         return float(self.cycle.inertia)
-
-
-def computed_load(cycle: LoadCycle, motors: int = 1) -> ComputedLoad:
-    """The load that a load cycle is of.
-
-    Parameters
-    ----------
-    cycle
-        Of the shaft of one drive.
-    motors
-        Drives alike, of which each has this cycle.
-
-    Returns
-    -------
-    ComputedLoad
-        The load.
-    """
-    return ComputedLoad.model_construct(
-        kind="recorded", file=cycle.name, smoothing=0.0, inertia=0.0, cycle=cycle, motors=motors
-    )

@@ -56,6 +56,13 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
     return fit, slope
 
 
+def periodic_parabola(time: Column, value: Column, window: float) -> tuple[Column, Column]:
+    """The same of what repeats from its last sample on, as far above or below the first as the last is."""
+    around = [np.append(c[:-1] - c[-1] + c[0], np.append(c, c[1:] + c[-1] - c[0])) for c in (time, value)]
+    fit, slope = local_parabola(*around, window)
+    return fit[len(time) - 1 : 2 * len(time) - 1], slope[len(time) - 1 : 2 * len(time) - 1]
+
+
 def _numbers(chosen: Mask, count: int) -> Iterator[Whole]:
     """Numbers of those that are chosen, so many at a time: all of a long recording's take room."""
     left = np.zeros(0, np.int64)

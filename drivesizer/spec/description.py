@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -156,6 +156,21 @@ class Robot:
     def above(self) -> dict[str, Joint]:
         """Joint on which each link hangs; roots have none."""
         return {joint.child: joint for joint in self.joints.values()}
+
+    def outwards(self, first: str | None = None) -> list[str]:
+        """Links from the roots on, or from one, each behind the one that it hangs on."""
+        found = [name for name in self.links if name not in self.above] if first is None else [first]
+        for name in found:  # grows by the links that hang on each
+            found += [joint.child for joint in self.joints.values() if joint.parent == name]
+        return found
+
+    def frame(self, link: str, positions: Mapping[str, float]) -> tuple[Array, Array]:
+        """Place and turn of a link in the frame of its root, joints without a position at their references."""
+        place, turn = np.zeros(3), np.eye(3)
+        for joint in reversed(self.chain(link)):
+            at, turned = placed(joint, positions.get(joint.name, joint.reference))
+            place, turn = place + turn @ at, turn @ turned
+        return place, turn
 
     def chain(self, link: str) -> list[Joint]:
         """Joints between a link and its root, the nearest first."""

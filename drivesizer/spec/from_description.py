@@ -147,20 +147,15 @@ class Carried(NamedTuple):
 
 def carried(robot: Robot, joint: Joint) -> Carried:
     """Mass, lever, inertia and tilt of the links that a joint moves."""
-    place, turn = np.zeros(3), np.eye(3)  # of the joint's link in the frame of its root
-    for one in reversed(robot.chain(joint.child)):
-        place, turn = place + turn @ one.place, turn @ one.turn
+    place, turn = robot.frame(joint.child, {})
     axis = turn @ joint.axis
     mass, moment, inertia = 0.0, np.zeros(3), 0.0
-    beyond = [(joint.child, place, turn)]
-    for name, position, turned in beyond:  # grows by the links that hang on each
-        link = robot.links[name]
+    for name in robot.outwards(joint.child):
+        link, (position, turned) = robot.links[name], robot.frame(name, {})
         arm = position + turned @ link.centre - place
         off = np.cross(axis, arm)
         mass, moment = mass + link.mass, moment + link.mass * arm
         inertia += float(axis @ turned @ link.inertia @ turned.T @ axis) + link.mass * float(off @ off)
-        beyond += [(one.child, position + turned @ one.place, turned @ one.turn)
-                   for one in robot.joints.values() if one.parent == name]  # fmt: skip
     lever = float(np.linalg.norm(np.cross(axis, moment))) / mass if mass > 0.0 else 0.0
     return Carried(mass, lever, inertia, abs(math.asin(min(1.0, max(-1.0, float(axis[2]))))))
 

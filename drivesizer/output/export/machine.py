@@ -164,7 +164,7 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
     """The description, with the drives of its joints."""
     section, file = sizing.machine.robot, sizing.machine.file
     assert section is not None
-    robot = read_description(path_from_spec(file, section.description, "robot.description"))
+    robot = read_description(path_from_spec(file, section.description, ("robot", "description")))
     joints = tuple(name for name in robot.joints if name in exports)
     held = fixed_positions(section, robot, joints)
     places = drive_places(section, robot, joints) if section.masses == "without" else {}  # else the links hold them

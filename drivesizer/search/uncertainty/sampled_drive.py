@@ -149,9 +149,7 @@ def _wheels(
         load = spec.load
         assert isinstance(load, platform.WheelLoad)
         for number in load.numbers:  # wheels that are alike at nominal figures
-            alone = platform.wheel_load(
-                load.cycle, load.motors, [number], load.distance, load.of, load.rolling_torque
-            )  # fmt: skip
+            alone = load.model_copy(update={"numbers": (number,)})
             moved_load = alone.model_copy(update={"cycle": cycles[number]})
             moved_spec = applied(spec.model_copy(update={"load": moved_load}), stages)
             yield spec.model_copy(update={"load": alone}), load_cycle(moved_spec, sampled=True)
