@@ -21,7 +21,7 @@ from drivesizer.catalog.schema import SCHEMA, SOURCE
 from drivesizer.catalog.tables import Catalog, joined, with_pairs
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import Path_, YamlSource, written
+from drivesizer.files.yaml_source import Path_, YamlSource, value_at, written
 
 Named = Mapping[str, Mapping[str, Sequence[str]]]  # by section: names or patterns by column
 
@@ -66,9 +66,7 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
     from drivesizer.catalog.catalog_file import parse
     from drivesizer.catalog.importing import meant_by
 
-    given: Any = source.data
-    for step in at:
-        given = given[step]
+    given: Any = value_at(source.data, at)
     name = given[NAME]
     if isinstance(name, bool) or not isinstance(name, str | int) or not str(name).strip():
         raise CatalogError(f'{source.where((*at, NAME))}: {quoted(name)} is no name of a part; expected e.g. "775"')

@@ -14,15 +14,15 @@ from pydantic import ValidationError
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import Expression, Limit, names_in
 from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import Path_, YamlSource, field_name
+from drivesizer.files.yaml_source import Path_, YamlSource, changed, field_name, value_at
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.ranking import COUNTED
 from drivesizer.spec.drive import OBJECTIVES, Select
 from drivesizer.spec.machine import is_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.sections import EXPRESSION, FREE, Design, open_figures
-from drivesizer.study.fields import changed, kind_of
-from drivesizer.study.figures import NAMED, SpecFigures, at, columns_for, derived_fields
+from drivesizer.study.fields import kind_of
+from drivesizer.study.figures import NAMED, SpecFigures, columns_for, derived_fields
 from drivesizer.study.plan import Axis, Expressions, Job, Place, Plan, StudyFile, axis_of, machine_job
 from drivesizer.study.rows import columns_of, result_columns
 from drivesizer.units import scale, to_si
@@ -85,7 +85,7 @@ class Task:
         for derived in self.job.derived:
             data = derived.entered(data, self.figures)
         places = [*(one.path for one in self.free), *(one.path for one in self.job.derived)]
-        edits = [*(Edit(path, at(data, path)) for path in places), *self.own_limits]
+        edits = [*(Edit(path, value_at(data, path)) for path in places), *self.own_limits]
         if self.job.objectives[0] is not None and not is_machine(self.source):
             edits.append(Edit(("select", "objective"), self.job.objectives[0]))
         return edited(self.source.text, edits, self.source.name)
@@ -126,7 +126,7 @@ def read_task(
     )  # fmt: skip
     for one in derived:
         data = one.entered(data, figures)
-    edits = [Edit(path, at(data, path)) for path in (*spaces, *texts)]
+    edits = [Edit(path, value_at(data, path)) for path in (*spaces, *texts)]
     minimise, pareto, limits = _goals(source, section, figures, merit is not None)
     own, limits = _own_limits(data, limits)
     base = YamlSource(edited(source.text, [*edits, *own], source.name), source.name)

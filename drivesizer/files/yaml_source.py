@@ -325,6 +325,27 @@ def overlay(whole: YamlSource, at: Path_, shared: dict[str, Any], own: dict[str,
     return YamlOverlay(whole, at, data)
 
 
+def value_at(data: Any, path: Path_) -> Any:
+    """The value at a path; None where there is none."""
+    for step in path:
+        try:
+            data = data[step]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data
+
+
+def changed(data: Any, path: Path_, value: Any) -> Any:
+    """Data with another value at a path; everything else is shared, not copied."""
+    if not path:
+        return value
+    step, rest = path[0], path[1:]
+    if isinstance(step, int):
+        return [*data[:step], changed(data[step], rest, value), *data[step + 1 :]]
+    inside = data if isinstance(data, dict) else {}
+    return {**inside, step: changed(inside.get(step), rest, value)}
+
+
 def texts_in(data: Any) -> Iterator[str]:
     """All texts among the values of a document."""
     if isinstance(data, dict | list):

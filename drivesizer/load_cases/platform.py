@@ -144,7 +144,7 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
         if limits is None:
             where = spec.where(("platform", "limits"))
             raise InputError(f"{where}: expected speed and acceleration to plan the waypoints with, e.g. speed: 1 m/s")
-        points = [Waypoint(x=p.x, y=p.y, heading=p.heading, pause=p.pause) for p in motion.waypoints]
+        points = [Waypoint(**dict(point)) for point in motion.waypoints]
         with located(spec, "motion", "waypoints"):
             return plan(points, limits)
     return None
@@ -156,7 +156,7 @@ def limits_of(spec: RobotSpec) -> Limits | None:
     if given is None or given.speed is None or given.acceleration is None:
         return None
     with located(spec, "platform", "limits"):
-        return Limits(**{name: getattr(given, name) for name in type(given).model_fields})
+        return Limits(**dict(given))
 
 
 def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:

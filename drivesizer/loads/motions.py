@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field
@@ -144,25 +144,6 @@ def trapezoid(motion: Trapezoid) -> Profile:
         names = ("acceleration", "distance", "acceleration")
     legs = (*zip(names, (up, cruise, down), (top, top, 0.0), strict=True), ("rest_time", motion.rest_time, 0.0))
     return _straight("trapezoid", legs, motion.there_and_back)
-
-
-class Triangle(_Repeated):
-    """Accelerate over half the distance, decelerate over the other half, rest."""
-
-    profile: Literal["triangle"]
-    distance: fields.Distance
-    time: fields.Duration = fields.required("of the whole move")
-
-
-def triangle(motion: Triangle) -> Profile:
-    """Half the time of speeding up, half of slowing down.
-
-    >>> triangle(Triangle(profile="triangle", distance="3 m", time="2 s")).speed
-    (0.0, 3.0, 0.0)
-    """
-    top, half = 2 * motion.distance / motion.time, motion.time / 2
-    legs = (("time", half, top), ("time", half, 0.0), ("rest_time", motion.rest_time, 0.0))
-    return _straight("triangle", legs, motion.there_and_back)
 
 
 class Segment(fields.Section):
@@ -403,9 +384,25 @@ class Move(_Repeated):
         return up, up if self.deceleration_time is None else self.deceleration_time
 
 
-def move(motion: Move) -> Profile:
+class Triangle(_Repeated):
+    """Accelerate over half the distance, decelerate over the other half, rest."""
+
+    law: ClassVar[str] = "triangle"
+    profile: Literal["triangle"]
+    distance: fields.Distance
+    time: fields.Duration = fields.required("of the whole move")
+
+    @property
+    def ramps(self) -> tuple[float, float]:
+        """Times of acceleration and deceleration [s]."""
+        return self.time / 2.0, self.time / 2.0
+
+
+def move(motion: Move | Triangle) -> Profile:
     """A distance in a time by a law; speed and acceleration are exact at breakpoints and meet their peaks there.
 
+    >>> move(Triangle(profile="triangle", distance="3 m", time="2 s")).speed
+    (0.0, 3.0, 0.0)
     >>> move(Move(profile="move", distance="3 m", time="3 s")).speed
     (0.0, 1.5, 1.5, 0.0)
     """
@@ -416,7 +413,7 @@ def move(motion: Move) -> Profile:
         level = np.where(cruise > _STILL * span, cruise, 0.0)  # of ramps that fill the time, not what rounding leaves
         top = stroke / (span - (up + down) / 2)
         legs = (("time", up, top), ("time", level, top), ("time", down, 0.0), ("rest_time", motion.rest_time, 0.0))
-        return _straight("move", legs, motion.there_and_back)
+        return _straight(motion.profile, legs, motion.there_and_back)
     law = LAWS[motion.law]
     shares = sorted({k / _STROKE for k in range(_STROKE + 1)} | set(law.peaks))
     points = [(x * span, *law.at(x)) for x in shares]
@@ -540,7 +537,7 @@ class Waypoints(fields.Section):
 
 MADE: dict[str, Callable[[Any], Profile]] = {
     "trapezoid": trapezoid,
-    "triangle": triangle,
+    "triangle": move,
     "move": move,
     "s_curve": s_curve,
     "harmonic": harmonic,

@@ -162,9 +162,12 @@ def carried(robot: Robot, joint: Joint) -> Carried:
 
 def _name(robot: Robot) -> str:
     """The name as a quoted YAML text; a blank stands for what a spec refuses because it cannot be seen."""
-    names = (robot.name, Path(robot.file).stem)
-    seen = ("".join(c if c.isprintable() else " " for c in name).strip() for name in names)
-    return quoted(next(filter(None, seen), "robot").replace("\\", "/").replace('"', "'"), 200)
+    seen = (_printable(name).strip() for name in (robot.name, Path(robot.file).stem))
+    return quoted(next(filter(None, seen), "robot"), 200)
+
+
+def _printable(text: str) -> str:
+    return "".join(c if c.isprintable() else " " for c in text).replace("\\", "/").replace('"', "'")
 
 
 # -- A machine: every joint that moves is an axis
@@ -214,6 +217,6 @@ def _position(joint: Joint, side: int) -> str:
 
 def _quoted(text: str) -> str:
     """A name as YAML text, in quotes where it needs them."""
-    shown = "".join(c if c.isprintable() else " " for c in text).replace("\\", "/").replace('"', "'")
+    shown = _printable(text)
     plain = re.fullmatch(r"[A-Za-z][\w-]*", shown) and shown.lower() not in ("true", "false", "null")
     return shown if plain else f'"{shown}"'

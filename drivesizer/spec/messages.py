@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource, value_at
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -25,34 +25,17 @@ from drivesizer.units import KINDS, noun
 
 # What others call a field: the first of these that is known at its place, or elsewhere in the file, is proposed.
 _OTHER_WORDS = {
-    "accel": ("acceleration", "acceleration_time"),
-    "ambient_temperature": ("ambient",),
-    "angle": ("incline", "slope", "distance"),
-    "brake": ("hold_unpowered",),
-    "bus_voltage": ("nominal",),
-    "displacement": ("distance",),
-    "dwell": ("rest_time",),
-    "dwell_time": ("rest_time",),
-    "friction": ("friction_coefficient", "rolling_resistance", "friction_torque"),
-    "gear_ratio": ("ratio",),
-    "inclination": ("incline", "slope"),
-    "max_voltage": ("max",),
-    "min_voltage": ("min",),
-    "moment_of_inertia": ("inertia",),
-    "move": ("distance",),
-    "mu": ("friction_coefficient",),
-    "pause": ("rest_time",),
-    "payload": ("mass",),
-    "pitch": ("lead",),
-    "radius": ("diameter", "wheel_diameter", "pulley_diameter"),
-    "stroke": ("distance",),
-    "temperature": ("ambient",),
-    "travel": ("distance",),
-    "velocity": ("speed",),
-    "voltage": ("nominal", "nominal_voltage"),
-    "weight": ("mass",),
+    "accel": ("acceleration", "acceleration_time"), "ambient_temperature": ("ambient",),
+    "angle": ("incline", "slope", "distance"), "brake": ("hold_unpowered",), "bus_voltage": ("nominal",),
+    "displacement": ("distance",), "dwell": ("rest_time",), "dwell_time": ("rest_time",),
+    "friction": ("friction_coefficient", "rolling_resistance", "friction_torque"), "gear_ratio": ("ratio",),
+    "inclination": ("incline", "slope"), "max_voltage": ("max",), "min_voltage": ("min",),
+    "moment_of_inertia": ("inertia",), "move": ("distance",), "mu": ("friction_coefficient",),
+    "pause": ("rest_time",), "payload": ("mass",), "pitch": ("lead",),
+    "radius": ("diameter", "wheel_diameter", "pulley_diameter"), "stroke": ("distance",), "temperature": ("ambient",),
+    "travel": ("distance",), "velocity": ("speed",), "voltage": ("nominal", "nominal_voltage"), "weight": ("mass",),
     "wheels": ("driven_wheels",),
-}
+}  # fmt: skip
 _FEW = 3  # places of a key that are named
 
 
@@ -66,7 +49,10 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
     if named:
         return f"did you mean {quoted(named)}?"
     kinds = (_other_kind(model, path, word) for word in (key, *_OTHER_WORDS.get(key, ())))
-    return next(filter(None, kinds), "") or _other_group(model, key) or _nearest(key, known)
+    if found := next(filter(None, kinds), "") or _other_group(model, key):
+        return found
+    close = difflib.get_close_matches(key, known, 1, 0.5)
+    return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
 
 
 def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
@@ -92,11 +78,6 @@ def _other_group(model: type[BaseModel], key: str) -> str:
         if any(word in one.model_fields for one in models_of(field))
     ]
     return f"expected {' or '.join(places)}" if 0 < len(places) <= _FEW else ""
-
-
-def _nearest(key: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(key, known, 1, 0.5)
-    return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
 
 
 def known_keys(model: type[BaseModel], path: Path_, data: Any) -> list[str]:
@@ -187,7 +168,8 @@ def explained(
     faults.sort(key=lambda pair: (pair[1]["type"] != "extra_forbidden", source.line(pair[0]) or 0))
     lines = []
     for path, fault in faults:
-        where = source.where(at + path if _changed(source.data, at, path) else path)
+        in_part = at and path and path[0] in value_at(source.data, at)
+        where = source.where(at + path if in_part else path)
         lines.append(f"{where}: {_message(fault, path, data, model)}")
     lines = list(dict.fromkeys(lines))
     shown = [*lines[: _MOST - 1], lines[_MOST - 1] + _more(lines, _MOST)] if len(lines) >= _MOST else lines
@@ -201,13 +183,6 @@ def _more(lines: list[str], shown: int) -> str:
     (' (and 2 more)', '')
     """
     return f" (and {len(lines) - shown} more)" if len(lines) > shown else ""
-
-
-def _changed(data: Any, at: Path_, path: Path_) -> bool:
-    """Whether the part of the file at one path has the field of another path."""
-    for step in at:
-        data = data[step]
-    return bool(at) and bool(path) and path[0] in data
 
 
 def _path(fault: dict[str, Any], data: Any) -> Path_:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -175,13 +175,8 @@ class Unknown(fields.Section):
     @property
     def record(self) -> Misjudged:
         """The same as a plain record, as the simulation takes it."""
-        given = {name: getattr(self, name) for name in type(self).model_fields if name != "payload"}
-        errors: dict[str, Any] = {
-            name: tuple(value) if isinstance(value, list) else value for name, value in given.items()
-        }
-        carried = self.payload
-        load = Payload(mass=carried.mass, x=carried.x, y=carried.y, height=carried.height) if carried else None
-        return Misjudged(**errors, payload=load)
+        given = {name: tuple(value) if isinstance(value, list) else value for name, value in self}
+        return Misjudged(**given | {"payload": Payload(**dict(self.payload)) if self.payload else None})
 
 
 # -- Sections of a spec on path following: controllers, floor and measured errors.
@@ -278,7 +273,7 @@ class SizeSection(fields.Section):
     @property
     def record(self) -> Size:
         """The same as the platform's geometry takes it."""
-        return Size(length=self.length, width=self.width, height=self.height, x=self.x, y=self.y)
+        return Size(**dict(self))
 
 
 class PassageSection(fields.Section):

@@ -17,7 +17,7 @@ from drivesizer.catalog import Brake, Controller
 from drivesizer.catalog.typed import Typed
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, source_of
+from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, changed, source_of
 from drivesizer.loads.kinds import AXES, Load
 from drivesizer.loads.motions import Motion, Trapezoid
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -465,13 +465,8 @@ def _read(source: YamlSource, data: dict[str, Any], before: RobotSpec | None = N
 
 def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str, value: float) -> None:
     """Refuse a tolerance with an end outside the range of the field."""
-    changed = deepcopy(data)
-    place: Any = changed
-    for step in one.path[:-1]:
-        place = place[step]
-    place[one.path[-1]] = one.as_text(value)
     try:
-        _read(source, changed)
+        _read(source, changed(data, one.path, one.as_text(value)))
     except InputError as error:
         reason = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
         text = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {reason}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from copy import deepcopy
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, Field
@@ -13,7 +12,7 @@ from pydantic import BeforeValidator, Field
 from drivesizer.catalog.tolerances import CUT, NOT_OF_STEPPERS, OF_STEPPERS, Distribution, share
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource, changed, value_at
 from drivesizer.units import KINDS, from_si, kind_of_unit, noun, number, scale, show
 
 # -- Reader of figures with a tolerance.
@@ -91,7 +90,7 @@ def split_tolerances(source: YamlSource, without: YamlSource | None = None) -> t
     ]
     if not places:
         return source.data, ()
-    data, found = deepcopy(source.data), []
+    data, found = source.data, []
     for path, text in places:
         if why := _refused(path, data):
             raise InputError(f"{source.where(path)}: {why}; expected it without a tolerance")
@@ -100,10 +99,7 @@ def split_tolerances(source: YamlSource, without: YamlSource | None = None) -> t
         except InputError as error:
             raise InputError(f"{source.where(path)}: {error}") from None
         found.append(one)
-        place = data
-        for step in path[:-1]:
-            place = place[step]
-        place[path[-1]] = one.nominal
+        data = changed(data, path, one.nominal)
     return data, tuple(found)
 
 
@@ -116,9 +112,7 @@ def _refused(path: Path_, data: Any) -> str:
         return ""
     if rest[1] == "pulleys":
         return "it chooses among pulleys of the catalogues"
-    stage = data
-    for step in path[: len(path) - len(rest) + 1]:
-        stage = stage[step]
+    stage = value_at(data, path[: len(path) - len(rest) + 1])
     of_belt = rest[1] == "ratio" and isinstance(stage, dict) and stage.get("kind") == "belt"
     return "ratios of a belt are searched as they are" if of_belt or rest[1] == "ratios" else ""
 
@@ -171,12 +165,11 @@ def tolerance(text: str, path: Path_ = ()) -> Toleranced:
         values = [_si(figure, kind) for figure in figures]
         if shape == "ends":
             middle, low, high = values
-            if not low < high:
-                reason = "its ends must be apart, the lower one first"
-                raise InputError(f"{quoted(bare)}: {reason}; expected e.g. 0.02 in 0.015..0.03")
-            if not low <= middle <= high:
-                reason = "the figure must lie between its ends"
-                raise InputError(f"{quoted(bare)}: {reason}; expected e.g. 0.02 in 0.015..0.03")
+            if not low < high or not low <= middle <= high:
+                apart = "the figure must lie between its ends" if low < high else (
+                    "its ends must be apart, the lower one first"
+                )  # fmt: skip
+                raise InputError(f"{quoted(bare)}: {apart}; expected e.g. 0.02 in 0.015..0.03")
             nominal, distribution = figures[0], Distribution("uniform", low, high, (low + high) / 2.0)
         elif not values[0] < values[-1] or sorted(values) != values:
             raise InputError(f"{quoted(bare)}: its figures must rise; expected {SHAPES}")

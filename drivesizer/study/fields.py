@@ -152,14 +152,3 @@ def _quantities(marks: Sequence[Any]) -> list[Quantity | Either]:
             inside = (*mark.__metadata__, mark.__origin__) if get_origin(mark) is Annotated else get_args(mark)
             found += _quantities(inside)
     return found
-
-
-def changed(data: Any, path: Path_, value: Any) -> Any:
-    """A spec's data with another value at a path; everything else is shared, not copied."""
-    if not path:
-        return value
-    step, rest = path[0], path[1:]
-    if isinstance(step, int):
-        return [*data[:step], changed(data[step], rest, value), *data[step + 1 :]]
-    inside = data if isinstance(data, dict) else {}
-    return {**inside, step: changed(inside.get(step), rest, value)}

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import Expression, expression
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource, changed, value_at
 from drivesizer.spec.machine import is_machine
 from drivesizer.spec.tolerances import has_tolerance, tolerance
-from drivesizer.study.fields import changed, kind_of, path_of, unknown_field
+from drivesizer.study.fields import kind_of, path_of, unknown_field
 from drivesizer.units import KINDS, to_si
 
 
@@ -72,7 +72,7 @@ class SpecFigures:
         """Path and kind of quantity of a figure; an InputError where there is none of that name, or it is not given."""
         if name not in self._known:
             path = self.path(name)
-            found = at(self.source.data, path)
+            found = value_at(self.source.data, path)
             follows = isinstance(found, dict) and "expression" in found
             if (isinstance(found, list | dict) and not follows) or (found is None and given):
                 raise InputError(f"{quoted(name)} is given as no figure in {self.source.name}; expected one that is")
@@ -82,23 +82,13 @@ class SpecFigures:
     def value(self, name: str, data: Any) -> float:
         """A figure of a variant, of its data; NaN where it has none."""
         path, kind = self.place(name)
-        given = at(data, path)
+        given = value_at(data, path)
         if isinstance(given, str) and has_tolerance(given):
             given = tolerance(given).nominal
         try:
             return to_si(given, kind or "dimensionless")
         except InputError:
             return nan
-
-
-def at(data: Any, path: Path_) -> Any:
-    """The value at a path; None where there is none."""
-    for step in path:
-        try:
-            data = data[step]
-        except (KeyError, IndexError, TypeError):
-            return None
-    return data
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 from drivesizer.catalog import Catalog
 from drivesizer.errors import DrivesizerError, InputError
 from drivesizer.files.arithmetic import names_in
-from drivesizer.files.yaml_source import Path_, YamlSource
+from drivesizer.files.yaml_source import Path_, YamlSource, changed
 from drivesizer.machine.budgets import machine_budget
 from drivesizer.output.parts import unknown_of
 from drivesizer.results.check import worst
@@ -30,7 +30,6 @@ from drivesizer.search.shortlist import load_parts, shortlist
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.machine import is_machine, read_any
 from drivesizer.spec.robot import RobotSpec, read_spec
-from drivesizer.study.fields import changed
 from drivesizer.study.figures import SpecFigures, row_figures
 from drivesizer.study.plan import Job, Plan, Variant
 from drivesizer.version import __version__

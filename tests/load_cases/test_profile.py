@@ -24,10 +24,10 @@ from drivesizer.loads.motions import (
     Triangle,
     from_csv,
     harmonic,
+    move,
     s_curve,
     segments,
     trapezoid,
-    triangle,
 )
 from drivesizer.spec.robot import load_spec
 
@@ -75,7 +75,7 @@ def test_each_way_has_its_rest():
 
 
 def test_triangle_covers_its_distance_at_twice_the_mean_speed():
-    found = triangle(Triangle(profile="triangle", distance="90 cm", time="1.2 s", rest_time="300 ms"))
+    found = move(Triangle(profile="triangle", distance="90 cm", time="1.2 s", rest_time="300 ms"))
     assert found.time == pytest.approx((0.0, 0.6, 1.2, 1.5))
     assert found.top_speed == pytest.approx(2 * 0.9 / 1.2)
     assert found.distance == pytest.approx(0.9, rel=1e-12)
@@ -97,8 +97,8 @@ def test_segments_remain_as_they_are_listed():
 AT_THE_DOOR = {  # no figures of a machine: refused by the field itself
     "steep": (lambda: trapezoid(motion(speed="1e300 m/s", acceleration_time="1e-20 s")), "acceleration_time: 1e-20 s"),
     "far": (lambda: trapezoid(motion(speed="1e300 m/s", cruise_time="1e100 s")), "cruise_time: 1e+100 s"),
-    "fast": (lambda: triangle(Triangle(profile="triangle", distance="1e300 m", time="1e-20 s")), "time: 5e-21 s"),
-    "slow": (lambda: triangle(Triangle(profile="triangle", distance="1e-300 m", time="1e100 s")), "time: the speed"),
+    "fast": (lambda: move(Triangle(profile="triangle", distance="1e300 m", time="1e-20 s")), "time: 5e-21 s"),
+    "slow": (lambda: move(Triangle(profile="triangle", distance="1e-300 m", time="1e100 s")), "time: the speed"),
     "sine": (lambda: harmonic(Harmonic(profile="harmonic", amplitude="1 m", period="1e-200 s")), "period: "),
     "no jerk phase": (lambda: s_curve(asked(1.0, 1e-3, 1e3, 1e30)), "jerk: a part of the motion is too short"),
     "limits": (lambda: s_curve(asked(1.0, 1e200, 1e-200, 1e-200)), "jerk: "),

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from studies import CHEAP, EXAMPLE, FEW, ROOT, laid
 
 from drivesizer.errors import InputError
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import YamlSource, changed
 from drivesizer.results.check import worst
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
-from drivesizer.study.fields import changed, path_of
+from drivesizer.study.fields import path_of
 from drivesizer.study.plan import MOST, read_study
 from drivesizer.study.rows import best, columns_of, document_of, rows_of, spec_of
 from drivesizer.study.run import refuse_if_all_invalid
