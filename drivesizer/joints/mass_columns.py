@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.errors import FieldError, InputError, nearest, quoted
+from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import columns, path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion, Torques, force_torques, torques_of
 from drivesizer.joints.places import (
     carried_by,
     check_couplings,
+    check_link,
     coupling,
     drive_places,
     fixed_positions,
@@ -136,14 +137,6 @@ def link_torques(
         points = [Attached(one.link, np.array(one.at)) for _, one in acting]
         found += force_torques(robot, held, points, moved.joints, position, values @ turn)
     return found
-
-
-def check_forces(section: RobotSection, robot: Robot) -> None:
-    """Refuse forces on links that there are not."""
-    for number, one in enumerate(section.forces):
-        if one.link not in robot.links:
-            wrong = f"{quoted(one.link)} is no link of {robot.file}{nearest(one.link, robot.links)}"
-            raise FieldError(("robot", "forces", number, "link"), wrong)
 
 
 # -- Load cycle of one joint at the shaft that its drive turns, and the load that has it.
@@ -306,7 +299,8 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     turn = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw]))
     down, start = turn.T[:, 2] * -gravity, motion.position[0, 0]
     check_joint_springs(section, robot, names)
-    check_forces(section, robot)
+    for number, one in enumerate(section.forces):
+        check_link(robot, one.link, ("robot", "forces", number, "link"))
     files = forces_in_files(section, spec_file, float(motion.duration.sum()))
     motion = cut_at(motion, np.concatenate([np.empty(0), *(time for time, _ in files.values())]))
     directions = np.asarray(np.linalg.inv(coupled), dtype=np.float64)

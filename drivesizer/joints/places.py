@@ -47,6 +47,12 @@ def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
     return figure.value
 
 
+def check_link(robot: Robot, link: str, field: Field) -> None:
+    """Refuse a link that there is not."""
+    if link not in robot.links:
+        raise FieldError(field, f"{quoted(link)} is no link of {robot.file}{nearest(link, robot.links)}")
+
+
 def unit_of(joint: Joint) -> str:
     """SI unit of a joint's position."""
     return "rad" if joint.turns else "m"
@@ -116,9 +122,8 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
             continue
         if name in pairs and name not in section.drives:
             joint = robot.joints[pairs[name]]
-        if place.link is not None and place.link not in robot.links:
-            wrong = f"{quoted(place.link)} is no link of {robot.file}{nearest(place.link, robot.links)}"
-            raise FieldError(("robot", "drives", name, "link"), wrong)
+        if place.link is not None:
+            check_link(robot, place.link, ("robot", "drives", name, "link"))
         at = np.zeros(3) if place.link else joint.place + joint.turn @ joint.anchor  # its axis, in the frame before it
         found[name] = Attached(place.link or joint.parent, at if place.at is None else np.array(place.at))
     return found
@@ -136,8 +141,7 @@ def payload_place(section: RobotSection, robot: Robot, joints: Sequence[str]) ->
         if len(last) != 1:
             raise FieldError(field, f"{len(last)} links are last ones; expected link, one of {', '.join(last)[:200]}")
         link = last[0]
-    if link not in robot.links:
-        raise FieldError((*field, "link"), f"{quoted(link)} is no link of {robot.file}{nearest(link, robot.links)}")
+    check_link(robot, link, (*field, "link"))
     if not any(joint.name in joints for joint in robot.chain(link)):
         raise FieldError((*field, "link"), f"nothing moves link {quoted(link)}; expected one behind a joint that moves")
     return Attached(link, np.array(payload.at))

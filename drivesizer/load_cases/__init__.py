@@ -6,7 +6,7 @@ May import: files, physics, equations, platform, loads, spec, results.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import reduce
@@ -327,18 +327,17 @@ def requirements(cycles: Sequence[LoadCycle]) -> list[Requirement]:
             **{f"{name}_power_per_motor": x for name, x in seen.items()},
             "load_inertia_per_motor": cycle.inertia, "cycle_time": cycle.total,
         })  # fmt: skip
-    note = "in the worst load case" if len(found) > 1 else ""
+    rows = [
+        (name, title, symbol, max((one[name] for one in found), key=abs), of) for name, title, symbol, of in _FIGURES
+    ]
+    return _required(rows, len(found))
+
+
+def _required(rows: Iterable[tuple[str, str, str, Any, tuple[str, str]]], cases: int) -> list[Requirement]:
+    note = "in the worst load case" if cases > 1 else ""
     return [
-        Requirement(
-            name=name,
-            title=title,
-            symbol=symbol,
-            value=max((one[name] for one in found), key=abs),
-            kind=kind,
-            unit=unit,
-            note=note,
-        )
-        for name, title, symbol, (kind, unit) in _FIGURES
+        Requirement(name=name, title=title, symbol=symbol, value=float(x), kind=kind, unit=unit, note=note)
+        for name, title, symbol, x, (kind, unit) in rows
     ]
 
 
@@ -377,8 +376,4 @@ def screw_requirements(cases: Sequence[RobotSpec]) -> list[Requirement]:
         ("screw_life_distance", "Nominal life of the screw in distance", "L_s", worst.distance, ("length", "km")),
         ("screw_life_time", "Nominal life of the screw, rests included", "L_h", worst.time, ("time", "h")),
     )
-    note = "in the worst load case" if len(lives) > 1 else ""
-    return [
-        Requirement(name=name, title=title, symbol=symbol, value=float(x), kind=kind, unit=unit, note=note)
-        for name, title, symbol, x, (kind, unit) in figures
-    ]
+    return _required(figures, len(lives))

@@ -19,11 +19,8 @@ from pydantic import Field, ValidationError, field_validator
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, overlay, read, source_of
-from drivesizer.loads.arm import Arm
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.motions import Cam, Harmonic
-from drivesizer.loads.rotary_table import RotaryTable
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.drive import Select
 from drivesizer.spec.messages import explained
@@ -167,12 +164,13 @@ def named_catalogs(data: Any) -> list[str]:
 # .. math:: m' = m + m_c, \qquad r' = (m r + m_c a) / m', \qquad J' = J + m_c a^2
 
 
+_LEVERS = {"arm": "length", "rotary_table": "eccentricity"}  # kinds that turn, and what is from axis to centre
 _ALONG = ("belt_axis", "rack_pinion", "hoist", "lead_screw", "ball_screw", "conveyor", "wheeled_vehicle")
 
 
 def check_carrier(load: Load, distances: Iterable[float | None]) -> None:
     """Refuse a load that carries no drives, and a distance that its kind lacks or does not have."""
-    turning = isinstance(load, Arm | RotaryTable)
+    turning = load.kind in _LEVERS
     if not turning and load.kind not in _ALONG:
         raise InputError(f"a {load.kind} carries no drives; expected an axis with a mass, an arm or a rotary_table")
     for distance in distances:
@@ -188,18 +186,13 @@ def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
     if not found:
         return load
     total, moment, inertia = (fsum(mass * distance**power for mass, distance in found) for power in (0, 1, 2))
-    if isinstance(load, Arm):
-        mass = load.mass + total
-        own = load.mass * load.length**2 if load.inertia is None else load.inertia
-        length = (load.mass * load.length + moment) / mass
-        return load.model_copy(update={"mass": mass, "length": length, "inertia": own + inertia})
-    if isinstance(load, RotaryTable):
-        mass = load.mass + total
-        off_axis = (load.mass * load.eccentricity + moment) / mass
-        return load.model_copy(update={"mass": mass, "eccentricity": off_axis, "inertia": load.inertia + inertia})
-    key = "mass"
-    assert isinstance(load, WheeledVehicle) or hasattr(load, key)
-    return load.model_copy(update={key: getattr(load, key) + total})
+    own: Any = load
+    update = {"mass": own.mass + total}
+    if name := _LEVERS.get(load.kind):
+        lever = getattr(load, name)
+        about = own.mass * lever**2 if own.inertia is None else own.inertia
+        update |= {name: (own.mass * lever + moment) / update["mass"], "inertia": about + inertia}
+    return load.model_copy(update=update)
 
 
 # -- machine.yaml to typed data: the only place where its text becomes numbers.

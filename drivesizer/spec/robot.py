@@ -48,15 +48,6 @@ def _stages(volts: float, given: sections.PowerStage, assume: bool) -> Callable[
     return once_per_part(lambda part: power_stage(part, volts, given, assume=assume))
 
 
-def fed(
-    stage: StageFigures, supply: sections.Supply, motors: int, brake: Figures | None, released: float = 1.0
-) -> Feed:
-    """Power stages and what feeds as many as there are motors."""
-    if brake is not None:
-        stage = stage._replace(standby=stage.standby + released * released_power(brake))
-    return Feed(stage, supply.lowest, 0.0 if supply.resistance is None else supply.resistance, motors)
-
-
 # -- robot.yaml to typed data: the only place where a user's file becomes numbers.
 #
 # Every quantity is read by the strict reader of ``units`` and is an SI float from here on. Models are the file's
@@ -225,12 +216,18 @@ class RobotSpec(fields.Section, OfFile):
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
         """
         stages = _stages(self.supply.nominal, self.power_stage, self.select.estimates == "on")
-        return fed(stages(controller), self.supply, self.load.motors, brake, self._brake_released)
+        return self._fed(stages(controller), brake)
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
         """The same of one controller and maybe a brake; of one whose figures are unknown where there is none."""
         stage = stage_of(controller, self.supply.nominal, self.power_stage, self.select.estimates == "on")
-        return fed(stage, self.supply, self.load.motors, brake, self._brake_released)
+        return self._fed(stage, brake)
+
+    def _fed(self, stage: StageFigures, brake: Figures | None) -> Feed:
+        if brake is not None:
+            stage = stage._replace(standby=stage.standby + self._brake_released * released_power(brake))
+        resistance = 0.0 if self.supply.resistance is None else self.supply.resistance
+        return Feed(stage, self.supply.lowest, resistance, self.load.motors)
 
     @property
     def resists(self) -> bool:
@@ -406,21 +403,18 @@ _SHAPING = ("load", "motion", "transmission", "platform", "cases")  # the load c
 _VARIED = ("load", "motion", "supply", "environment", "platform")
 
 
-def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
+def read_spec(source: YamlSource) -> RobotSpec:
     """A spec from YAML source.
 
     Parameters
     ----------
     source
         The file.
-    before
-        A spec of the same file with other values in some fields: sections whose data are the very same are not read
-        again.
 
     Returns
     -------
     RobotSpec
-        The spec, checked as a whole whatever was read before.
+        The spec, checked as a whole.
 
     Raises
     ------
@@ -429,9 +423,9 @@ def read_spec(source: YamlSource, before: RobotSpec | None = None) -> RobotSpec:
     """
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
-    data, toleranced = split_tolerances(source, None if before is None or before._toleranced else before._source)
+    data, toleranced = split_tolerances(source)
     data, typed = drive.split_typed(source, data)
-    spec = _read(source, data, before)
+    spec = _read(source, data)
     for case in (spec, *(case for _, case in spec._cases)):
         case._typed = typed
     spec._toleranced = toleranced
@@ -457,8 +451,8 @@ def _is_grade(spec: RobotSpec, one: Toleranced) -> bool:
     return bool(place == math.atan(one.value) != one.value)
 
 
-def _read(source: YamlSource, data: dict[str, Any], before: RobotSpec | None = None) -> RobotSpec:
-    spec = _validated(source, data, before=before)
+def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
+    spec = _validated(source, data)
     spec._cases = tuple((case.name, _case(source, data, number)) for number, case in enumerate(spec.cases))
     return spec
 
@@ -473,25 +467,15 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
         raise InputError(f"{source.where(one.path)}: {text}") from None
 
 
-def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = (), before: RobotSpec | None = None) -> RobotSpec:
-    axis, known = _axis(data), data
-    if before is not None and _axis(before._source.data) == axis:
-        known = {**data, **fields.unchanged(data, before._source.data, before)}
+def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
+    load = data["load"] if isinstance(data.get("load"), dict) else {}
+    axis = AXES.get(str(load.get("kind")), "linear")  # in which units the motion is given
     try:
-        spec = RobotSpec.model_validate(known, context={"axis": axis})
+        spec = RobotSpec.model_validate(data, context={"axis": axis})
     except ValidationError as error:
-        if before is not None:
-            return _validated(source, data, at)  # whose message has what the user wrote
         raise explained(error, source, RobotSpec, data, at) from None
-    spec.model_fields_set.difference_update(known.keys() - data.keys())
     spec._source = source
     return spec
-
-
-def _axis(data: Mapping[str, Any]) -> str:
-    """Whether the load turns or travels, which decides in which units its motion is given."""
-    kind = data["load"].get("kind") if isinstance(data.get("load"), dict) else None
-    return AXES.get(str(kind), "linear")
 
 
 def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:

@@ -83,15 +83,12 @@ def has_tolerance(text: str) -> bool:
     )
 
 
-def split_tolerances(source: YamlSource, without: YamlSource | None = None) -> tuple[Any, tuple[Toleranced, ...]]:
+def split_tolerances(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
     """Split a spec's data into nominal values and the figures with tolerances."""
-    places = [
-        (path, text) for path, text in _texts(source.data, (), without.data if without else None) if has_tolerance(text)
-    ]
-    if not places:
-        return source.data, ()
     data, found = source.data, []
-    for path, text in places:
+    for path, text in _texts(source.data, ()):
+        if not has_tolerance(text):
+            continue
         if why := _refused(path, data):
             raise InputError(f"{source.where(path)}: {why}; expected it without a tolerance")
         try:
@@ -117,13 +114,12 @@ def _refused(path: Path_, data: Any) -> str:
     return "ratios of a belt are searched as they are" if of_belt or rest[1] == "ratios" else ""
 
 
-def _texts(data: Any, path: Path_, without: Any = None) -> Iterator[tuple[Path_, str]]:
-    """Every text of a spec that may be a figure, with its place; what is the same in ``without`` is left out."""
+def _texts(data: Any, path: Path_) -> Iterator[tuple[Path_, str]]:
+    """Every text of a spec that may be a figure, with its place."""
     if isinstance(data, dict):
-        others = without if isinstance(without, dict) else {}
         for key, value in data.items():
-            if key not in _NAMES and (path or key not in ("select", "tolerances")) and value is not others.get(key):
-                yield from _texts(value, (*path, key), others.get(key))
+            if key not in _NAMES and (path or key not in ("select", "tolerances")):
+                yield from _texts(value, (*path, key))
     elif isinstance(data, list):
         for number_, value in enumerate(data):
             yield from _texts(value, (*path, number_))

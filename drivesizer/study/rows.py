@@ -16,7 +16,7 @@ from math import fsum, isnan, nan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from drivesizer.catalog import Catalog
-from drivesizer.errors import DrivesizerError, InputError
+from drivesizer.errors import DrivesizerError
 from drivesizer.files.arithmetic import names_in
 from drivesizer.files.yaml_source import Path_, YamlSource, changed
 from drivesizer.machine.budgets import machine_budget
@@ -29,7 +29,7 @@ from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.search.shortlist import load_parts, shortlist
 from drivesizer.spec.drive import Ranking
 from drivesizer.spec.machine import is_machine, read_any
-from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.robot import RobotSpec
 from drivesizer.study.figures import SpecFigures, row_figures
 from drivesizer.study.plan import Job, Plan, Variant
 from drivesizer.version import __version__
@@ -355,15 +355,6 @@ def _figures(name: str, text: str) -> SpecFigures:
     return SpecFigures(_source(name, text))
 
 
-@lru_cache(maxsize=8)
-def _as_written(name: str, text: str) -> RobotSpec | None:
-    """The spec as its file has it; None where it is invalid without the study's values."""
-    try:
-        return read_spec(_source(name, text))
-    except InputError:
-        return None
-
-
 @dataclass(frozen=True, slots=True)
 class _Parts:
     """A spec, known by what its parts hang on."""
@@ -418,10 +409,7 @@ def document_of(job: Job, variant: Variant) -> YamlSource:
 
 def spec_of(job: Job, variant: Variant) -> RobotSpec:
     """The spec of a variant of a single axis."""
-    source = document_of(job, variant)
-    if not is_machine(source):
-        return read_spec(source, _as_written(*job.specs[variant.spec]))
-    return read_any(source).axes[0].spec
+    return read_any(document_of(job, variant)).axes[0].spec
 
 
 def parts_for(spec: RobotSpec) -> Catalog:
