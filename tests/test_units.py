@@ -12,8 +12,7 @@ from rows import hold
 
 from drivesizer import units
 from drivesizer.errors import InputError
-from drivesizer.units import KINDS, from_si, label, scale, show, to_si
-from drivesizer.units.kinds import outside
+from drivesizer.units import KINDS, from_si, label, outside, scale, show, to_si
 
 PINT = pint.UnitRegistry()  # pint's full definitions: the authority for our short ones
 NOT_IN_PINT = {"krpm", "V/krpm", "PS", "%", "1"} | KINDS["price"].units.keys()

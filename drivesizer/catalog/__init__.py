@@ -51,7 +51,7 @@ from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joine
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
 from drivesizer.files.text import decoded, is_handed, read_bytes, shipped_folder
-from drivesizer.units.kinds import AT_MOST, MAY_BE_ZERO, RANGES
+from drivesizer.units import AT_MOST, MAY_BE_ZERO, RANGES
 from drivesizer.version import __version__
 
 __all__ = [

@@ -23,8 +23,7 @@ from drivesizer.catalog.tables import Catalog, Note, Source, Table
 from drivesizer.catalog.tolerances import TOLERANCES, MakerTolerance, share
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.units import label, noun, possible, scale, show, to_si
-from drivesizer.units.kinds import AT_MOST, MAY_BE_ZERO, outside
+from drivesizer.units import AT_MOST, MAY_BE_ZERO, label, noun, outside, possible, scale, show, to_si
 
 _NOT_A_COLUMN = {
     "family": "family stands at the head of its table",

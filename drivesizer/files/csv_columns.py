@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.sheets import decimal_sign, figure, plain_head, sheets, split_head, unit_of
 from drivesizer.files.text import missing, read_text
-from drivesizer.units import KINDS, noun, possible, scale
-from drivesizer.units.kinds import RANGES
+from drivesizer.units import KINDS, RANGES, noun, possible, scale
 
 Array = NDArray[np.float64]
 Form = Mapping[str, str]  # name of each column -> kind of its quantity

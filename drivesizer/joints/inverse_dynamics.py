@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.load_cycle import end_times
 from drivesizer.spec.description import Robot, placed
-from drivesizer.units.kinds import RANGES
+from drivesizer.units import RANGES
 
 # -- Record of joints over time: segments with both ends of each, as a load cycle has them.
 

@@ -21,7 +21,7 @@ from drivesizer.physics.motion_curves import fastest_ramp, periodic_parabola
 from drivesizer.platform import trajectory as curves
 from drivesizer.spec.description import Joint, Robot
 from drivesizer.spec.robot_section import JointLimits, RobotSection
-from drivesizer.units.kinds import RANGES
+from drivesizer.units import RANGES
 
 # -- A CSV of joint positions over time as a motion: a cubic spline through all samples, or near them with smoothing.
 #

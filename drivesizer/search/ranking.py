@@ -18,7 +18,7 @@ from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.columns.stages import Drives
 from drivesizer.spec.drive import OBJECTIVES, Ranking, Weighted
-from drivesizer.units.kinds import RANGES
+from drivesizer.units import RANGES
 
 Array = NDArray[np.float64]
 CONTROLLING = ("encoder", "controller")

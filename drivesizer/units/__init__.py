@@ -6,7 +6,7 @@ of each listed unit is kept in ``units.json``, so that no start waits for it.
 May import: errors, version.
 
 One strict reader serves specs, catalogues and the command line. Text never reaches pint unread: a unit
-must be listed for its kind of quantity (``kinds``), a figure must lie in the range of its kind. Kinds that
+must be listed for its kind of quantity (``kinds.txt``), a figure must lie in the range of its kind. Kinds that
 share a dimension stay apart: torque and energy, rotary speed and frequency, temperature and temperature difference.
 """
 
@@ -17,10 +17,10 @@ import math
 import re
 from functools import cache, lru_cache
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.units.kinds import KINDS, RANGES, Kind, outside, resolved
 
 if TYPE_CHECKING:
     import pint
@@ -30,6 +30,99 @@ __all__ = [
     "KINDS", "Kind", "digits_of", "from_si", "kind_of_unit", "label", "noun", "number", "possible", "registry",
     "resolved", "scale", "show", "show_band", "tabulate", "to_si",
 ]  # fmt: skip
+
+
+# -- Kinds of quantities: the name of each, an example, and the units in which it may be written.
+
+
+class Kind(NamedTuple):
+    """A kind of quantity: its name in a sentence, its SI unit, an example, and the units accepted for it."""
+
+    noun: str
+    si: str
+    example: str
+    units: dict[str, str]  # pint expression -> further spellings, separated by blanks
+
+
+def _kinds() -> tuple[dict[str, Kind], dict[str, tuple[float, float]]]:
+    """The kinds and their ranges out of ``kinds.txt``."""
+    kinds, ranges = dict[str, Kind](), dict[str, tuple[float, float]]()
+    text = re.sub(r"(?m)^#.*\n", "", Path(__file__).with_name("kinds.txt").read_text(encoding="utf-8"))
+    for line in re.sub(r"\n +", "; ", text).splitlines():
+        head, example, ends, listed = (cell.strip() for cell in line.split("|"))
+        name, _, noun = head.partition(": ")
+        units = {words[0]: " ".join(words[1:]) for words in (entry.split() for entry in listed.split(";"))}
+        kinds[name] = Kind(noun or name.replace("_", " "), next(iter(units)), example, units)
+        least, most = map(float, ends.split())
+        ranges[name] = least, most
+    return kinds, ranges
+
+
+# A rotor of 5e-324 kg·m² or a torque of 1e300 N·m is a slip of the pen, and behind the door it ends in a division by
+# zero or in an unbounded number. The ranges reach some powers of ten beyond what is built, from watch motors to ship
+# drives, so that no real figure is refused; products of figures inside them stay in the range of floats.
+KINDS, RANGES = _kinds()
+
+# figures of parts that may be 0: what a part has none of; any other figure of 0 is unknown, and written ~
+MAY_BE_ZERO = frozenset({
+    "added_length", "ambient_max", "ambient_min", "axial_play", "backlash", "commutator_segments", "coulomb_friction",
+    "current_draw",
+    "direction", "friction_torque", "inertia", "load_friction", "mass", "max_axial_load", "max_press_fit",
+    "max_radial_load", "no_load_current", "no_load_torque", "phases", "pole_pairs", "price", "price_5", "price_20",
+    "list_price", "foreign_price", "radial_load_distance", "stages",
+    "thermal_resistance_winding", "viscous_friction", "voltage_drop", "bearing_distance",
+})  # fmt: skip
+
+# figures of parts that have an end by what they are
+AT_MOST = {"efficiency": 1.0, "max_efficiency": 1.0, "max_duty": 1.0, "direction": 1.0}
+
+
+def resolved(value: float, kind: str) -> float:
+    """A computed figure without what rounding leaves of nothing: 0 below the range of its kind, infinite above it.
+
+    Parameters
+    ----------
+    value
+        The figure [SI].
+    kind
+        A key of :data:`RANGES`.
+
+    Returns
+    -------
+    float
+        The figure, 0 or infinite [SI].
+
+    Examples
+    --------
+    >>> resolved(1.394e-35, "energy"), resolved(1.822e20, "resistance"), resolved(50.8, "energy")
+    (0.0, inf, 50.8)
+    """
+    least, most = RANGES[kind]
+    return 0.0 if abs(value) < least else math.copysign(math.inf, value) if abs(value) > most else value
+
+
+def outside(values: Any, kind: str) -> Any:
+    """Whether an SI figure of a kind (a float, or an array of them) lies outside its range; 0 and the unknown do not.
+
+    Parameters
+    ----------
+    values
+        The figure, or an array of them [SI].
+    kind
+        A key of :data:`RANGES`.
+
+    Returns
+    -------
+    bool or array of bool, in the shape of ``values``.
+
+    Examples
+    --------
+    >>> [outside(figure, "inertia") for figure in (0.0, 5e-324, 1e-5, 1e300)]
+    [False, True, False, True]
+    """
+    least, most = RANGES[kind]
+    size = abs(values)
+    return (size > most) | ((size < least) & (size > 0.0))
 
 
 # -- Cures for numbers that are written in another way: with commas, or as a ratio.
