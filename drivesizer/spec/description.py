@@ -228,11 +228,9 @@ def about(axis: Array, angle: float) -> Array:
 def read_description(path: Path) -> Robot:
     """Links and joints of a file, URDF or MJCF by its root element."""
     root = plain_tree(path)
-    if root.tag == "mujoco":
-        return mjcf_of(root)
-    if root.tag == "robot":
-        return urdf_of(root)
-    raise root.fault("is no robot; expected <robot> of URDF or <mujoco> of MJCF")
+    if root.tag not in ("mujoco", "robot"):
+        raise root.fault("is no robot; expected <robot> of URDF or <mujoco> of MJCF")
+    return mjcf_of(root) if root.tag == "mujoco" else urdf_of(root)
 
 
 def plain_tree(path: Path) -> Node:

@@ -62,6 +62,9 @@ class WheelPlace(fields.Section):
         return Wheel(x=self.x, y=self.y, radius=radius, heading=heading, roller_angle=gamma, **kind, **more)  # type: ignore[arg-type]
 
 
+_CORNERS = ((1, -1), (1, 1), (-1, 1), (-1, -1))  # front right, front left, rear left, rear right
+
+
 class Mecanum(fields.Section):
     """Four mecanum wheels in a rectangle: front right, front left, rear left, rear right."""
 
@@ -74,8 +77,7 @@ class Mecanum(fields.Section):
     def places(self) -> list[WheelPlace]:
         """The wheels one by one."""
         x, y, gamma = self.wheelbase / 2, self.track / 2, self.roller_angle
-        corners = ((x, -y, gamma), (x, y, -gamma), (-x, y, gamma), (-x, -y, -gamma))
-        return [_place("mecanum", *corner) for corner in corners]
+        return [_place("mecanum", i * x, j * y, -i * j * gamma) for i, j in _CORNERS]
 
     def _contradictions(self) -> Iterator[str]:
         if self.roller_angle <= 0.0:
@@ -105,8 +107,7 @@ class Skid(fields.Section):
     @property
     def places(self) -> list[WheelPlace]:
         """The wheels one by one."""
-        x, y = self.wheelbase / 2, self.track / 2
-        return [_place("skid", *corner) for corner in ((x, -y), (x, y), (-x, y), (-x, -y))]
+        return [_place("skid", i * self.wheelbase / 2, j * self.track / 2) for i, j in _CORNERS]
 
 
 class Omni(fields.Section):
@@ -121,11 +122,8 @@ class Omni(fields.Section):
     @property
     def places(self) -> list[WheelPlace]:
         """The wheels one by one."""
-        angles = (2 * math.pi * i / self.number for i in range(self.number))
-        return [
-            _place("omni", self.radius * math.cos(a), self.radius * math.sin(a), heading=a + math.pi / 2)
-            for a in angles
-        ]
+        r, angles = self.radius, (2 * math.pi * i / self.number for i in range(self.number))
+        return [_place("omni", r * math.cos(a), r * math.sin(a), heading=a + math.pi / 2) for a in angles]
 
 
 def _place(kind: Kind, x: float, y: float, gamma: float | None = None, heading: float = 0.0) -> WheelPlace:
