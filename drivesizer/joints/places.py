@@ -107,17 +107,13 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
     """Points of links at which the drives of joints hang; those on the base hang on none and are left out."""
     for name in section.drives:
         if name not in joints:
-            field = ("robot", "drives", name)
-            raise FieldError(
-                field,
-                f"{quoted(name)} is no joint that moves{nearest(name, joints)}; expected {', '.join(joints)[:200]}",
-            )
+            wrong = f"{quoted(name)} is no joint that moves{nearest(name, joints)}; expected {', '.join(joints)[:200]}"
+            raise FieldError(("robot", "drives", name), wrong)
     found: dict[str, Attached] = {}
     pairs = {one.joints[1]: one.joints[0] for one in section.couplings}  # whose drives sit side by side
     on_frame = {name for one in section.couplings if one.kind == "corexy" for name in one.joints}
     for name in joints:
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
-        field = ("robot", "drives", name, "belt_passes")
         if place.on == "base" or name in on_frame:
             continue
         if name in pairs and name not in section.drives:

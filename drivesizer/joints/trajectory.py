@@ -113,7 +113,7 @@ def _course(path: Path, time: Array, row: Array, joint: Joint, smoothing: float)
     turns = round(gap / (2.0 * np.pi)) * 2.0 * np.pi if joint.kind == "continuous" else 0.0
     if abs(gap - turns) > _SAME:
         raise InputError(
-            f"{path}: {joint.name}: moves at its ends, {abs(gap):.4g} {'rad' if joint.turns else 'm'} apart; expected "
+            f"{path}: {joint.name}: moves at its ends, {abs(gap):.4g} {unit_of(joint)} apart; expected "
             "rest at both, or an end as the start, as the cycle repeats"
         )
     return _Course((0, len(time) - 1), (_periodic(time, row, smoothing),))

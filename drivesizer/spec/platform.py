@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -173,7 +173,7 @@ class Unknown(fields.Section):
     @property
     def record(self) -> Misjudged:
         """The same as a plain record, as the simulation takes it."""
-        given = {name: tuple(value) if isinstance(value, list) else value for name, value in self}
+        given: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in self}
         return Misjudged(**given | {"payload": Payload(**dict(self.payload)) if self.payload else None})
 
 
