@@ -16,6 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
+from drivesizer.results.check_kinds import CHECKS
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.search import search
@@ -146,24 +147,38 @@ def all_by_hand(spec, catalog, sets):
     for m, g, belt in zip(sets.motor.tolist(), sets.gearhead.tolist(), sets.belt.tolist(), strict=True):
         motor, head = records("motors")[m], records("gearheads")[g]
         speed = head.ratio * belt * max(abs(w) for segment in segments for w in segment.speed)
-        encoder = by_hand.encoder_for(spec, encoders_of().get(m, []), speed, head.ratio * belt)
-        extra = by_hand.figure(encoder, "inertia")
-        extra = 0.0 if math.isnan(extra) else extra
-        pieces = by_hand.drive(motor, head, extra, belt, spec.belt_efficiency, segments)
-        kept = 1.0 - spec.supply.regeneration  # the rest of what comes back
-        parts = motor, head, encoder
-
-        @cache
-        def losing(losses, pieces=pieces, motor=motor, head=head, kept=kept):
-            return by_hand.asked(pieces, motor, head, spec.environment.ambient, kept, losses)
-
-        def of(controller, losing=losing):
-            assumed = 1.0 if spec.select.estimates == "on" else 0.0  # at least half of that
-            return losing(tuple(by_hand.loss_per_ampere(controller, share * assumed) for share in (1.0, 0.5)))
-
-        checks, controller, asked = by_hand.chosen(spec, cycle, pieces, of, parts, belt, offered)
-        found.append((checks, controller, asked, pieces))
+        for encoder in by_hand.encoders_for(spec, encoders_of().get(m, []), speed, head.ratio * belt):
+            one = with_encoder(spec, cycle, segments, (motor, head, encoder), belt, offered)
+            if not fails_by_inertia(spec, one[0]):
+                break
+        found.append(one)
     return found
+
+
+def fails_by_inertia(spec, checks):
+    """Whether a set fails by what hangs on inertia alone, before its controller is looked at or with it."""
+    idle = () if by_hand.encoder_required(spec) else ("encoder_speed", "encoder_frequency")
+    failing = [n for n, one in checks.items() if one.status == "fail" and n not in idle]
+    failing = [n for n in failing if n not in by_hand.ELECTRICAL] or failing
+    return bool(failing) and all(CHECKS["physics"][n].on_inertia for n in failing)
+
+
+def with_encoder(spec, cycle, segments, parts, belt, offered):
+    """A set with an encoder: its checks, controller and demands."""
+    motor, head, encoder = parts
+    extra = by_hand.figure(encoder, "inertia")
+    pieces = by_hand.drive(motor, head, 0.0 if math.isnan(extra) else extra, belt, spec.belt_efficiency, segments)
+    kept = 1.0 - spec.supply.regeneration  # the rest of what comes back
+
+    @cache
+    def losing(losses):
+        return by_hand.asked(pieces, motor, head, spec.environment.ambient, kept, losses)
+
+    def of(controller):
+        assumed = 1.0 if spec.select.estimates == "on" else 0.0  # at least half of that
+        return losing(tuple(by_hand.loss_per_ampere(controller, share * assumed) for share in (1.0, 0.5)))
+
+    return *by_hand.chosen(spec, cycle, pieces, of, parts, belt, offered), pieces
 
 
 @pytest.fixture(scope="module")

@@ -666,8 +666,10 @@ def voltage_ends(spec: Any, controller: Any) -> tuple[float, float]:
     return least, spec.supply.lowest if math.isnan(most) else most
 
 
-def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> Any | None:
-    """Of those with counts enough one that is known to bear the speed, else one that may; of them the fewest counts."""
+def encoders_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> list[Any | None]:
+    """Of those with counts enough one that is known to bear the speed, else one that may; of them that of most worth,
+    then the fewest counts. Behind it those to try where the drive fails with it: each is easier to turn.
+    """
     required = max(spec.needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
     ordered = sorted(fitting, key=lambda c: (math.isnan(c.counts_per_turn), c.counts_per_turn, c.part))
     enough = [c for c in ordered if c.counts_per_turn >= required]
@@ -676,7 +678,7 @@ def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -
             c for c in enough if 2 * math.pi / (4 * c.counts_per_turn * reduction) <= spec.needs.resolution_at_load
         ]
     if not enough:
-        return ordered[-1] if ordered else None
+        return [ordered[-1] if ordered else None]
     fast = speed * (1 + spec.margins.speed)
 
     def standing(c: Any) -> int:
@@ -686,7 +688,9 @@ def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -
     def worth(c: Any) -> float:
         if spec.select.objective == "mass":
             return math.inf if math.isnan(c.mass) else float(c.mass)
-        if spec.select.objective != "margin" or not encoder_required(spec):
+        if spec.select.objective in ("energy", "peak_current"):
+            return inertia(c)
+        if not encoder_required(spec):
             return 0.0
         ratios = [c.max_speed / fast, c.max_frequency * 2 * math.pi / c.counts_per_turn / fast]
         ratios += [c.counts_per_turn / required] if required else []
@@ -697,9 +701,11 @@ def encoder_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -
     def inertia(c: Any) -> float:
         return 0.0 if math.isnan(c.inertia) else float(c.inertia)
 
-    first = min(enough, key=lambda c: (standing(c), enough.index(c)))
-    alike = [c for c in enough if standing(c) == standing(first) and inertia(c) == inertia(first)]
-    return min(alike, key=lambda c: (worth(c), enough.index(c)))
+    alike, found = [c for c in enough if standing(c) == min(map(standing, enough))], list[Any]()
+    while alike:
+        found.append(min(alike, key=lambda c: (worth(c), enough.index(c))))
+        alike = [c for c in alike if inertia(c) < inertia(found[-1])]
+    return found
 
 
 def encoder_required(spec: Any) -> bool:
@@ -822,8 +828,10 @@ def checks(
     out["gearhead_intermittent_speed"] = for_short(
         found.gear_speed * i, head.intermittent_input_speed, head.continuous_input_speed, fast
     )
-    out["gearhead_continuous_power"] = at_most(found.gear_mean_power, head.continuous_power, more)
-    out["gearhead_intermittent_power"] = at_most(found.gear_peak_power, head.intermittent_power, more)
+    for name, power in (("continuous_power", found.gear_mean_power), ("intermittent_power", found.gear_peak_power)):
+        of_power = out[f"gearhead_{name}"] = at_most(power, getattr(head, name), more)
+        if of_power.status == "unknown" and not math.isnan(head.continuous_torque + head.continuous_input_speed):
+            out[f"gearhead_{name}"] = of_power._replace(status="pass")  # the maker limits torque and speed alone
     out["gearhead_temperature_range"] = within(ambient, head.temperature_min, head.temperature_max)
     out["motor_temperature_range"] = within(ambient, motor.ambient_min, motor.ambient_max)
     out["motor_speed"] = at_most(found.speed, motor.max_speed, fast)

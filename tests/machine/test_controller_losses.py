@@ -48,8 +48,11 @@ def best(hoist: RobotSpec, catalog: Catalog) -> DriveSet:
 
 
 def again(spec: RobotSpec, one: DriveSet, catalog: Catalog) -> DriveSet:
-    only = spec.select.controller.model_copy(update={"part": [one.controller.part]})
-    return explain(given(spec, "select", controller=only), one.motor.part, one.gearhead.part, catalog=catalog)[0]
+    only = {
+        section: getattr(spec.select, section).model_copy(update={"part": [getattr(one, section).part]})
+        for section in ("controller", "encoder")
+    }
+    return explain(given(spec, "select", **only), one.motor.part, one.gearhead.part, catalog=catalog)[0]
 
 
 # --- voltage

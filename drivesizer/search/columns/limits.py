@@ -45,6 +45,7 @@ from drivesizer.spec.sections import required_life
 
 Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
+_BY_TORQUE = "no power is printed: limited by torque and speed alone, assumed"
 _NO_SHORT = "the limit at least: none for a short time is printed"
 _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
@@ -135,8 +136,8 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
         at_most("gearhead_intermittent_speed", cycle.peak_speed * i,
                 short_limit(gearhead["intermittent_input_speed"], gearhead["continuous_input_speed"]), needed=speed,
                 undecided=_NO_SHORT),
-        at_most("gearhead_continuous_power", cycle.mean_power, gearhead["continuous_power"], needed=torque),
-        at_most("gearhead_intermittent_power", cycle.peak_power, gearhead["intermittent_power"], needed=torque),
+        _power_limit("continuous_power", cycle.mean_power, gearhead, torque),
+        _power_limit("intermittent_power", cycle.peak_power, gearhead, torque),
         ambient_range("gearhead_temperature_range", ambient, gearhead["temperature_min"], gearhead["temperature_max"],
                  waived="ambient_range" in spec.select.assume),
     ]  # fmt: skip
@@ -150,6 +151,13 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
     if required is not None:
         found.append(at_most("gearhead_life", required, life_of_gearheads(cycle, gearhead)))
     return found
+
+
+def _power_limit(figure: str, power: Array, gearhead: Figures, needed: float) -> CheckColumn:
+    """A power of a gearhead against its limit; most makers print none beside those of torque and speed."""
+    limit, rated = gearhead[figure], gearhead["continuous_torque"] + gearhead["continuous_input_speed"]
+    column = at_most(f"gearhead_{figure}", power, limit, needed=needed)
+    return column.assuming(np.isnan(limit) & ~np.isnan(rated), _BY_TORQUE)
 
 
 def motor_limits(spec: RobotSpec, motor: Figures) -> list[CheckColumn]:

@@ -165,11 +165,18 @@ class _Sieve:
         return some
 
     def with_encoders(self, inertia: Array, checks: list[CheckColumn]) -> NDArray[np.int64] | slice:
-        """The same of candidates with encoders; what fails with one than which another is easier to turn is set aside.
+        """The same of candidates with encoders; what fails by the inertia of one alone is set aside for an easier one.
 
         ``inertia``: of these encoders [kg*m^2]; 0 where none is easier.
         """
-        lost = (inertia > 0.0) & np.logical_or.reduce([check.failed for check in checks if not check.advice])
+        lost, counted = inertia > 0.0, [check for check in (*self.checks, *checks) if not check.advice]
+        if lost.any():
+            hangs = [CHECKS["physics"][check.name].on_inertia for check in counted]
+            by, other = (
+                np.logical_or.reduce([c.failed for c, on_it in zip(counted, hangs, strict=True) if on_it is kind])
+                for kind in (True, False)
+            )
+            lost &= by & ~other
         if not lost.any():
             return self.through(checks)
         self.aside.append((self.rows[lost], inertia[lost]))
