@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
     from drivesizer.errors import CatalogError, DrivesizerError, InputError
     from drivesizer.multi_axis.sizing import size_machine
-    from drivesizer.output.document.tables import tables
+    from drivesizer.output.report.csv import tables
     from drivesizer.physics.load_cycle import LoadCycle
     from drivesizer.prediction.bench import predict_set as predict
     from drivesizer.results.machine import MachineSizing
@@ -83,7 +83,7 @@ _HOME = {  # module, and the name in it where that is another; modules themselve
     "size": "sizing",
     "size_machine": "multi_axis.sizing",
     "size_variants": "study.run",
-    "tables": "output.document.tables",
+    "tables": "output.report.csv",
     "validate": "simulate",
 }
 

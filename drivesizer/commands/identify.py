@@ -199,15 +199,11 @@ def _targets(output: list[Path] | None, data: str) -> list[Path]:
 def _answer(found: Identification | Comparison, files: dict[Path, bytes], *, json: bool) -> None:
     """Print what was found, and write the files."""
     from drivesizer.files.writing import write_files
-    from drivesizer.results.identification import Identification
 
     if json:
         common.print_json(found)
     else:
-        from drivesizer.output.terminal import sizing as terminal
+        from drivesizer.output.terminal.sizing import at_the_bench
 
-        if isinstance(found, Identification):
-            terminal.identified(found)
-        else:
-            terminal.compared(found)
+        at_the_bench(found)
     common.print_written(write_files(files))

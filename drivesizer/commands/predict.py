@@ -45,7 +45,7 @@ def predict(
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
     from drivesizer.errors import FieldError
     from drivesizer.files.writing import ready, write_files
-    from drivesizer.output.terminal.sizing import predicted
+    from drivesizer.output.terminal.sizing import at_the_bench
     from drivesizer.prediction.bench import predict_set
 
     if figure is not None:
@@ -72,7 +72,7 @@ def predict(
         if json:
             print_json(found)
         else:
-            predicted(found)
+            at_the_bench(found)
             print_notes(found.warnings)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first

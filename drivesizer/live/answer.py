@@ -261,7 +261,7 @@ def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     checks = [{one.name: one for one in drive.checks} for drive in drives]
     for name, title in {one.name: one.title for drive in drives for one in drive.checks}.items():
         rows.append(("checks", title, [_judged(each.get(name)) for each in checks]))
-    columns = [doc.name("title"), *(doc.Column(str(n), one.label) for n, one in enumerate(drives))]
+    columns = [doc.Column("title", "", "name"), *(doc.Column(str(n), one.label) for n, one in enumerate(drives))]
     made = [
         doc.Row({"group": group, "title": title} | {str(n): cell for n, cell in enumerate(cells)},
                 status="" if len(set(map(repr, cells))) > 1 else "alike")

@@ -367,7 +367,7 @@ def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
                 "of both directions") if directed else ""  # fmt: skip
     yield doc.Words(f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all "
                 "its poles lie inside 1.")  # fmt: skip
-    figures = [doc.number(f.name, f.title, yields=n > 5) for n, f in enumerate(loop_figures(loops[0]))]
+    figures = [doc.Column(f.name, f.title, "number", yields=n > 5) for n, f in enumerate(loop_figures(loops[0]))]
     yield doc.table("loops", "The loops by linear analysis, from the inside out; gain margin as a factor",
                     map(_loop_row, loops), more=figures)  # fmt: skip
     line = " It is longer than the margin that is given where the other direction of power has the lesser one."

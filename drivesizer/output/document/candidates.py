@@ -262,7 +262,7 @@ def front(content: Content) -> Iterator[doc.Block]:
     if not result.front:
         return
     shown = result.front[:_LONGEST_FRONT]
-    columns = [doc.number(name, objective_figure(shown[0], name).title) for name in result.pareto]
+    columns = [doc.Column(name, objective_figure(shown[0], name).title, "number") for name in result.pareto]
     rows = []
     for one in shown:
         figures = [objective_figure(one, name) for name in result.pareto]
@@ -270,7 +270,7 @@ def front(content: Content) -> Iterator[doc.Block]:
         rows.append(doc.row("front", one, name="", data={"rank": str(one.rank)}, title=one.label,
                             gearhead=gearhead_words(one), status=(doc.Status(one.status),), **cells))  # fmt: skip
     caption = "The Pareto front: no other drive equals or beats one of these in all of its figures"
-    yield doc.table("front", caption, rows, more=[*columns, doc.status("status")])
+    yield doc.table("front", caption, rows, more=[*columns, doc.Column("status", "", "status")])
     if len(result.front) > len(shown):
         yield doc.Words(f"And {len(result.front) - len(shown)} more, which the CSV report has.")
     yield doc.picture("front")
@@ -426,7 +426,7 @@ def drives_in_rows(drives: Sequence[tuple[str, DriveSet]], objective: str) -> tu
     for wanted in ("drives_probability", "drives_in_loop"):
         heads += [one.key for one in doc.declared()[wanted][1] if any(one.key in cells for cells in sampled)]
     heads += [head for cells in sampled for head in cells]
-    columns = [doc.number(head, head.replace("_", " ")) for head in dict.fromkeys(heads)]
+    columns = [doc.Column(head, head.replace("_", " "), "number") for head in dict.fromkeys(heads)]
     return columns, [doc.Row(one | other) for one, other in zip(nominal, sampled, strict=True)]
 
 

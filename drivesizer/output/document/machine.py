@@ -112,8 +112,8 @@ def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
     """Speeds of a quarter turn, and what limits them."""
     with_motors = failed_motors_text(found) if found.failed else "with all motors"
     heads = [failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
-    columns = [*(doc.number(re.sub(r"\W+", "_", head), head) for head in heads),
-               doc.small("note", f"limited, {with_motors}, by", media="paper")]  # fmt: skip
+    columns = [*(doc.Column(re.sub(r"\W+", "_", head), head, "number") for head in heads),
+               doc.Column("note", f"limited, {with_motors}, by", "small", media="paper")]  # fmt: skip
     rows = []
     for degrees in range(0, 91, 15):
         here = list(found.at(degrees).values())
@@ -146,8 +146,9 @@ def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Fo
 
     keys = ("position", "heading", "slip", "torque of a wheel", "use of the floor's grip")
     head = "model, speed loops, poses, what the model knows" if len(runs) > 4 else "run"
-    columns = [*(doc.number(key, key, media="all" if len(runs) < 5 or key in keys[:2] else "paper") for key in keys),
-               doc.number("limited", "at the torque limit")]  # fmt: skip
+    columns = [doc.Column(key, key, "number", media="all" if len(runs) < 5 or key in keys[:2] else "paper")
+               for key in keys]  # fmt: skip
+    columns.append(doc.Column("limited", "at the torque limit", "number"))
     measured = path.spec.platform.following.measured if path.spec.platform else ()
     rows = [doc.Row({"title": f"{one.name}, measured", "position": doc.Quantity(one.position, "m", "length", 3),
                      "heading": doc.Quantity(one.heading, "deg", "angle", 3)}, name=_slug(f"{one.name} measured"))
@@ -217,7 +218,7 @@ def numbers_table(numbers: Numbers) -> doc.Table:
     named = ", ".join(f"({number})" for number in numbers.equations)
     caption = f"{numbers.meaning} {named}: {formula(numbers)}" if named else numbers.meaning
     caption += f", in {shown.unit}" if shown.unit else ""
-    columns = [doc.number(key, head) for key, head in zip(keys, shown.heads, strict=True)]
+    columns = [doc.Column(key, head, "number") for key, head in zip(keys, shown.heads, strict=True)]
     return doc.table("numbers", caption, rows, more=columns)
 
 

@@ -83,8 +83,8 @@ def figures_of(hit: Hit, *, sources: bool = False) -> doc.Table:
         cells |= {"source": f"[{named.index(source.document) + 1}]"} if sources else {}
         rows.append(doc.Row(cells))
     heads = ("figure", "confidence") if sources else ("", "")
-    columns = (doc.name("title", heads[0]), doc.number("value"), doc.mark("mark", heads[1]),
-               doc.number("source", "source"))  # fmt: skip
+    columns = (doc.Column("title", heads[0], "name"), doc.Column("value", "", "number"),
+               doc.Column("mark", heads[1], "mark"), doc.Column("source", "source", "number"))  # fmt: skip
     return doc.Table("", columns[: 4 if sources else 3], rows, look="figures", halves=True)
 
 
@@ -316,8 +316,8 @@ def comparison(hits: Sequence[Hit], rows: Sequence[Row], most: int) -> Iterator[
     """Parts side by side, so many in a table; a row in which they differ is marked, ? where some are unknown."""
     for start in range(0, len(hits), most):
         some = range(start, min(start + most, len(hits)))
-        columns = [doc.Column("mark"), doc.name("title")]
-        columns += [doc.number(str(n), f"{hits[n].part}\n{hits[n].catalogue}") for n in some]
+        columns = [doc.Column("mark"), doc.Column("title", "", "name")]
+        columns += [doc.Column(str(n), f"{hits[n].part}\n{hits[n].catalogue}", "number") for n in some]
         made = []
         for row in rows:
             name, cells = row.column.name.replace("_", " "), {str(n): figure(row.values[n], row.column) for n in some}

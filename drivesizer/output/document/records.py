@@ -186,13 +186,6 @@ class Column:
     kind: str = ""
 
 
-def _column(form: str) -> Callable[..., Column]:
-    return lambda key, head="", **more: Column(key, head, form, **more)
-
-
-name, number, small, status, mark, code = map(_column, ("name", "number", "small", "status", "mark", "code"))
-
-
 @dataclass(frozen=True, slots=True)
 class Row:
     """A row of a table: its cells by the keys of the columns, and its name for other programs."""

@@ -1,4 +1,4 @@
-"""CSV: one tidy table of everything that was found, and beside it tables and series that have files of their own."""
+"""Tables for other programs: CSV, tidy and beside it tables and series with files of their own; and plain rows."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.control.validation import Validation
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.axes import MachineContent, wide_of
+from drivesizer.output.document.axes import MachineContent, content_of, wide_of
 from drivesizer.output.document.candidates import drives_in_rows, every_list
 from drivesizer.output.document.content import Content
 from drivesizer.output.words import csv_cell
@@ -172,3 +173,46 @@ def encoded(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> bytes:
     writer.writerow(heads)
     writer.writerows([csv_cell(value) for value in row] for row in rows)
     return text.getvalue().encode()
+
+
+def tables(
+    result: SizingResult | MachineSizing, proof: Validation | Mapping[str, Validation] | None = None
+) -> dict[str, list[dict[str, Any]]]:
+    """The tables of a report as rows, by the kind of thing that a row is.
+
+    Parameters
+    ----------
+    result
+        Of ``size``, or of ``size_machine``.
+    proof
+        Of ``validate``; of several axes by their names.
+
+    Returns
+    -------
+    dict of list of dict
+        Rows with their name, the rank of the drive that they are of, the axis where there are several, and a value for
+        each column: a figure [SI], NaN where it is unknown, or a text.
+
+    Examples
+    --------
+    >>> from drivesizer import load_spec, size
+    >>> found = tables(size(load_spec("examples/sps_robot.yaml"), top=1))
+    >>> [row["status"] for row in found["check"] if row["name"] == "winding_temperature"]
+    ['pass']
+    """
+    found: dict[str, list[dict[str, Any]]] = {}
+    for section in wide_of(content_of(result, proof), doc.WIDE):
+        head: dict[str, Any] = {"axis": section.axis} if section.axis else {}
+        if not isnan(section.rank):
+            head["rank"] = int(section.rank)
+        for table in doc.flat(section.blocks):
+            if not isinstance(table, doc.Table) or table.media not in doc.WIDE:
+                continue
+            keys = [column.key for column in table.columns if column.media in doc.WIDE]
+            for row in table.rows:
+                cells = {key: cell for key in keys if not isinstance(cell := row.cells.get(key, ""), doc.Bar)}
+                figures = {key: cell.value if isinstance(cell, doc.Quantity) else doc.text_of(cell)
+                           for key, cell in cells.items()}  # fmt: skip
+                name = table.record or section.section.name
+                found.setdefault(name, []).append({**head, "name": row.name, **figures})
+    return found

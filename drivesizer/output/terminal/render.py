@@ -10,36 +10,14 @@ from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
-from drivesizer.output.document.records import (
-    TERMINAL,
-    Block,
-    Bullets,
-    Cell,
-    Code,
-    Column,
-    Heading,
-    Mark,
-    Math,
-    Note,
-    Pair,
-    Printed,
-    Quantity,
-    Small,
-    Status,
-    Strong,
-    Table,
-    Verdict,
-    Words,
-    flat,
-    text_of,
-)  # fmt: skip
+from drivesizer.output.document import records as doc
 from drivesizer.output.terminal.tables import MARK, STYLE, width_of
 
 _APART = 2  # characters between tables beside each other
 _MANY = 6  # columns, beyond which heads take several lines
 
 
-def sections(console: Console, found: Iterable[Printed]) -> None:
+def sections(console: Console, found: Iterable[doc.Printed]) -> None:
     """Print sections, one below the other."""
     for section in found:
         if section.title and section.section.early != "answer":
@@ -47,38 +25,38 @@ def sections(console: Console, found: Iterable[Printed]) -> None:
         blocks(console, section.blocks)
 
 
-def blocks(console: Console, found: Iterable[Block]) -> None:
+def blocks(console: Console, found: Iterable[doc.Block]) -> None:
     """Print texts and tables; pictures, equations and what else is for paper are left out."""
     for block in found:
-        if isinstance(block, Pair):
-            if not _beside(console, [*flat([block])]):
-                blocks(console, flat([block]))
-        elif isinstance(block, Table) and block.media in TERMINAL and block.rows:
+        if isinstance(block, doc.Pair):
+            if not _beside(console, [*doc.flat([block])]):
+                blocks(console, doc.flat([block]))
+        elif isinstance(block, doc.Table) and block.media in doc.TERMINAL and block.rows:
             half = -(-len(block.rows) // 2)
             halves = [replace(block, caption="", rows=rows) for rows in (block.rows[:half], block.rows[half:])]
-            if not (block.halves and _beside(console, halves, text_of(block.caption))):
+            if not (block.halves and _beside(console, halves, doc.text_of(block.caption))):
                 _table(console, block)
-        elif isinstance(block, Words) and block.media in TERMINAL:
+        elif isinstance(block, doc.Words) and block.media in doc.TERMINAL:
             console.print(rich_text(block.text, {"note": "dim", "alarm": "bold red"}.get(block.look, "")))
-        elif isinstance(block, Verdict):
+        elif isinstance(block, doc.Verdict):
             for text in block.paragraphs:
                 console.print(rich_text(text))
-        elif isinstance(block, Bullets) and block.items:
+        elif isinstance(block, doc.Bullets) and block.items:
             console.print(rich_text(block.intro, "red" if block.look == "alarm" else ""))
             for item in block.items:
                 console.print(Padding(RichText(item, style="" if block.look == "alarm" else "dim"), (0, 0, 0, 2)))
-        elif isinstance(block, Heading):
+        elif isinstance(block, doc.Heading):
             console.print(RichText(f"\n{block.title}", style="bold"))
 
 
-def _beside(console: Console, found: Sequence[Block], caption: str = "") -> bool:
+def _beside(console: Console, found: Sequence[doc.Block], caption: str = "") -> bool:
     """Print tables beside each other; False, without printing, where they do not fit, or are none."""
-    tables = [block for block in found if isinstance(block, Table) and block.media in TERMINAL and block.rows]
+    tables = [block for block in found if isinstance(block, doc.Table) and block.media in doc.TERMINAL and block.rows]
     if len(tables) < 2 or len(tables) < len(found):
         return False
     sides = [_made(block, _columns(block)) for block in tables]
     for side, block in zip(sides, tables, strict=True):
-        side.title, side.title_justify, side.title_style = _sentence(text_of(block.caption)) or None, "left", "bold"
+        side.title, side.title_justify, side.title_style = _sentence(doc.text_of(block.caption)) or None, "left", "bold"
     if sum(width_of(side) for side in sides) + _APART > console.width:
         return False
     grid = RichTable.grid(padding=(0, _APART, 0, 0))
@@ -90,8 +68,8 @@ def _beside(console: Console, found: Sequence[Block], caption: str = "") -> bool
     return True
 
 
-def _columns(block: Table) -> list[Column]:
-    columns = [c for c in block.columns if c.media in TERMINAL and c.form not in ("bar", "share")]
+def _columns(block: doc.Table) -> list[doc.Column]:
+    columns = [c for c in block.columns if c.media in doc.TERMINAL and c.form not in ("bar", "share")]
     return [c for c in columns if any(row.cells.get(c.key, "") != "" for row in block.rows)]
 
 
@@ -99,9 +77,9 @@ def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"
 
 
-def rich_text(text: Cell, style: str = "") -> RichText:
+def rich_text(text: doc.Cell, style: str = "") -> RichText:
     """A text with its marks in the styles of a terminal."""
-    if isinstance(text, Quantity):
+    if isinstance(text, doc.Quantity):
         doubtful = text.text.startswith(("unknown", "≈"))
         made = RichText(text.text, style=style or ("yellow" if doubtful else ""))
         return made.append(f"\n{text.note}", "dim") if text.note else made
@@ -110,29 +88,31 @@ def rich_text(text: Cell, style: str = "") -> RichText:
         match part:
             case str():
                 made.append(part)
-            case Status(status):
+            case doc.Status(status):
                 made.append(MARK.get(status, status), STYLE.get(status, ""))
-            case Strong(words):
+            case doc.Strong(words):
                 made.append(words, "bold")
-            case Small(words):
+            case doc.Small(words):
                 made.append(f"\n{words}".removeprefix("" if made.plain else "\n") if words else "", "dim")
-            case Note(words):
+            case doc.Note(words):
                 made.append(f"  {words}" if words else "", "dim")
-            case Mark(words):
+            case doc.Mark(words):
                 made.append(words, "yellow")
-            case Code(words) | Math(_, words):
+            case doc.Code(words) | doc.Math(_, words):
                 made.append(words)
     return made
 
 
-def _table(console: Console, block: Table) -> None:
+def _table(console: Console, block: doc.Table) -> None:
     """A table below its caption, without columns that are empty, or yield where there is no room; words wrap."""
     columns = _columns(block)
     made = _made(block, columns)
     if width_of(made) > console.width and columns[-1].form == "small":  # below the first column, which has more room
         first, last = columns[0].key, columns.pop().key
-        rows = [replace(row, cells={**row.cells, first: (text_of(row.cells[first]), Small(text_of(row.cells[last])))})
-                for row in block.rows]  # fmt: skip
+        rows = []
+        for row in block.rows:
+            below = doc.text_of(row.cells[first]), doc.Small(doc.text_of(row.cells[last]))
+            rows.append(replace(row, cells={**row.cells, first: below}))
         columns[0] = replace(columns[0], form="text")
         block = replace(block, rows=rows)
         made = _made(block, columns)
@@ -150,13 +130,13 @@ def _table(console: Console, block: Table) -> None:
             column.no_wrap, column.width = False, max(min(max(map(len, some)), room // (len(wrapped) - n)), 1)
             room -= column.width
     console.print()
-    caption = text_of(block.caption)
+    caption = doc.text_of(block.caption)
     if caption:
         console.print(RichText(_sentence(caption), style="bold"))
     console.print(made)
 
 
-def _made(block: Table, columns: Sequence[Column]) -> RichTable:
+def _made(block: doc.Table, columns: Sequence[doc.Column]) -> RichTable:
     made = RichTable(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim underline",
                      show_header=any(column.head for column in columns))  # fmt: skip
     for column in columns:
@@ -165,7 +145,7 @@ def _made(block: Table, columns: Sequence[Column]) -> RichTable:
     group = ""
     for row in block.rows:
         if block.group and row.cells[block.group] != group:
-            group = text_of(row.cells[block.group])
+            group = doc.text_of(row.cells[block.group])
             made.add_row(RichText(group, style="bold cyan"), *[""] * (len(columns) - 1))
         made.add_row(*(rich_text(row.cells.get(c.key, ""), "bold" if row.total else "") for c in columns))
     for shown, own in zip(made.columns, columns, strict=True):

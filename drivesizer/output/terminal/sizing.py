@@ -10,21 +10,10 @@ from rich.console import Console
 from rich.text import Text
 
 from drivesizer.catalog import Catalog
-from drivesizer.output.document import SECTIONS, Chapter, at_work, candidates, machine, printed
+from drivesizer.output.document import SECTIONS, Chapter, at_work, candidates, machine, printed, summary
+from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, OfLoop
-from drivesizer.output.document.records import (
-    TERMINAL,
-    Printed,
-    Quantity,
-    Row,
-    Section,
-    Status,
-    Table,
-    row,
-    table,
-)
 from drivesizer.output.document.rows import check_row
-from drivesizer.output.tables import changes_by_outcome
 from drivesizer.output.terminal import render
 from drivesizer.output.terminal.tables import MARK, STYLE, console, heading
 from drivesizer.output.words import number_of
@@ -49,14 +38,14 @@ DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
 _QUIET = {"summary", "changes", "confidence", "required", "pareto"}
 
 
-def _selected(sections: Sequence[Section], details: frozenset[str]) -> tuple[Section, ...]:
+def _selected(sections: Sequence[doc.Section], details: frozenset[str]) -> tuple[doc.Section, ...]:
     return tuple(one for one in sections if one.early == "answer" or one.early in details)
 
 
 _BRIEF = ("axis", "quantity", "role", "order_number", "together", "missing")
 
 
-def quote_in_brief(table: Table) -> None:
+def quote_in_brief(table: doc.Table) -> None:
     """Print a quote in the columns that a terminal has room for.
 
     Parameters
@@ -87,7 +76,7 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
     shown = _selected(SECTIONS, details if best else details | {"rejected"})
     if quiet:
         shown = tuple(one for one in shown if one.name in _QUIET or one.early in details)
-    render.sections(out, printed([Chapter(content, shown)], TERMINAL))
+    render.sections(out, printed([Chapter(content, shown)], doc.TERMINAL))
     if best and not quiet:
         behind, loop = f" {spec}" if spec else "", "open loop" if best.steps else "closed loop"
         _next(
@@ -116,7 +105,7 @@ def explained(pair: Explanation, catalog: Catalog) -> None:
     for found in pair.sets:
         heading(out, found.label, MARK[found.status], STYLE[found.status])
         of = OfDrives(catalog, tuple(dict.fromkeys(c.case for c in found.own_checks if c.case)))
-        render.sections(out, (Printed(one, "", [*one.blocks(of, found)]) for one in shown))
+        render.sections(out, (doc.Printed(one, "", [*one.blocks(of, found)]) for one in shown))
         if missing := missing_figures(found):
             out.print(Text(f"missing: {', '.join(missing)}", style=STYLE["unknown"]))
         _changes(out, found)
@@ -134,7 +123,7 @@ def _changes(out: Console, found: DriveSet) -> None:
         return
     if not found.changes:
         out.print(_NO_CHANGE[found.checks[0].method])
-    for title, changes in changes_by_outcome(found.changes, "it"):
+    for title, changes in summary.changes_by_outcome(found.changes, "it"):
         out.print(title.removesuffix(":") + ", smallest first:")
         for change in changes:
             out.print(Text(f"  {change.field} {change.now} → {change.needed}"))
@@ -148,7 +137,7 @@ def validation(proof: Validation, *, checks: bool = False) -> None:
     out = console()
     heading(out, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
     loop = (at_work.loop, *((at_work.loop_details, at_work.linear_loops) if checks else ()))
-    render.sections(out, (Printed(one, "", [*one.blocks(OfLoop(proof))]) for one in loop))
+    render.sections(out, (doc.Printed(one, "", [*one.blocks(OfLoop(proof))]) for one in loop))
     if not checks:
         out.print(
             "\nnext: drivesizer validate --checks has every check, the figures, the gains and the loops", soft_wrap=True
@@ -159,17 +148,17 @@ def validations(proofs: Sequence[Validation], objective: str) -> None:
     """Print several drives in closed loop, a line each, best first."""
     out, first = console(), proofs[0]
     heading(out, f"{first.spec.name}: {first.profile}", f"{number_of(len(proofs), 'drive')} in {first.loop}", "")
-    rows = [_proof_row(proof, place=Quantity(place), was=Quantity(proof.drive_set.rank),
+    rows = [_proof_row(proof, place=doc.Quantity(place), was=doc.Quantity(proof.drive_set.rank),
                        objective=candidates.objective_quantity(proof.drive_set, objective))
             for place, proof in enumerate(proofs, 1)]  # fmt: skip
-    render.blocks(out, [table("proofs", "", rows, heads={"objective": objective.replace("_", " ")})])
+    render.blocks(out, [doc.table("proofs", "", rows, heads={"objective": objective.replace("_", " ")})])
 
 
-def _proof_row(proof: Validation, **cells: Any) -> Row:
+def _proof_row(proof: Validation, **cells: Any) -> doc.Row:
     """A closed loop by its tightest check."""
     tight = worst(proof.checks)
-    margin = Quantity(tight.margin, "%", "margin") if tight else ""
-    return row("proofs", proof, name="", title=tight.title if tight else "–", margin=margin, **cells)
+    margin = doc.Quantity(tight.margin, "%", "margin") if tight else ""
+    return doc.row("proofs", proof, name="", title=tight.title if tight else "–", margin=margin, **cells)
 
 
 # -- machines of several axes
@@ -188,7 +177,7 @@ def machine_sizing(
     every = axes.chapters(axes.MachineContent(result))
     shown = [one._replace(sections=[section for section in one.sections if section.early in early])
              for one in every if not one.axis or (chapters and checks)]  # fmt: skip
-    render.sections(out, printed(shown, TERMINAL))
+    render.sections(out, printed(shown, doc.TERMINAL))
     if not quiet:
         name = next((axis.name for axis in result.axes if axis.best is None), result.axes[0].name)
         behind, axis = f" {spec}" if spec else "", f'"{name}"' if " " in name else name
@@ -211,8 +200,8 @@ def machine_explained(name: str, found: Mapping[str, Explanation]) -> None:
         cells = dict(check_row(tight).cells) if tight else {}
         belt = f", belt {one.belt_ratio:g}:1" if len(pair.sets) > 1 else ""
         title = f"{tight.title if tight else '–'}{belt}"
-        rows.append(Row({**cells, "axis": axis, "title": title, "status": (Status(status),)}))
-    render.blocks(out, [table("pairs", "", rows)])
+        rows.append(doc.Row({**cells, "axis": axis, "title": title, "status": (doc.Status(status),)}))
+    render.blocks(out, [doc.table("pairs", "", rows)])
 
 
 def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
@@ -223,37 +212,19 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
     heading(out, name, f"FAIL: {', '.join(failed)}" if failed else loops, STYLE["fail"] * bool(failed))
     rows = [_proof_row(proof, axis=axis) for axis, proof in proofs.items()]
     helping = [at_work.remedies(proof, axis) for axis, proof in proofs.items() if proof.tried]
-    render.blocks(out, [table("proofs", "", rows), *helping])
+    render.blocks(out, [doc.table("proofs", "", rows), *helping])
 
 
 # -- a set at the bench, a platform on its path
 
 
-def predicted(found: Prediction) -> None:
-    """Print a prediction."""
-    from drivesizer.output.document.bench import prediction_blocks
+def at_the_bench(found: Prediction | Identification | Comparison) -> None:
+    """Print what was predicted of a set, identified from a log, or a log beside its sizing."""
+    from drivesizer.output.document.bench import bench_blocks
 
-    out = console()
-    heading(out, found.label, "")
-    render.blocks(out, prediction_blocks(found))
-
-
-def identified(found: Identification) -> None:
-    """Print an identification."""
-    from drivesizer.output.document.identified import identification_blocks
-
-    out = console()
-    heading(out, f"{found.log}: {found.label}" if found.label else found.log, "")
-    render.blocks(out, identification_blocks(found))
-
-
-def compared(found: Comparison) -> None:
-    """Print a log beside its sizing."""
-    from drivesizer.output.document.identified import comparison_blocks
-
-    out = console()
-    heading(out, f"{found.log}: {found.label}, {found.over}", "")
-    render.blocks(out, comparison_blocks(found))
+    out, (title, blocks) = console(), bench_blocks(found)
+    heading(out, title, "")
+    render.blocks(out, blocks)
 
 
 def driven(
