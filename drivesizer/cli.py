@@ -20,47 +20,15 @@ import typer
 
 from drivesizer.commands.ends import ended, parsed, with_values
 from drivesizer.errors import InputError, printable
+from drivesizer.files.text import listed
 from drivesizer.version import __version__
 
 if TYPE_CHECKING:
     app: typer.Typer  # of ``__getattr__``
 
-# in the order of use: where a command is, short help and an example
-_COMMANDS = {
-    "init": ("commands.setup", "Write a commented robot.yaml to start from.",
-             "init --kind wheeled_vehicle -o robot.yaml"),
-    "size": ("commands.sizing", "Find the drive, the next best, and why the others fail.",
-             "size examples/sps_robot.yaml --top 3 --objective price"),
-    "explain": ("commands.sizing", "Why a combination of motor and gearhead passes or fails.",
-                "explain examples/sps_robot.yaml --motor 118743 --gearhead 406764"),
-    "validate": ("commands.validate", "Simulate a drive over its profile in closed loop.",
-                 "validate examples/sps_robot.yaml --profile trapezoid"),
-    "commission": ("commands.commission", "The gains as the controller takes them, in its own units.",
-                   "commission examples/sps_robot.yaml --set control.bandwidth=10Hz -o drive.dcf"),
-    "drive": ("commands.validate", "Drive a platform along a trajectory, wheel by wheel.",
-              "drive examples/sps_platform.yaml examples/sps_way.csv"),
-    "report": ("commands.sizing", "Write the report: PDF, HTML, XLSX, CSV or JSON.",
-               "report examples/sps_robot.yaml -o report.pdf"),
-    "quote": ("commands.sizing", "What to order: numbers, prices, sellers, and what is missing.",
-              "quote examples/sps_robot.yaml -o quote.csv"),
-    "predict": ("commands.predict", "Predict what is measured of a set at the bench, with bands.",
-                "predict 118752 --gearhead 406764 --voltage '24 V' --load '0.5 N*m'"),
-    "identify": ("commands.identify", "A drive's figures out of its log, with bands.",
-                 "identify log.csv --motor 118752 -o fit.svg"),
-    "compare": ("commands.identify", "A machine's log beside its sizing, check by check.",
-                "compare log.csv --spec robot.yaml"),
-    "export": ("commands.export", "Write the drive for MuJoCo, URDF, Gazebo, ROS or as an FMU.",
-               "export examples/sps_robot.yaml --format mjcf -o drive.xml"),
-    "serve": ("live.command", "A page in the browser where the drive follows the figures.", "serve robot.yaml"),
-    "design": ("commands.design", "Find the best machine with its drive: free figures, limits, a front.",
-               "design examples/sps_robot.yaml --free 'motion.speed=[1.5 m/s, 1.6 m/s]'"),
-    "study": ("commands.study", "Size every variant of a spec: tables and maps.", "study examples/study.yaml"),
-    "equations": ("commands.setup", "The paper's equations, as printed and as computed.", "equations 10"),
-    "schema": ("commands.setup", "JSON Schema of robot.yaml, a catalogue or the JSON report.",
-               "schema > robot.schema.json"),
-    "doctor": ("commands.setup", "Check this installation.", "doctor"),
-}  # fmt: skip
-_GROUPS = {"catalog": ("commands.catalog", "Search, check, import and export catalogues.")}
+_TABLE = {head: {name: rest for of, (name, *rest) in listed("drivesizer.commands", "commands.txt") if of == head}
+          for head in ("commands", "groups")}  # fmt: skip
+_COMMANDS, _GROUPS = _TABLE["commands"], _TABLE["groups"]  # by name, in the order of use
 
 
 def _version(wanted: bool) -> None:

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from types import CodeType
@@ -17,30 +17,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.files.yaml_source import shipped_data
 from drivesizer.physics import thermal
 
 Numbers = NDArray[np.float64]
 
-# profile and the pitches that it is made in, mm
-_PITCHES = {
-    "HTD": (3.0, 5.0, 8.0, 14.0, 20.0), "GT2": (2.0, 3.0, 5.0, 8.0, 14.0), "RT25": (6.35,), "MXL": (2.032,),
-    "XL": (5.08,), "L": (9.525,), "H": (12.7,), "XH": (22.225,), "T2.5": (2.5,), "T5": (5.0,), "T10": (10.0,),
-    "T20": (20.0,), "AT3": (3.0,), "AT5": (5.0,), "AT10": (10.0,), "AT20": (20.0,),
-}  # fmt: skip
-_FULL_STEPS = (12.0, 20.0, 24.0, 36.0, 48.0, 60.0, 72.0, 96.0, 100.0, 120.0, 144.0, 180.0, 200.0, 300.0, 400.0, 500.0,
-               1000.0)  # fmt: skip
+
+def _sizes() -> dict[str, Any]:
+    found: dict[str, Any] = shipped_data("drivesizer.catalog", "laws.yaml")["sizes"]
+    return found
 
 
-def _nearest(values: Numbers, made: tuple[float, ...]) -> Numbers:
+def _nearest(values: Numbers, made: Sequence[float]) -> Numbers:
     """The nearest by ratio of the sizes that are made; unknown for an unknown value."""
-    sizes = np.array(made)
+    sizes = np.array(made, float)
     nearest = sizes[np.abs(np.log(values[:, None] / sizes)).argmin(axis=1)]
     return np.where(np.isnan(values), np.nan, nearest)
 
 
 def _pitch_of_profile(profile: NDArray[np.str_], pitch: Numbers) -> Numbers:
     found = np.full(len(pitch), np.nan)
-    for name, made in _PITCHES.items():
+    for name, made in _sizes()["pitches"].items():
         found = np.where(profile == name, _nearest(pitch * 1e3, made) / 1e3, found)
     return found
 
@@ -103,7 +100,7 @@ _FUNCTIONS: dict[str, Any] = {
     "smaller": np.minimum, "larger": np.maximum, "abs": np.abs,
     "choose": np.where, "pi": np.pi, "median": _median, "parabola": _parabola, "leading_number": _leading_number,
     "least_of_a_stage_less": _of_a_stage_less(np.min), "greatest_of_a_stage_less": _of_a_stage_less(np.max),
-    "pitch_of_profile": _pitch_of_profile, "nearest_full_steps": lambda steps: _nearest(steps, _FULL_STEPS),
+    "pitch_of_profile": _pitch_of_profile, "nearest_full_steps": lambda steps: _nearest(steps, _sizes()["full_steps"]),
     "whole": np.round, "nominal_current_by_heat": thermal.nominal_current,
     "continuous_current_by_heat": thermal.continuous_current,
 }  # fmt: skip

@@ -171,53 +171,42 @@ def _discharges(catalog: Catalog) -> Iterator[Finding]:
     """Contradictions of batteries' discharge tables, among each other and with the batteries' figures."""
     given, batteries = catalog.discharges, catalog.batteries
     for row in np.unique(given.battery).tolist():
-        odd = _OddEntries(_place(catalog, batteries, row))
         own = given.on(given.battery == row)
-        for held, unit in HELD.items():
-            some = own.on(~np.isnan(getattr(own, held)))
-            _along_columns(odd, some, held, unit)
-        _capacities_by_table(odd, own, batteries, row)
-        _mean_voltage(odd, own, batteries, row)
-        yield from odd.found
+        odd = [*_along_columns(own), *_capacities_by_table(own, batteries, row), *_mean_voltage(own, batteries, row)]
+        for identity, meaning, relation, found, expected, kind, unit, tolerance, *fields in odd:
+            yield Finding(
+                **_place(catalog, batteries, row), identity=identity, meaning=meaning, relation=relation,
+                found=float(found), expected=float(expected), kind=kind, unit=unit,
+                deviation=float(found / expected - 1.0), tolerance=float(tolerance),
+                reason="half of the last printed digits", source="what the words mean", fields=(DISCHARGES, *fields),
+            )  # fmt: skip
 
 
-class _OddEntries:
-    """Findings on the discharge tables of one battery."""
-
-    def __init__(self, place: dict[str, Any]) -> None:
-        self.place, self.found = place, list[Finding]()
-
-    def add(
-        self, identity: str, meaning: str, relation: str, found: float, expected: float, kind: str, unit: str,
-        tolerance: float, *fields: str,
-    ) -> None:  # fmt: skip
-        self.found.append(Finding(
-            **self.place, identity=identity, meaning=meaning, relation=relation, found=float(found), kind=kind,
-            expected=float(expected), unit=unit, deviation=float(found / expected - 1.0), tolerance=float(tolerance),
-            reason="half of the last printed digits", source="what the words mean", fields=(DISCHARGES, *fields),
-        ))  # fmt: skip
+# identity, meaning, relation, figure, what it is compared with, kind and unit of both, tolerance, further fields
+Odd = tuple[Any, ...]
 
 
-def _along_columns(odd: _OddEntries, some: Discharges, held: str, unit: str) -> None:
+def _along_columns(own: Discharges) -> Iterator[Odd]:
     """A longer discharge draws less, and gives no less in total; one to a lower end voltage gives no less."""
-    total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[held]
-    draw = getattr(some, held)
-    digit, amount = _half_last_digit(draw, some.time), draw * some.time
-    for quick, slow in _neighbours(some.cutoff_voltage, some.time):
-        where = f"{_at(some, slow)}, beside {_hours(some.time[quick])}"
-        if not draw[slow] < draw[quick]:
-            odd.add(f"{held} falls with time", f"less than for a shorter time: {where}", "<",
-                    draw[slow], draw[quick], held, unit, 0.0)  # fmt: skip
-        span = digit[slow] + digit[quick]
-        if amount[slow] < amount[quick] * (1.0 - span - _SLACK):
-            odd.add(f"{total[0]} and rate", f"not below that of a faster discharge: {where}", ">=",
-                    amount[slow], amount[quick], *total, span)  # fmt: skip
-    for deep, shallow in _neighbours(some.time, some.cutoff_voltage):
-        span = digit[deep] + digit[shallow]
-        if draw[deep] < draw[shallow] * (1.0 - span - _SLACK):
-            volts = show(some.cutoff_voltage[shallow], "V", "voltage")
-            odd.add(f"{held} and end voltage", f"not below that down to more volts: {_at(some, deep)}, beside {volts}",
-                    ">=", draw[deep], draw[shallow], held, unit, span)  # fmt: skip
+    for held, unit in HELD.items():
+        some = own.on(~np.isnan(getattr(own, held)))
+        total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[held]
+        draw = getattr(some, held)
+        digit, amount = _half_last_digit(draw, some.time), draw * some.time
+        for quick, slow in _neighbours(some.cutoff_voltage, some.time):
+            where, span = f"{_at(some, slow)}, beside {_hours(some.time[quick])}", digit[slow] + digit[quick]
+            if not draw[slow] < draw[quick]:
+                yield (f"{held} falls with time", f"less than for a shorter time: {where}", "<", draw[slow],
+                       draw[quick], held, unit, 0.0)  # fmt: skip
+            if amount[slow] < amount[quick] * (1.0 - span - _SLACK):
+                yield (f"{total[0]} and rate", f"not below that of a faster discharge: {where}", ">=", amount[slow],
+                       amount[quick], *total, span)  # fmt: skip
+        for deep, shallow in _neighbours(some.time, some.cutoff_voltage):
+            span = digit[deep] + digit[shallow]
+            if draw[deep] < draw[shallow] * (1.0 - span - _SLACK):
+                beside = f"{_at(some, deep)}, beside {show(some.cutoff_voltage[shallow], 'V', 'voltage')}"
+                yield (f"{held} and end voltage", f"not below that down to more volts: {beside}", ">=", draw[deep],
+                       draw[shallow], held, unit, span)  # fmt: skip
 
 
 def _neighbours(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
@@ -228,7 +217,7 @@ def _neighbours(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
             yield a, b
 
 
-def _capacities_by_table(odd: _OddEntries, own: Discharges, batteries: Table[Any], row: int) -> None:
+def _capacities_by_table(own: Discharges, batteries: Table[Any], row: int) -> Iterator[Odd]:
     """A printed capacity is current times time of the table, down to the end voltage where they are nearest."""
     charge, digit = own.current * own.time, _half_last_digit(own.current, own.time)
     for name, hours in _HOURS.items():
@@ -239,11 +228,11 @@ def _capacities_by_table(odd: _OddEntries, own: Discharges, batteries: Table[Any
         near = there[np.abs(charge[there] - capacity).argmin()]
         span = digit[near] + 0.005  # a capacity has two digits or more
         if abs(charge[near] - capacity) > capacity * (span + _SLACK):
-            odd.add(f"{name.replace('_', ' ')} in the table", f"current x time: {_at(own, near)}", "=",
-                    charge[near], capacity, "charge", "A*h", span, name)  # fmt: skip
+            yield (f"{name.replace('_', ' ')} in the table", f"current x time: {_at(own, near)}", "=", charge[near],
+                   capacity, "charge", "A*h", span, name)  # fmt: skip
 
 
-def _mean_voltage(odd: _OddEntries, own: Discharges, batteries: Table[Any], row: int) -> None:
+def _mean_voltage(own: Discharges, batteries: Table[Any], row: int) -> Iterator[Odd]:
     """Power over current for the same time and end voltage is a voltage between that end and that of a full battery."""
     nominal, chemistry = batteries["nominal_voltage"][row], str(batteries["chemistry"][row])
     full = _RESTING[chemistry] * nominal if chemistry in _RESTING else batteries["charge_voltage"][row]
@@ -255,8 +244,8 @@ def _mean_voltage(odd: _OddEntries, own: Discharges, batteries: Table[Any], row:
         mean, span = own.power[m] / own.current[n], digits[0][n] + digits[1][m] + _MEAN
         for relation, bound, off in ((">=", key[0], key[0] - mean), ("<=", full, mean - full)):
             if off > span * bound:
-                odd.add("mean voltage", f"power by current, between the end's and a full one's: {_at(own, n)}",
-                        relation, mean, bound, "voltage", "V", span)  # fmt: skip
+                yield ("mean voltage", f"power by current, between the end's and a full one's: {_at(own, n)}",
+                       relation, mean, bound, "voltage", "V", span)  # fmt: skip
 
 
 def _at(own: Discharges, place: int) -> str:

@@ -76,7 +76,10 @@ class Machines:
                 number = len(self.known) + len(new) + 1
                 new[values] = self._variant(number, values)
         found = dict(self._outside(new))
-        rows = {one.number: self._kept[one.number] for one in new.values() if self._is_kept(one)}
+        rows = {  # of an earlier run of the same search
+            one.number: kept for one in new.values()
+            if (kept := self._kept.get(one.number)) and kept[0][: len(one.head)] == one.head
+        }  # fmt: skip
         rest = [one for values, one in new.items() if values not in found and one.number not in rows]
         each = max(1, len(rest) // (2 * self.on.ahead)) if self.on else 1
         for part in computed(self.task.job, (rest[n : n + each] for n in range(0, len(rest), each)), self.on):
@@ -98,11 +101,6 @@ class Machines:
     def _variant(self, number: int, values: Values) -> Variant:
         shown = [one.table_value(value) for one, value in zip(self.task.free, values, strict=True)]
         return Variant(number, 0, values, 0, 0, [number, *shown])
-
-    def _is_kept(self, one: Variant) -> bool:
-        """Whether an earlier run of the same search has its rows."""
-        rows = self._kept.get(one.number)
-        return rows is not None and rows[0][: len(one.head)] == one.head
 
     def figures_of_spec(self, values: Values) -> Callable[[str], float]:
         """Figures of a machine's spec by name."""

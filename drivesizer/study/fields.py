@@ -31,15 +31,13 @@ def path_of(name: str, axes: Iterable[str] = ()) -> Path_ | None:
         match = _STEP.fullmatch(step)
         if not axis and match is None:
             return None
-        path += [axis] if axis or match is None else _keys(match)
+        if axis or match is None:
+            path.append(axis)
+        else:  # a key and the indices behind it
+            path += [match[1], *(int(index) - 1 for index in re.findall(r"[0-9]+", match[2]))]
         if step == rest:
             return tuple(path)
         rest = rest[len(step) + 1 :]
-
-
-def _keys(step: re.Match[str]) -> list[str | int]:
-    """A key and the indices behind it."""
-    return [step[1], *(int(index) - 1 for index in re.findall(r"[0-9]+", step[2]))]
 
 
 def unknown_field(spec: YamlSource, path: Path_) -> str:
@@ -95,22 +93,19 @@ def _root(spec: YamlSource, path: Path_) -> tuple[type[BaseModel], Path_, Any]:
             return AxisFields, path, data
     elif is_machine(spec) and path[0] in MachineFields.model_fields and path[0] not in RobotSpec.model_fields:
         return MachineFields, path, data
-    return RobotSpec, _spec_path(path), data
-
-
-def _spec_path(path: Path_) -> Path_:
-    """A load case changes fields of the spec itself."""
-    return path[2:] if path[:1] == ("cases",) and len(path) > 2 else path
+    of_case = path[:1] == ("cases",) and len(path) > 2  # which changes fields of the spec itself
+    return RobotSpec, path[2:] if of_case else path, data
 
 
 def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
     """The kind of quantity of a field."""
     model, path, data = _root(spec, path)
-    owners = models_at(model, path[:-1], data) if path else []
-    fields = [m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields]
-    found = [mark for field in fields for mark in _quantities((*field.metadata, field.annotation))]
-    if has_names(model, path[:-1], data):  # of a group by names of the user's the values
-        found = _values_by_name(model, path[:-1], data)
+    named = bool(path) and has_names(model, path[:-1], data)  # of a group by names of the user's the values
+    place = path[:-1] if named else path
+    owners = models_at(model, place[:-1], data) if place else []
+    fields = [m.model_fields[str(place[-1])] for m in owners if place[-1] in m.model_fields]
+    marks = ((*get_args(f.annotation)[1:],) if named else (*f.metadata, f.annotation) for f in fields)
+    found = [mark for some in marks for mark in _quantities(some)]
     if not found:
         return ""
     first = found[0]
@@ -125,12 +120,6 @@ def kind_of(spec: YamlSource, path: Path_, value: Any) -> str:
     if kind is None and is_machine(spec):  # shared by axes of which each has its load
         return _either_kind(value, first.rotary, first.kind)
     return first.rotary if AXES.get(str(kind), "linear") == "rotary" else first.kind
-
-
-def _values_by_name(model: type[BaseModel], path: Path_, data: Any) -> list[Quantity | Either]:
-    owners = models_at(model, path[:-1], data)
-    fields = [m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields]
-    return [mark for field in fields for value in get_args(field.annotation)[1:] for mark in _quantities((value,))]
 
 
 def _either_kind(value: Any, rotary: str, linear: str) -> str:

@@ -289,19 +289,14 @@ def axis_of(place: Place, spec: YamlSource, name: str, given: Any, grid: bool) -
     return Axis(name=name, path=path, kind=kind, unit=number(str(given[0]))[1], values=tuple(given))
 
 
-def _apart(given: Sequence[Any]) -> list[Any]:
-    """The values of a list, each once."""
-    return list({repr(value): value for value in given}.values())
-
-
 def _together(place: Place, spec: YamlSource, names: Sequence[str], given: Any) -> Axis:
     """Several fields that vary together: each value is a list with one for each of them."""
     if not isinstance(given, list) or not all(isinstance(one, list) and len(one) == len(names) for one in given):
         example = f"[{', '.join(f'value of {name}' for name in names)}]"
         raise place.error(f"expected a list of lists, each {example}")
     once(place, given)
-    columns = ([row[n] for row in given] for n in range(len(names)))
-    each = [axis_of(place, spec, name, _apart(column), True) for name, column in zip(names, columns, strict=True)]
+    once_each = ([*{repr(row[n]): row[n] for row in given}.values()] for n in range(len(names)))
+    each = [axis_of(place, spec, name, column, True) for name, column in zip(names, once_each, strict=True)]
     return Axis(
         name=", ".join(names),
         path=each[0].path,

@@ -125,11 +125,6 @@ _DRIVE = (
 _TOTALS = Column("drives", "whole"), Column("machine_mass_kg", unit="kg"), Column("machine_price_EUR", unit="EUR")
 
 
-def _sum(sizing: MachineSizing, of: Callable[[DriveSet], float]) -> float:
-    """A figure of all drives; unknown where an axis has none."""
-    return fsum(one.drives * of(one.best) if one.best else nan for one in sizing.axes)
-
-
 def _known_price(sizing: MachineSizing) -> float:
     """Sum of the known prices of all parts [EUR]; NaN where none is known or an axis has no drive."""
     known = [one.drives * _euros(one.best) for one in sizing.axes if one.best and not isnan(_euros(one.best))]
@@ -142,10 +137,10 @@ def _lacking(sizing: MachineSizing, of: Callable[[DriveSet], Sequence[str]]) -> 
     return "; ".join(f"{name}: {' + '.join(some)}" for name, some in parts if some)
 
 
-def _energy(sizing: MachineSizing) -> float:
-    """Energy out of the supply over the machine's cycle [J]."""
-    power = sizing.power
-    return power.mean * next(x.value for x in power.figures if x.name == "machine_cycle") if power else nan
+def _machine_cycle(sizing: MachineSizing) -> float:
+    """Time of the cycle of all axes [s]."""
+    figures = sizing.power.figures if sizing.power else ()
+    return next((one.value for one in figures if one.name == "machine_cycle"), nan)
 
 
 _MACHINE = (
@@ -154,13 +149,16 @@ _MACHINE = (
         Column("kinds", "whole"),  # of motor and gearhead
         lambda sizing: len({(one.best.motor.part, one.best.gearhead.part) for one in sizing.axes if one.best}),
     ),
-    _number("machine_mass_kg", "kg", lambda sizing: _sum(sizing, lambda one: one.mass)),
+    _number(
+        "machine_mass_kg", "kg",  # unknown where an axis has no drive
+        lambda sizing: fsum(one.drives * one.best.mass if one.best else nan for one in sizing.axes),
+    ),
     _text("mass_lacks", lambda sizing: _lacking(sizing, _mass_lacks)),
     _text("mass_estimated", lambda sizing: _lacking(sizing, lambda one: one.mass_estimated)),
     _number("machine_price_EUR", "EUR", _known_price),
     _text("price_lacks", lambda sizing: _lacking(sizing, _price_lacks)),
     _number("objective_si", "", lambda sizing: sizing.total),
-    _number("energy_J", "J", _energy),
+    _number("energy_J", "J", lambda sizing: sizing.power.mean * _machine_cycle(sizing) if sizing.power else nan),
     _number("mean_W", "W", lambda sizing: sizing.power.mean if sizing.power else nan),
     _number("peak_W", "W", lambda sizing: sizing.power.peak if sizing.power else nan),
     _number(
@@ -180,12 +178,6 @@ class Further(NamedTuple):
 
 def _of_battery(of: Callable[[EnergyBudget], float]) -> Callable[[MachineSizing], float]:
     return lambda sizing: of(sizing.power.energy) if sizing.power and sizing.power.energy else nan
-
-
-def _machine_cycle(sizing: MachineSizing) -> float:
-    """Time of the cycle of all axes [s]."""
-    figures = sizing.power.figures if sizing.power else ()
-    return next((one.value for one in figures if one.name == "machine_cycle"), nan)
 
 
 def _no_sum(sizing: MachineSizing) -> float:
@@ -356,31 +348,23 @@ def _figures(name: str, text: str) -> SpecFigures:
 
 
 @dataclass(frozen=True, slots=True)
-class _Parts:
-    """A spec, known by what its parts hang on."""
+class _By:
+    """Something that is known by a key: a spec by what its parts hang on, a robot's section by its text."""
 
-    key: tuple[Hashable, ...]
-    spec: RobotSpec = field(compare=False, repr=False)
+    key: Hashable
+    of: Any = field(compare=False, repr=False)
 
 
 @lru_cache(maxsize=8)
-def _catalog(parts: _Parts) -> Catalog:
-    return load_parts(parts.spec)
-
-
-@dataclass(frozen=True, slots=True)
-class _Robot:
-    """A robot's section, known by its text."""
-
-    text: str
-    section: RobotSection = field(compare=False, repr=False)
+def _catalog(spec: _By) -> Catalog:
+    return load_parts(spec.of)
 
 
 @lru_cache(maxsize=4)
-def _torques(robot: _Robot, file: str, gravity: float) -> JointTorques:
+def _torques(robot: _By, file: str, gravity: float) -> JointTorques:
     from drivesizer.joints.mass_columns import joint_torques
 
-    return joint_torques(robot.section, file, gravity)
+    return joint_torques(robot.of, file, gravity)
 
 
 def forget_files() -> None:
@@ -412,17 +396,12 @@ def spec_of(job: Job, variant: Variant) -> RobotSpec:
     return read_any(document_of(job, variant)).axes[0].spec
 
 
-def parts_for(spec: RobotSpec) -> Catalog:
-    """The catalogues that a spec names, loaded once in a process."""
-    return _catalog(_Parts(spec.parts_key, spec))
-
-
 def rows_of(job: Job, variants: Sequence[Variant]) -> Part:
     """The rows of some variants."""
     made, rows = {"drivesizer": __version__}, list[Row]()
 
     def parts(spec: RobotSpec) -> Catalog:
-        catalog = parts_for(spec)
+        catalog = _catalog(_By(spec.parts_key, spec))
         made.update({f"catalogue {name}": digest for name, digest in catalog.digests.items()})
         return catalog
 
@@ -503,7 +482,7 @@ def _rows(
 
     def torques(section: RobotSection, file: str, gravity: float) -> JointTorques:
         """Of variants with the same section they are computed once in a process."""
-        return _torques(_Robot(robot, section), file, gravity)
+        return _torques(_By(robot, section), file, gravity)
 
     sizing = size_machine(read_any(source), top=job.top, objective=objective, brief=True, parts=parts, torques=torques)
     if job.axis is None:
