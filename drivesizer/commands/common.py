@@ -141,6 +141,7 @@ Profile = Annotated[
     str | None,
     typer.Option(help="trapezoid, s-curve, or a CSV file of time and speed; alone, or without it, the spec's own."),
 ]
+STOPPED = 130  # exit status after Ctrl-C, as shells have it
 _PATIENCE = 1.0  # s, after which progress is shown
 
 
@@ -456,6 +457,16 @@ def progress(of: str = "drives examined", after: float = _PATIENCE) -> Iterator[
     finally:
         if bar is not None:
             bar.stop()
+
+
+@contextmanager
+def stoppable(kept: str) -> Iterator[None]:
+    """Work that Ctrl-C ends with a line on what is kept of it."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        typer.echo(f"drivesizer: {kept}", err=True)
+        raise typer.Exit(STOPPED) from None
 
 
 def simulating(on: str) -> AbstractContextManager[None]:

@@ -7,17 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import (
-    DEFAULT,
-    Fields,
-    Processes,
-    Scheduler,
-    Spec,
-    file_option,
-    progress,
-    with_fields,
-)
-from drivesizer.commands.ends import STOPPED
+from drivesizer.commands import common
+from drivesizer.commands.common import DEFAULT, Fields, Processes, Scheduler, Spec, file_option
 from drivesizer.errors import InputError, quoted
 
 
@@ -55,18 +46,12 @@ def design(
         from drivesizer.files.writing import write_files
         from drivesizer.files.yaml_source import read
 
-        source = with_fields(read(spec), fields or [])
+        source = common.with_fields(read(spec), fields or [])
         fronts = [one.strip() for one in pareto.split(",")] if pareto else None
         task = read_task(source, free=_spaces(free or []), minimise=minimise, subject_to=subject_to, pareto=fronts)
-        try:
-            with progress("machines") as advance:
-                found = answer(
-                    task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance
-                )
-        except KeyboardInterrupt:
-            kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
-            typer.echo(f"drivesizer: stopped; {kept}", err=True)
-            raise typer.Exit(STOPPED) from None
+        kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
+        with common.stoppable(f"stopped; {kept}"), common.progress("machines") as advance:
+            found = answer(task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance)
     typer.echo(str(found))
     if output and found.best:
         write_files({output: found.filled(rounded=rounded).encode()})

@@ -12,7 +12,7 @@ from typing import Any
 
 import typer
 
-from drivesizer.commands.common import NothingFitsError
+from drivesizer.commands.common import STOPPED, NothingFitsError
 from drivesizer.errors import DrivesizerError, InputError, nearest, printable, quoted, reason_of
 
 # -- A command line that cannot be parsed, in the words of all refusals: what was found, what is expected, an example.
@@ -128,7 +128,6 @@ def _argument(parameter: Any) -> str:
 
 
 FAULT = 70  # exit status where the program itself is at fault, as in sysexits.h
-STOPPED = 130  # and after Ctrl-C, as shells have it
 _REFUSING = ("strict", "surrogateescape")  # of characters that the encoding lacks; the second in the locale C
 TRACEBACK = "DRIVESIZER_TRACEBACK"  # set in the environment: a fault shows where it arose
 

@@ -7,8 +7,15 @@ from typing import Annotated
 
 import typer
 
-from drivesizer.commands.common import Processes, Scheduler, file_argument, file_option, print_notes, progress
-from drivesizer.commands.ends import STOPPED
+from drivesizer.commands.common import (
+    Processes,
+    Scheduler,
+    file_argument,
+    file_option,
+    print_notes,
+    progress,
+    stoppable,
+)
 from drivesizer.output.words import number_of
 
 _ORDER = ("pass", "open", "unknown", "fail", "error")
@@ -38,16 +45,12 @@ def study(
         from drivesizer.study.run import carry_out
 
         plan = read_study(path)
-        try:
-            with progress("variants", 0.0) as advance:
-                found = carry_out(
-                    plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
-                    progress=advance,
-                )  # fmt: skip
-        except KeyboardInterrupt:
-            text = f"drivesizer: {target}: stopped; results so far are kept, and the same command resumes"
-            typer.echo(text, err=True)
-            raise typer.Exit(STOPPED) from None
+        kept = f"{target}: stopped; results so far are kept, and the same command resumes"
+        with stoppable(kept), progress("variants", 0.0) as advance:
+            found = carry_out(
+                plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
+                progress=advance,
+            )  # fmt: skip
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
     variants, drives = number_of(found.variants.total(), "variant"), number_of(found.examined, "drive")
     typer.echo(f"{variants}: {status}; {drives} examined")

@@ -15,8 +15,7 @@ from typing import Annotated
 
 import typer
 
-from drivesizer.commands.common import DEFAULT, Spec, whole_option
-from drivesizer.commands.ends import STOPPED
+from drivesizer.commands.common import DEFAULT, STOPPED, Spec, whole_option
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.cache import digest_of, folder
 

@@ -12,14 +12,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.estimates.estimate import MOUNTED, estimates, estimates_of_catalog
 from drivesizer.catalog.parts import DIRECT
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, filled, with_pairs, with_rows
-from drivesizer.catalog.view.search_view import (
-    ENDS,
-    MIDDLE,
-    completed,
-    search_view,
-    with_clamping_hubs,
-    with_direct_drive,
-)
+from drivesizer.catalog.view import search_view
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.stepper import DETENT_SHARE, rotor_teeth, torque_at_current
 from drivesizer.physics.thermal import rated_ambient
@@ -177,7 +170,7 @@ def has_steppers(catalog: Catalog) -> bool:
 def view_for(catalog: Catalog, kind: str | None, estimated: bool = True, phase_current: float | None = None) -> Catalog:
     """The catalogue as a search for a kind of motor takes it: of steppers these as motors, with clamping hubs."""
     if kind != STEPPER:
-        return search_view(catalog, estimated)
+        return search_view.search_view(catalog, estimated)
     if has_steppers(catalog):
         return catalog
     if not estimated:
@@ -188,7 +181,10 @@ def view_for(catalog: Catalog, kind: str | None, estimated: bool = True, phase_c
         kept: tuple[Any, ...] = tuple(column[keep] for column in share)
         own["pull_out_share"] = Estimates(*kept)
     found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
-    middle, *ends = (_viewed(replace(found, **completed(found, end)), phase_current) for end in (MIDDLE, *ENDS))
+    middle, *ends = (
+        _viewed(replace(found, **search_view.completed(found, end)), phase_current)
+        for end in (search_view.MIDDLE, *search_view.ENDS)
+    )
     return replace(middle, ends=tuple(ends))
 
 
@@ -220,6 +216,6 @@ def _viewed(catalog: Catalog, phase_current: float | None) -> Catalog:
         estimates=others | {"motors": own},
         notes=(*noted, *(note for note in catalog.notes if note.section not in ("motors", "steppers"))),
     )  # fmt: skip
-    fitted = with_direct_drive(with_clamping_hubs(moved))
+    fitted = search_view.with_direct_drive(search_view.with_clamping_hubs(moved))
     direct = np.full(count, fitted.gearheads.rows[DIRECT])
     return replace(fitted, motor_gearhead=with_pairs(fitted.motor_gearhead, np.arange(count), direct, steppers.source))
