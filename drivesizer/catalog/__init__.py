@@ -146,13 +146,7 @@ def path_of(name: str, beside: Path | None = None) -> Path:
 def _list_beside(path: Path) -> list[Path]:
     """The price list that ships with a shipped catalogue."""
     beside = path.parent / "prices" / f"{path.stem}.csv"
-    return [beside] if path in _found_once().values() and path.stem in _priced() else []
-
-
-@functools.cache
-def _priced() -> frozenset[str]:
-    place = shipped_folder("catalogs") / "prices"
-    return frozenset(name.removesuffix(".csv") for name in (os.listdir(place) if place.is_dir() else ()))  # noqa: PTH208
+    return [beside] if _found_once().get(path.stem) == path and beside.is_file() else []
 
 
 def _key(*raws: bytes) -> str:

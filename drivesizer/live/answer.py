@@ -158,9 +158,7 @@ def _of_all_axes(sizing: MachineSizing) -> Piece:
     least = "" if sizing.complete else "≥ "
     said = {name: " + ".join(least + total_of(one).text.removeprefix(least) for one in found) or "unknown"
             for name, found in sums.items()}  # fmt: skip
-    checks = [(check, axis.name) for axis in sizing.axes if axis.best and (check := worst(axis.best.deciding))]
-    checks += [(check, "") for check in [worst(tuple(c for c in sizing.checks if not c.advice))] if check]
-    check, axis = min(checks, key=lambda one: one[0].margin, default=(None, ""))
+    check, axis = sizing.tightest() or (None, "")
     tight = _tight(check)
     values = {name: plain(found[0].value) if len(found) == 1 else None for name, found in sums.items()}
     return {**values, "figures": said, "tight": tight and tight | {"axis": axis}}

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.physics.figures import Array
-from drivesizer.results.check import Check, Figure, Reliability, Status, verdict
+from drivesizer.results.check import Check, Figure, Reliability, Status, verdict, worst
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.drive import OBJECTIVES
@@ -128,6 +128,11 @@ class AxisSizing:
         return next(iter(self.result.sets), None)
 
     @property
+    def closest(self) -> DriveSet | None:
+        """The closest rejected drive."""
+        return next(iter((*self.result.unsure, *self.result.misses)), None)
+
+    @property
     def drives(self) -> int:
         """Drives of this kind on the axis."""
         return self.spec.load.motors
@@ -172,6 +177,16 @@ class MachineSizing:
     def axis(self, name: str) -> AxisSizing:
         """The axis of a name."""
         return axis_of(self.axes, name)
+
+    def tightest(self, *, rejected: bool = False) -> tuple[Check, str] | None:
+        """The check of the smallest margin with its axis, of all axes together with none.
+
+        Of an axis without a drive it may be that of the closest rejected.
+        """
+        drives = [(axis.best or (axis.closest if rejected else None), axis.name) for axis in self.axes]
+        checks = [(worst(drive.deciding), name) for drive, name in drives if drive]
+        checks.append((worst(tuple(check for check in self.checks if not check.advice)), ""))
+        return min([(check, name) for check, name in checks if check], key=lambda one: one[0].margin, default=None)
 
     @property
     def total(self) -> float:

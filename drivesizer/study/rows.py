@@ -36,7 +36,7 @@ from drivesizer.version import __version__
 
 if TYPE_CHECKING:
     from drivesizer.joints.mass_columns import JointTorques
-    from drivesizer.results.machine import AxisSizing, MachineSizing
+    from drivesizer.results.machine import MachineSizing
     from drivesizer.spec.robot_section import RobotSection
 
 
@@ -312,12 +312,10 @@ def _machine_row(job: Job, head: Row, sizing: MachineSizing) -> Row:
     """The row of a variant; of an axis without a drive the margin is that of the closest rejected."""
     labels = {one.name: one.best.label for one in sizing.axes if one.best}
     counts = [one.result.counts for one in sizing.axes]
-    margins = [(worst(near.deciding), axis.name) for axis in sizing.axes if (near := axis.best or _closest(axis))]
-    margins.append((worst(tuple(check for check in sizing.checks if not check.advice)), "all"))
-    known = [(check.margin, check.name, name) for check, name in margins if check]
-    margin, check, axis = min(known, key=lambda one: one[0], default=(nan, "", ""))
+    least = sizing.tightest(rejected=True)
+    margin, check, axis = (least[0].margin, least[0].name, least[1] or "all") if least else (nan, "", "")
     lost = next((one for one in sizing.axes if one.best is None), None)
-    near = _closest(lost) if lost else None
+    near = lost.closest if lost else None
     return [
         *head, sizing.objective, 1 if sizing.status != "fail" else None, sizing.status,
         *(column.cell(of(sizing)) for column, of in _MACHINE), _MARGIN[0].cell(margin), check, axis,
@@ -326,11 +324,6 @@ def _machine_row(job: Job, head: Row, sizing: MachineSizing) -> Row:
         sum(one.considered for one in counts), sum(one.feasible for one in counts),
         f"{lost.name}: {near.label}" if lost and near else "", "",
     ]  # fmt: skip
-
-
-def _closest(one: AxisSizing) -> DriveSet | None:
-    """The closest rejected drive of an axis."""
-    return next(iter((*one.result.unsure, *one.result.misses)), None)
 
 
 # Variants, with what a process loads once.
@@ -489,5 +482,5 @@ def _rows(
         return [_machine_row(job, head, sizing)]
     axis = sizing.axis(job.axis)
     sets, result = axis.result.sets[: job.top], axis.result
-    near = None if sets else _closest(axis)
+    near = None if sets else axis.closest
     return _drive_rows(job, head, Best(sets, near, result.counts, result.objective, axis.drives, result.problem))
