@@ -140,8 +140,8 @@ def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     name, content, made = Path(request["name"]), request["content"], dict[str, Any]()
     if name.suffix not in (".yaml", ".yml"):
         known = [one for one in listed_names(named_by(held, request["text"])) if one in shipped()]
-        name = name.with_suffix(".yaml")
-        read = import_table(tables_of(content, Path(request["name"])), name, Plan(), name, shelf(held, known))
+        table, name = name, name.with_suffix(".yaml")
+        read = import_table(tables_of(content, table), table, Plan(), name, shelf(held, known))
         content = read.text.encode()
         columns = [f"{head.theirs}: {head.column}, first {first}" for head, first in
                    zip(read.heads, read.examples, strict=True) if head.column not in ("", head.theirs)]  # fmt: skip

@@ -12,7 +12,8 @@ from drivesizer.physics.figures import Alike, Array, Figures, Range, once_per_pa
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
 from drivesizer.results.check_columns import CheckColumn, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.spec.sections import Supply
+from drivesizer.spec.mounting import rise_left
+from drivesizer.spec.sections import Environment, Supply
 
 _USUAL = (273.15, 313.15)  # K, 0 and 40 degC: ambients of IEC 60034-1 where nothing else is stated
 ASSUMED = "assumed, by select.assume"
@@ -82,6 +83,14 @@ def controller_current(controller: Figures, ambient: Array | float) -> Alike:
     left = np.maximum(printed - controller["derating_slope"] * (ambient - np.asarray(full)), 0.0)
     found: Array = np.where(too_hot, 0.0, np.where(hotter, left, printed))
     return np.where(np.isnan(printed), np.nan, found)
+
+
+def continuous_currents(motor: Any, controller: Any, environment: Environment) -> tuple[float, float]:
+    """Continuous currents [A] of motor and controller of a drive in their surroundings; NaN unknown."""
+    left, ambient = rise_left(environment), environment.ambient
+    derating = float(current_derating(ambient, motor.max_winding_temperature, rated_ambient(motor)))
+    own = float(controller_current(controller, ambient)) * left if controller else np.nan
+    return motor.nominal_current * (derating * np.sqrt(left)), own
 
 
 def controller_power_limit(power: Alike, controller: Figures, voltage: float, **more: Any) -> CheckColumn:

@@ -76,18 +76,18 @@ function say(text, ...more) {
   said.replaceChildren(element("p", { textContent: text }), ...more);
 }
 
-const lines = (found) => element("ul", { className: "findings" }, ...found.map((text) => element("li", { textContent: text })));
+const lines = (found = [], className = "findings") => element("ul", { className }, ...found.map((text) => element("li", { textContent: text })));
 
 function report(file, found) {
   if (found.kind === "superseded") return;
   if (found.kind === "kept") {
     names.set(found.name, found.text);
-    say(`${found.name}: ${counted(found.parts)}.`, lines([...(found.read ?? []), ...found.lines]));
+    say(`${found.name}: ${counted(found.parts)}.`, lines(found.lines), lines(found.read, "note"));
     entries();
     act.changed(found.name);
   } else if (found.kind === "contradictory") {
     const count = found.lines.length + found.more;
-    say(`${file.name}: ${count === 1 ? "a figure contradicts" : `${count} figures contradict`} others and no note says why. It is not taken.`, lines([...found.lines, ...(found.read ?? [])]),
+    say(`${file.name}: ${count === 1 ? "a figure contradicts" : `${count} figures contradict`} others and no note says why. It is not taken.`, lines(found.lines), lines(found.read, "note"),
       found.more ? element("p", { textContent: `and ${found.more} more` }) : "", button("take it all the same", () => take(file, true)));
   } else {
     say(`${file.name} is not taken:`, lines(found.lines ?? []));

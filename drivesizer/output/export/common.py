@@ -28,12 +28,11 @@ from drivesizer.loads.springs import Lever
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.physics.at_voltage import Winding, operating_point
-from drivesizer.physics.thermal import TwoBodies, current_derating, rated_ambient, two_bodies
+from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.physics.winding import housing_loss
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import for_drive
-from drivesizer.results.ratings import controller_current
-from drivesizer.spec.mounting import rise_left
+from drivesizer.results.ratings import continuous_currents, controller_current
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.version import __version__
 
@@ -178,7 +177,7 @@ def _limits(
     spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float, stepper: OpenLoopStepper | None
 ) -> Limits:
     """Peak and continuous torque and speed; of a stepper its pull-out torque at rest, and the speeds looked up."""
-    motor, gearhead, controller, environment = found.motor, found.gearhead, found.controller, spec.environment
+    motor, gearhead, controller = found.motor, found.gearhead, found.controller
     short, lasting = dict[str, float](), dict[str, float]()
     if gearhead.part != DIRECT:
         behind = train.belt_ratio * train.belt_efficiency
@@ -195,13 +194,8 @@ def _limits(
     }
     if isfinite(motor.peak_torque):  # most makers limit none
         peak["motor, peak torque"] = motor.peak_torque / train.torque_constant
-    left = rise_left(environment)
-    derating = float(current_derating(environment.ambient, motor.max_winding_temperature, rated_ambient(motor)))
-    own = float(controller_current(controller, environment.ambient)) if controller else nan
-    continuous = {
-        "motor, nominal current": motor.nominal_current * (derating * sqrt(left)),
-        "controller, continuous current": own * left,
-    }
+    names = "motor, nominal current", "controller, continuous current"
+    continuous = dict(zip(names, continuous_currents(motor, controller, spec.environment), strict=True))
     speeds = {
         "motor at no load": speed_at(train, voltage, train.friction),  # the gears' idle friction among it
         "motor, permissible speed": motor.max_speed,

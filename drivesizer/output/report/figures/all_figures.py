@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from math import fsum, isfinite, isnan, sqrt
+from math import fsum, isfinite, isnan
 from pathlib import Path
 
 from drivesizer.control.path_following import Followed, follow_runs
@@ -26,14 +26,12 @@ from drivesizer.output.report.figures.style import CASES, FILES, Drawing, Ready
 from drivesizer.output.sketch import SKETCHES, sketch
 from drivesizer.output.words import first_wheel, reported
 from drivesizer.physics.stepper import copper_loss, idle_loss
-from drivesizer.physics.thermal import current_derating, rated_ambient
 from drivesizer.results.check import Figure
 from drivesizer.results.check_kinds import sorted_by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
-from drivesizer.results.ratings import controller_current
+from drivesizer.results.ratings import continuous_currents
 from drivesizer.results.sizing import SizingResult
-from drivesizer.spec.mounting import rise_left
 from drivesizer.units import show
 
 # -- A drive over the load cycles of a machine.
@@ -143,16 +141,10 @@ class Behaviour:
     @property
     def _currents(self) -> list[tuple[str, float]]:
         """Limits of the current in the case as specified [A]."""
-        motor, controller, environment = self.drive_set.motor, self.drive_set.controller, self.spec.environment
-        derated = motor.nominal_current * current_derating(
-            environment.ambient, motor.max_winding_temperature, rated_ambient(motor)
-        )
-        left = rise_left(environment)
-        currents = [("motor, nominal", float(derated) * sqrt(left))]
-        if controller:
-            lasting = float(controller_current(controller, environment.ambient))
-            currents += [("controller, continuous", lasting * left), ("controller, peak", controller.peak_current)]
-        return currents
+        controller = self.drive_set.controller
+        motor, lasting = continuous_currents(self.drive_set.motor, controller, self.spec.environment)
+        own = [("controller, continuous", lasting), ("controller, peak", controller.peak_current)] if controller else []
+        return [("motor, nominal", motor), *own]
 
     # -- texts
 
