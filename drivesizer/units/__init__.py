@@ -365,7 +365,8 @@ def _misfit(unit: str, kind: str) -> str:
 
 def kind_of_unit(unit: str) -> str | None:
     """The first kind that lists a unit, or None."""
-    return next((kind for kind in KINDS if _key(unit) in _spellings(kind)), None)
+    key = _key(unit)
+    return next((kind for kind in KINDS if key in _spellings(kind)), None)
 
 
 def noun(kind: str) -> str:
