@@ -65,7 +65,9 @@ def figure(found, name="transmission[2].ratio"):
     return float(re.match(r"[-\d.e]+", str(found.values[name]))[0])
 
 
-@pytest.mark.parametrize(("efficiency", "friction"), [(1.0, 0.0), pytest.param(1.0, 0.5, marks=pytest.mark.slow), (0.7, 0.5)])
+@pytest.mark.parametrize(
+    ("efficiency", "friction"), [(1.0, 0.0), pytest.param(1.0, 0.5, marks=pytest.mark.slow), (0.7, 0.5)]
+)
 def test_the_ratio_of_least_heat_is_that_of_the_closed_form(folder, efficiency, friction):
     """Pasch, Seering 1984: sqrt(J_L/J_M); Giberti et al. 2010: sqrt(T_rms/(eta J_M a_rms)) where it always drives."""
     text = TABLE.replace("efficiency: 1}", f"efficiency: {efficiency}}}")
