@@ -1,19 +1,15 @@
-"""What ships, counted; the columns of a catalogue as tables: unit of data sheets, remark beside the declaration."""
+"""What ships, counted; the columns of a catalogue as tables: unit of data sheets, remark of its declaration."""
 
 from __future__ import annotations
 
-import inspect
-import re
 from collections import Counter
 from functools import cache
-from typing import Any
 
 from drivesizer import catalog
 from drivesizer.catalog.parts import DIRECT, PARTS, columns_of, printed
 
 __all__ = ["actuators", "columns", "combinations", "makers", "shipped"]
 
-_FIELD = re.compile(r"^    (\w+): \w+ = (?:figure|text)\([^#\n]*\)(?:  # (.*))?$", re.MULTILINE)
 _PAIRS = "listed combinations of motor and gearhead"
 _NAMED = 8  # makers by name in a line of what ships
 
@@ -65,14 +61,13 @@ def columns() -> str:
     head = (
         f"All parts have {common}; `price` is that of 1 to 4 pieces, `foreign_price` in `currency` where it is not EUR."
     )
-    return "\n\n".join([head, *(_section(section, record, every) for section, record in PARTS.items())])
+    return "\n\n".join([head, *(_section(section, every) for section in PARTS)])
 
 
-def _section(section: str, record: Any, every: set[str]) -> str:
-    remarks = dict(_FIELD.findall(inspect.getsource(record)))
-    own = [name for name in printed(section) if name not in every]
-    rows = [f"| `{name}`{_unit(section, name)} | {remarks[name]} |" for name in own if remarks.get(name)]
-    bare = ", ".join(f"`{name}`{_unit(section, name)}" for name in own if not remarks.get(name))
+def _section(section: str, every: set[str]) -> str:
+    own = {name: column.remark for name, column in printed(section).items() if name not in every}
+    rows = [f"| `{name}`{_unit(section, name)} | {remark} |" for name, remark in own.items() if remark]
+    bare = ", ".join(f"`{name}`{_unit(section, name)}" for name, remark in own.items() if not remark)
     further = [f"Named as what they are: {bare}.", ""] if bare else []
     return "\n".join([f"### {section}", "", *further, "| column | what it is |", "|---|---|", *rows])
 
