@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, isnan, nan
 from typing import NamedTuple
@@ -339,17 +339,22 @@ class Regenerated(OnTheBus):
 
     case: str
     spec: RobotSpec
-    duration: Array  # s
-    drawn: Array  # J, from the bus
-    returned: Array  # J, to the bus, without what the supply stores
-    returned_peak: Array  # W, largest in each piece
-    drawn_peak: Array  # W, largest out of the source in each piece
-    mean: float  # W, out of the source
+    power: DrivePower
+
+    @cached_property
+    def drawn(self) -> Array:
+        """Energy from the bus in each piece [J]."""
+        return self.power.bus_drawn * self.power.duration
+
+    @cached_property
+    def returned(self) -> Array:
+        """Energy to the bus in each piece, without what the supply stores [J]."""
+        return (1.0 - self.spec.supply.regeneration) * self.power.returned * self.power.duration
 
     @property
     def mean_drawn(self) -> float:
         """Mean power out of the source [W]."""
-        return self.mean
+        return self.power.mean(self.power.drawn)
 
     @cached_property
     def energy(self) -> float:
@@ -375,8 +380,9 @@ class Regenerated(OnTheBus):
         if not self.known:
             return Burnt(nan, nan, nan, nan)
         steady = 0.0 if isnan(continuous) else continuous
-        energy = burnt_energy(self.drawn, self.returned, capacity)
-        course = burning(self.duration, self.returned, self.returned_peak, energy, steady)
+        energy, highest = burnt_energy(self.drawn, self.returned, capacity), self.power.returned_peak
+        highest = (1.0 - self.spec.supply.regeneration) * highest
+        course = burning(self.power.duration, self.returned, highest, energy, steady)
         mean, pulse = largest_mean(*course[:2], window), largest_pulse(*course[:2], steady)
         return Burnt(float(energy.sum()), course.peak, mean, pulse)
 
@@ -384,7 +390,8 @@ class Regenerated(OnTheBus):
         """Longest uninterrupted time in which the power out of the source exceeds one [s], by whole pieces."""
         if not self.known:
             return nan
-        return largest_pulse(self.duration, np.where(self.drawn_peak > power, self.duration, 0.0))
+        duration = self.power.duration
+        return largest_pulse(duration, np.where(self.power.peak > power, duration, 0.0))
 
 
 def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
@@ -392,26 +399,11 @@ def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
     found = []
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
-        name, spec = problem.name_of(numbers), some[0].spec
+        spec = some[0].spec
         timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
-        own = regenerated_of(name, spec, power_of_cases(some, one, merged=len(some) == 1 and not timed))
+        power, kept = power_of_cases(some, one, merged=len(some) == 1 and not timed), 1.0 - spec.supply.regeneration
         if len(some) > 1:  # drives that act at the same time: what one draws of another's return goes no further
-            net: Array = own.drawn - own.returned
-            own = replace(own, drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0))
-        found.append(own)
+            net: Array = power.bus_drawn - kept * power.returned
+            power = power._replace(bus_drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0) / (kept or 1.0))
+        found.append(Regenerated(problem.name_of(numbers), spec, power))
     return found
-
-
-def regenerated_of(case: str, spec: RobotSpec, power: DrivePower) -> Regenerated:
-    """Energies to and from the bus of a machine whose power is known."""
-    share = 1.0 - spec.supply.regeneration
-    return Regenerated(
-        case=case,
-        spec=spec,
-        duration=power.duration,
-        drawn=power.bus_drawn * power.duration,
-        returned=share * power.returned * power.duration,
-        returned_peak=share * power.returned_peak,
-        drawn_peak=power.peak,
-        mean=power.mean(power.drawn),
-    )

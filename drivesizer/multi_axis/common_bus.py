@@ -23,7 +23,6 @@ from drivesizer.machine.supply_power import (
     OnTheBus,
     Regenerated,
     drive_power,
-    regenerated_of,
     side_by_side,
     together,
 )
@@ -248,16 +247,16 @@ class AtAnyPhase(OnTheBus):
         if self.stored <= capacity:
             return Burnt(0.0, 0.0, 0.0, 0.0)
         least = fsum(float(power.least.min()) for power in self.powers)
-        back = (1.0 - self.spec.supply.regeneration) * max(-least, 0.0)
-        peak = min(back, fsum(float(one.returned_peak.max()) for one in self.singles))
-        mean = fsum(largest_mean(one.duration, one.returned, window) for one in self.singles)
+        back = min(max(-least, 0.0), fsum(float(power.returned_peak.max()) for power in self.powers))
+        peak = (1.0 - self.spec.supply.regeneration) * back
+        mean = fsum(largest_mean(one.power.duration, one.returned, window) for one in self.singles)
         pulse = 0.0 if peak <= (0.0 if isnan(continuous) else continuous) else self._pulse()
         return Burnt(self.energy, peak, mean, pulse)
 
     def _pulse(self) -> float:
         """Largest energy of an uninterrupted braking [J], (6)."""
-        total = [float(one.duration.sum()) for one in self.singles]
-        braking = [float(one.duration[one.returned > 0.0].sum()) for one in self.singles]
+        total = [one.power.total for one in self.singles]
+        braking = [float(one.power.duration[one.returned > 0.0].sum()) for one in self.singles]
         shares = [part / whole for part, whole in zip(braking, total, strict=True)]
         free = 1.0 - fsum(shares)
         if not free > 0.0:
@@ -265,7 +264,7 @@ class AtAnyPhase(OnTheBus):
         long = fsum(part * (1.0 - share) for part, share in zip(braking, shares, strict=True)) / free
         if long == 0.0:
             return 0.0
-        return fsum(long * largest_mean(one.duration, one.returned, long) for one in self.singles)
+        return fsum(long * largest_mean(one.power.duration, one.returned, long) for one in self.singles)
 
     def longest_above(self, power: float) -> float:
         """Longest uninterrupted time in which the power out of the source exceeds one [s], (5)."""
@@ -570,7 +569,7 @@ def common_bus(
         powers = [from_start(fitted(p, window), axis.start) for axis, p in zip(axes, powers, strict=True)]
     if len(axes) == 1 or (synchronised and not isnan(window)):
         total = exchanged(powers, feed)
-        on_bus = regenerated_of(name, shared, total)
+        on_bus = Regenerated(name, shared, total)
         return CommonBus(shared, feed, powers, total, on_bus, (total,), cycle, (), synchronised, ())
     side_by_side = [k for k, one in enumerate(waits) if one]  # the others run each at any phase
     for k in side_by_side:
@@ -580,7 +579,7 @@ def common_bus(
     window = _shown(powers) if isnan(window) else window
     phases = {k: worst_start(fitted(whole, window)) for group, whole in zip(groups, apart, strict=True) for k in group}
     shown = [from_start(fitted(power, window), phases[k]) for k, power in enumerate(powers)]
-    singles = tuple(regenerated_of(name, shared, power) for power in apart)
+    singles = tuple(Regenerated(name, shared, power) for power in apart)
     at_any = AtAnyPhase(name, shared, apart, singles, feed)
     aligned = [from_start(fitted(p, window), phases[group[0]]) for group, p in zip(groups, apart, strict=True)]
     starts = tuple(phases[k] % power.total for k, power in enumerate(powers))

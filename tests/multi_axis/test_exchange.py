@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.supply_power import DrivePower, regenerated_of
+from drivesizer.machine.supply_power import DrivePower, Regenerated
 from drivesizer.multi_axis.common_bus import (
     AtAnyPhase,
     exchanged,
@@ -171,14 +171,14 @@ def test_no_phase_exceeds_the_bounds(seed):
     points = [at_random(31 * seed + k, 2.0) for k in range(2 + seed % 2)]
     powers = tuple(course(p) for p in points)
     shared = machine()
-    bound = AtAnyPhase("", shared, powers, tuple(regenerated_of("", shared, p) for p in powers), STIFF)
+    bound = AtAnyPhase("", shared, powers, tuple(Regenerated("", shared, p) for p in powers), STIFF)
     limit = 0.5 * sum(float(p.most.max()) for p in powers)
     worst, run, burnt, capacity = 0.0, bound.longest_above(limit), bound.burnt(0.0, 3.0), 5.0
     kept = bound.burnt(capacity, 3.0)
     for _ in range(12):
         starts = [of.uniform(0.0, 2.0) for _ in powers]
         net = exchanged([from_start(p, s) for p, s in zip(powers, starts, strict=True)], STIFF)
-        one = regenerated_of("", shared, net)
+        one = Regenerated("", shared, net)
         assert one.energy <= bound.energy * (1 + 1e-9) + 0.3 and one.stored <= bound.stored * (1 + 1e-9)
         assert one.longest_above(limit) <= run + 1e-9
         load, less = one.burnt(0.0, 3.0), one.burnt(capacity, 3.0)
