@@ -178,7 +178,7 @@ def over_tolerances(
     shared, catalog, on_it = supplied
     one = uncertain_machine(machine, _as_chosen(shared, power), on_it)
     drawn = sample(one.given, min(how.samples, _MOST), how.seed)
-    found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn.values]
+    found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn]
     names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in found for name in checks])
     every: dict[str, Over] = {name: over_samples([checks.get(name) for checks, _ in found]) for name in names}
     spreads = []
@@ -187,7 +187,7 @@ def over_tolerances(
         spreads.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
     titles = {name: CHECKS["budget"][name].title for name in names}
     reliability = replace(reduced(every, titles).reliability, figures=tuple(spreads))
-    said = f"over tolerances: {drawn.size} samples of the machine; drives of all axes deviate alike; {_NOMINAL}"
+    said = f"over tolerances: {len(drawn)} samples of the machine; drives of all axes deviate alike; {_NOMINAL}"
     checks = power.checks
     if how.confidence is not None:  # required: its margin is none of the load
         required = at_least("supply_confidence", how.confidence, reliability.probability, by_choice=True)

@@ -103,7 +103,7 @@ def evaluated(
     mine = ControllerChoice(part=[str(parts.controllers["part"][one.controller])])
     moved = moved.model_copy(update={"select": moved.select.model_copy(update={"controller": mine})})
     only = Candidates(np.array([one.motor]), np.array([one.gearhead]), np.array([one.belt]), np.array([True]))
-    only = only._replace(brake=np.array([one.brake]))
+    only = only._replace(brake=np.array([one.brake]), encoder=np.array([one.encoder]))
     return evaluate(problem(moved, catalog), only), catalog
 
 

@@ -61,7 +61,7 @@ def sampled():
         given = assumptions(spec, used(catalog, spec.tolerances.given, [tuple(rows)]))
         drawn = sample(given, count, 1, assumptions(spec))
         return (
-            prepared(problem(spec, catalog), given, drawn.values),
+            prepared(problem(spec, catalog), given, drawn),
             catalog,
             SetRows(rows[0], rows[1], -1, rows[2], 1.0),
         )

@@ -24,7 +24,14 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.probabilities import examined, subject
 from drivesizer.search.uncertainty.sampled_drive import blocks, checks_of, prepared
-from drivesizer.search.uncertainty.sampling import REPLICATES, first_order, mean_and_error, rank_correlations, sample
+from drivesizer.search.uncertainty.sampling import (
+    REPLICATES,
+    first_order,
+    mean_and_error,
+    rank_correlations,
+    sample,
+    sobol,
+)
 from drivesizer.search.uncertainty.uncertain_figures import applied, assumptions, case_paths
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -85,31 +92,22 @@ def test_one_normal_figure_against_one_limit(plain: str, parts: Catalog) -> None
     for seed in range(20):
         given = assumptions(spec)
         drawn = sample(given, 4096, seed)
-        result = examined(prepared(problem(spec, load_parts(spec)), given, drawn.values), parts, [one])[0].reliability
+        result = examined(prepared(problem(spec, load_parts(spec)), given, drawn), parts, [one])[0].reliability
         exact = 1.0 - stats.truncnorm(-4.0, 4.0).cdf(-0.2 / 0.25)
         passes = next(check.passes for check in result.checks if check.name == "supply_voltage")
-        off.append(abs(passes - exact) / max(result.error, 1.0 / drawn.size))
+        off.append(abs(passes - exact) / max(result.error, 1.0 / len(drawn)))
         assert passes == pytest.approx(exact, abs=1e-3)
     assert np.mean(np.array(off) <= 1.0) >= 0.8  # the reported error covers 95 % of them, in the long run
 
 
 def test_the_reported_error_covers_its_share() -> None:
     """A share that is known, of points in a square under a circle: 95 % of the intervals should hold it."""
-    given = assumptions(read_spec(YamlSource(_SMALL, "robot.yaml")))[:2]
     inside = []
     for seed in range(60):
-        cube = sample(given, 2048, seed).cube
+        cube = sobol(2, 8, [(seed, number) for number in range(REPLICATES)])
         estimate = mean_and_error(np.square(cube).sum(axis=1) < 1.0)
         inside.append(abs(estimate.value - np.pi / 4) <= estimate.error)
     assert 0.85 <= np.mean(inside) <= 1.0
-
-
-_SMALL = """
-name: slide
-load: {kind: ball_screw, mass: 40 kg +- 4 kg, lead: 10 mm, efficiency: 0.9 +- 0.03, inertia: 2 kg*cm^2}
-motion: {speed: 0.2 m/s, acceleration_time: 0.2 s, cruise_time: 1 s, rest_time: 1 s}
-supply: {nominal: 24 V}
-"""
 
 
 def test_where_all_samples_agree_the_rule_of_three_tells_the_error() -> None:
@@ -197,7 +195,7 @@ def test_load_cycles_of_samples_are_those_that_are_computed_one_by_one(load: str
     stages = "transmission: [{kind: gearhead}, {kind: belt, ratio: 2, efficiency: 0.9, inertia: 1 kg*cm^2 +- 10 %}]\n"
     spec = read_spec(YamlSource(text + stages, "robot.yaml"))
     given = assumptions(spec, [])
-    values = sample(given, 64, 1).values
+    values = sample(given, 64, 1)
     cycle = prepared(problem(spec, load_parts(spec)), given, values).cases[0].cycle
     assert cycle.samples == len(values)
     for row in range(0, len(values), 5):
@@ -224,7 +222,7 @@ def test_samples_are_what_the_plain_evaluation_says(plain: str, parts: Catalog) 
     """Two samples of every other of 100 sets, each check's demand, limit, verdict: alike to 1e-5, windings to 1e-3."""
     spec = _read(plain, MOVED)
     given = assumptions(spec)
-    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 4096, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 4096, 3))
     found = _best(spec, parts, 100)
     rng, seen = np.random.default_rng(1), 0
     (block,) = blocks(ready, parts, [1.1])
@@ -252,7 +250,7 @@ def test_a_figure_that_the_catalogue_lacks_is_unknown_in_samples_as_in_the_plain
     """Each figure of a set's parts hidden, one after the other."""
     spec = _read(plain, MOVED)
     given = assumptions(spec)
-    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 256, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 256, 3))
     one = subject(_best(spec, parts, 1), 0).rows
     table, row = parts.table(section), getattr(one, section.removesuffix("s"))
     known = [name for name, column in table.columns.items() if column.dtype.kind == "f" and column[row] == column[row]]
@@ -313,7 +311,7 @@ def test_a_battery_and_what_it_feeds_are_sampled_figure_by_figure(plain: str, pa
     own = f"battery: {{{BATTERIES[battery]}, usable: 0.8 +- 0.1, range: 2 km +- 0.5 km, peak_current: 60 A +- 20 A}}\n"
     spec = _read(text, {"mass: 45 kg ": "mass: 45 kg +- 3 kg "}, own + EQUIPMENT)
     given = assumptions(spec)
-    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 3))
     (block,) = blocks(ready, parts, [1.1])
     one = subject(_best(spec, parts, 1), 0).rows
     got = checks_of(parts, one, block)
@@ -334,7 +332,7 @@ def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -
     names = [one.name for one in given][:3]
     assert names == ["load.mass", "load.rolling_resistance", "cases[1].load.mass"]
     assert [sorted(case_paths(spec, number)) for number in (None, 0, 1)] == [[0, 1], [1, 2], [0, 1]]
-    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 1).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 512, 1))
     one = subject(_best(spec, parts, 3), 0).rows
     (block,) = blocks(ready, parts, [1.1])
     got = checks_of(parts, one, block)
@@ -360,7 +358,7 @@ def _document(plain: str, parts: Catalog, seed: int, processes: int) -> str:
     return repr(
         [
             one.reliability
-            for one in examined(prepared(problem(spec, load_parts(spec)), given, drawn.values), parts, some, processes)
+            for one in examined(prepared(problem(spec, load_parts(spec)), given, drawn), parts, some, processes)
         ]
     )
 

@@ -41,7 +41,7 @@ def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> Non
     """A supply that is far too low in half of all machines: the voltage fails there, and nowhere else."""
     spec, one = arm
     given = assumptions(spec)
-    whole = sampled_closed_loop.loop_share(spec, one, given, sample(given, 64, 1).values, 8)
+    whole = sampled_closed_loop.loop_share(spec, one, given, sample(given, 64, 1), 8)
     assert whole and whole.probability == 1.0 and whole.samples == 8
     text = ARM.replace("nominal: 24 V", "nominal: 24 V, min: uniform(1 V; 24 V)")
     low = read_spec(YamlSource(text, "arm.yaml"))
@@ -49,7 +49,7 @@ def test_the_share_is_that_of_what_fails(arm: tuple[RobotSpec, DriveSet]) -> Non
     asked = run(spec, one, motion_of(spec)).required("voltage_demand")
     assert one.controller
     needed = asked / one.controller.max_duty + one.controller.voltage_drop
-    values = sample(uncertain, 32, 1).values
+    values = sample(uncertain, 32, 1)
     found = sampled_closed_loop.loop_share(low, one, uncertain, values, 32)
     supply = values[:, [a.name for a in uncertain].index("supply.min")]
     assert found and found.weakest in ("Motor voltage", "Tracking error")  # what does not suffice is not followed

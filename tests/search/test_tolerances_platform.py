@@ -60,7 +60,7 @@ def parts() -> Catalog:
 def ready() -> Prepared:
     spec = _read(MOVED)
     given = assumptions(spec)
-    return prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 1).values)
+    return prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 1))
 
 
 def _plainly(ready: Prepared, parts: Catalog, one: SetRows, values: Any) -> Any:

@@ -73,7 +73,7 @@ def test_every_figure_of_a_starter_may_be_off(path: Path) -> None:
 def _as_evaluated(spec: RobotSpec) -> None:
     given: Any = assumptions(spec)
     parts = load_parts(spec)
-    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 3).values)
+    ready = prepared(problem(spec, load_parts(spec)), given, sample(given, 64, 3))
     found, seen = search(problem(spec, parts), top=3, misses=0).evaluation, 0
     for place in range(len(found.candidates.motor)):
         one = subject(found, place).rows

@@ -99,7 +99,7 @@ def test_samples_are_what_the_plain_evaluation_says(path: Path, parts: Catalog, 
     """Each check's demand, limit and verdict: to 1e-5; points between the ends of segments are at the same levels."""
     spec, one = read(path, text, part), rows_of(parts, part)
     given = given_of(spec, parts, one)
-    ready = prepared(problem(spec, parts), given, sample(given, 64, 3).values)
+    ready = prepared(problem(spec, parts), given, sample(given, 64, 3))
     (block,) = blocks(ready, parts, [1.0])
     got = checks_of(parts, one, block)
     names = {"pull_out_torque", "supply_current", "bus_voltage", "motor_temperature_range", "controller_available"}

@@ -31,7 +31,6 @@ from drivesizer.search.uncertainty.sampled_drive import (
     prepared,
 )
 from drivesizer.search.uncertainty.sampling import (
-    Sample,
     first_order,
     mean_and_error,
     rank_correlations,
@@ -203,12 +202,12 @@ def _counting(one: Subject, ends: Prepared) -> list[int]:
     return [k for k, one in enumerate(ends.given) if one.catalogue is None or one.catalogue in held]
 
 
-def _drivers(one: Subject, ends: Prepared, drawn: Sample, smallest: Array) -> tuple[Driver, ...]:
+def _drivers(one: Subject, ends: Prepared, ready: Prepared, smallest: Array) -> tuple[Driver, ...]:
     """Effect of each assumption on the smallest margin of a drive, the largest first."""
     known, own = np.isfinite(smallest), _counting(one, ends)
     if not own:
         return ()
-    values = drawn.values[known][:, own]
+    values = ready.values[known][:, own]
     shares = first_order(values, smallest[known]).tolist()
     signs = rank_correlations(values, smallest[known]).tolist()
     every, found = next(_every_check(ends, ends.problem.catalog, [one])), []
@@ -262,7 +261,6 @@ class SampledDrives(NamedTuple):
     bad: list[int]  # that do not, the most reliable first
     subjects: dict[int, Subject]  # both
     ready: Prepared
-    drawn: Sample
     how: Sampling
     ends: Prepared | None  # one figure varied at a time; None where the probabilities are all that is wanted
     known: dict[int, Examined]  # of those that were examined
@@ -286,11 +284,9 @@ def sample_drives(
     if machine.needs.start_speed is None:
         held = tuple(one for one in held if one.figure != "start_speed")  # no check depends on it
     given = uncertain_figures.assumptions(machine, held)
-    drawn = sample(given, how.samples, how.seed, uncertain_figures.assumptions(machine))
-    ready = prepared(problem, given, drawn.values)
+    ready = prepared(problem, given, sample(given, how.samples, how.seed, uncertain_figures.assumptions(machine)))
     ends = None if brief else at_ends(problem, given)
-    drawn = drawn._replace(values=ready.values)
-    found = SampledDrives([*subjects], [], {**subjects}, ready, drawn, how, ends, {})
+    found = SampledDrives([*subjects], [], {**subjects}, ready, how, ends, {})
     if how.confidence is None:
         return found
     share = {row: one.reliability.probability for row, one in found.examined([*subjects]).items()}
@@ -309,14 +305,14 @@ def reliabilities(
         described[row], one = found, sampled.subjects[row]
         if sampled.ends is None:
             continue
-        matters = _drivers(one, sampled.ends, sampled.drawn, smallest)
+        matters = _drivers(one, sampled.ends, ready, smallest)
         figures = figure_spreads(ready, ready.problem.catalog, one.rows)
         described[row] = replace(found, drivers=matters, figures=figures)
         if row in finalists and how.loop > 0 and not ready.problem.spec.steps:
             from drivesizer.search.uncertainty.sampled_closed_loop import loop_share
 
             own = _counting(one, sampled.ends)
-            given, values = [ready.given[k] for k in own], sampled.drawn.values[:, own]
+            given, values = [ready.given[k] for k in own], ready.values[:, own]
             try:
                 share = loop_share(ready.problem.spec, finalists[row], given, values, how.loop)
                 described[row] = replace(described[row], loop=share)
@@ -334,7 +330,7 @@ def uncertainty(one: SampledDrives) -> Uncertainty:
         source = given.catalogue.why if given.catalogue else "spec"
         assumptions.append(Uncertain(name=given.name, title=title, text=text, source=source))
     return Uncertainty(
-        assumptions=tuple(assumptions), samples=one.drawn.size, seed=one.how.seed, confidence=one.how.confidence,
+        assumptions=tuple(assumptions), samples=len(one.ready.values), seed=one.how.seed, confidence=one.how.confidence,
         examined=len(one.subjects), reached=len(one.good),
         notes=(*_notes(one.ready, one.how, len(one.subjects)), *_idle(one)),
     )  # fmt: skip

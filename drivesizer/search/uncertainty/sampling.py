@@ -79,18 +79,6 @@ REPLICATES = 8
 _STUDENT = 2.3646242510102993  # of 95 % to both sides, with as many replicates less one
 
 
-class Sample(NamedTuple):
-    """Values of all assumptions: one row a machine, replicate after replicate."""
-
-    cube: Array  # (samples, assumptions), 0 to 1
-    values: Array  # (samples, assumptions), SI; of a catalogue figure its factor
-
-    @property
-    def size(self) -> int:
-        """Number of samples."""
-        return len(self.values)
-
-
 class Share(NamedTuple):
     """A share of all machines, and how far it may be off by sampling: 95 % to both sides."""
 
@@ -98,15 +86,14 @@ class Share(NamedTuple):
     error: float
 
 
-def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence[Assumption] = ()) -> Sample:
-    """Samples of assumptions: the same seed, the same samples."""
+def sample(given: Sequence[Assumption], samples: int, seed: int, drawn: Sequence[Assumption] = ()) -> Array:
+    """Values of assumptions, a row a machine, replicate after replicate: the same seed, the same samples."""
     columns = [one.column for one in drawn or given]
     each = -(-samples // REPLICATES)
     power = max(int(np.ceil(np.log2(each))), 0)
     points = sobol(max(len(columns), 1), power, [(seed, number) for number in range(REPLICATES)])
     rows = first_of_each(each * REPLICATES, len(points))
-    cube = points[rows][:, [columns.index(one.column) for one in given]]
-    return Sample(cube, values_of(given, cube))
+    return values_of(given, points[rows][:, [columns.index(one.column) for one in given]])
 
 
 def first_of_each(samples: int, size: int) -> Whole:
