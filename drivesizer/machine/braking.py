@@ -13,7 +13,7 @@ import numpy as np
 
 from drivesizer.catalog import BrakeResistor, Catalog, PowerSupply
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.supply_power import Burnt, OnTheBus, regenerated
+from drivesizer.machine.supply_power import Burnt, Regenerated, regenerated
 from drivesizer.physics import braking as laws
 from drivesizer.results.check import GRAVEST, Check, Figure, verdict, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
@@ -80,7 +80,7 @@ def resistor_choices(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
     return known
 
 
-def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
+def suited(one: BrakeResistor, cases: Sequence[Regenerated]) -> BrakeResistor:
     """A size that is made in any resistance with the one to order."""
     if not isnan(one.resistance) or isnan(one.resistance_max):
         return one
@@ -91,14 +91,14 @@ def suited(one: BrakeResistor, cases: Sequence[OnTheBus]) -> BrakeResistor:
     return replace(one, resistance=nan if isnan(most) else laws.preferred_resistance(most, ends))
 
 
-def _capacity(case: OnTheBus, resistor: BrakeResistor | None, volts: float) -> float:
+def _capacity(case: Regenerated, resistor: BrakeResistor | None, volts: float) -> float:
     """Energy that the bus stores below a voltage [J]; 0 where its capacitance or the voltage is unknown."""
     own = 0.0 if resistor is None or isnan(resistor.capacitance) else resistor.capacitance
     capacitance = (case.spec.supply.capacitance or 0.0) + own
     return 0.0 if isnan(volts) else float(laws.storable_energy(capacitance, volts, case.spec.supply.highest))
 
 
-def resistor_columns(section: Section, one: BrakeResistor, case: OnTheBus, withstood: float) -> list[CheckColumn]:
+def resistor_columns(section: Section, one: BrakeResistor, case: Regenerated, withstood: float) -> list[CheckColumn]:
     """Limits of a brake resistor and its chopper in a load case.
 
     A shunt regulator is rated as a whole: it has no more current and power than it has to burn. A resistor withstands
@@ -185,7 +185,9 @@ def braking_budget(problem: Problem, one: DriveParts) -> BrakingBudget | None:
     return bus_budget(spec, problem.catalog, regenerated(problem, one), withstood)
 
 
-def bus_budget(spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float) -> BrakingBudget | None:
+def bus_budget(
+    spec: RobotSpec, catalog: Catalog, cases: Sequence[Regenerated], withstood: float
+) -> BrakingBudget | None:
     """Limits of a bus to which energies go and from which they come."""
     if not spec.limits_the_bus and not any(case.energy > 0.0 for case in cases):
         return None
@@ -214,7 +216,7 @@ def bus_budget(spec: RobotSpec, catalog: Catalog, cases: Sequence[OnTheBus], wit
     )
 
 
-def _worst(cases: Sequence[OnTheBus], limits: Callable[[OnTheBus], Iterable[CheckColumn]]) -> tuple[Check, ...]:
+def _worst(cases: Sequence[Regenerated], limits: Callable[[Regenerated], Iterable[CheckColumn]]) -> tuple[Check, ...]:
     """Limits of the bus in its worst load case."""
     return worst_of_cases([(case.case, [column.at((), "budget") for column in limits(case)]) for case in cases])
 
@@ -224,7 +226,7 @@ def _most(value: float) -> float:
 
 
 def _chosen_resistor(
-    spec: RobotSpec, section: Section, catalog: Catalog, cases: Sequence[OnTheBus], withstood: float
+    spec: RobotSpec, section: Section, catalog: Catalog, cases: Sequence[Regenerated], withstood: float
 ) -> tuple[BrakeResistor | None, tuple[Check, ...]]:
     """The smallest resistor that holds, with its checks; else the one that comes closest.
 
@@ -242,7 +244,7 @@ def _chosen_resistor(
     return min(found, key=lambda each: each[0])[1:]
 
 
-def _supply_limits(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
+def _supply_limits(case: Regenerated, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
     """Peak current and its time, continuous current, over-voltage protection; as far as they are limited."""
     yield from _over_voltage(case, resistor)
     supply, margin = case.spec.supply, case.spec.margins.torque
@@ -253,7 +255,7 @@ def _supply_limits(case: OnTheBus, resistor: BrakeResistor | None) -> Iterator[C
     yield at_most("supply_peak_time", long, nan if supply.peak_time is None else supply.peak_time)
 
 
-def _over_voltage(case: OnTheBus, resistor: BrakeResistor | None) -> list[CheckColumn]:
+def _over_voltage(case: Regenerated, resistor: BrakeResistor | None) -> list[CheckColumn]:
     """The highest voltage of the bus against the trip of the power supply."""
     supply = case.spec.supply
     if supply.overvoltage_trip is None:
@@ -267,7 +269,7 @@ def _over_voltage(case: OnTheBus, resistor: BrakeResistor | None) -> list[CheckC
     return [at_most("supply_overvoltage", highest, supply.overvoltage_trip, undecided=_STAYS)]
 
 
-def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, limit: float) -> Iterator[Figure]:
+def _figures(case: Regenerated, resistor: BrakeResistor | None, volts: float, limit: float) -> Iterator[Figure]:
     """Figures that decide the choice of a resistor, or of capacitors in its place."""
     section, highest = case.spec.brake_resistor, case.spec.supply.highest
     window = section.averaging_time if section else _WINDOW
@@ -300,7 +302,7 @@ def _figures(case: OnTheBus, resistor: BrakeResistor | None, volts: float, limit
 
 
 def _assumptions(
-    case: OnTheBus, section: Section | None, resistor: BrakeResistor | None, volts: float
+    case: Regenerated, section: Section | None, resistor: BrakeResistor | None, volts: float
 ) -> Iterator[str]:
     if case.spec.supply.capacitance is None:
         yield "capacitance of the bus unknown: its capacitors store nothing"

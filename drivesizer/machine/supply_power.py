@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -288,57 +287,12 @@ class Burnt(NamedTuple):
     pulse: float  # J, of the largest uninterrupted braking
 
 
-class OnTheBus(ABC):
-    """Energies to and from a bus that limits are held against: of one course over time, or of courses at any phase."""
+@dataclass(frozen=True)
+class Regenerated:
+    """Energies to and from a bus over a load case, piece by piece; unknown where the drive's demand is."""
 
     case: str  # name of the load case
     spec: RobotSpec  # the machine in it, with its supply
-
-    @property
-    @abstractmethod
-    def known(self) -> bool:
-        """Whether the energies are."""
-
-    @property
-    @abstractmethod
-    def energy(self) -> float:
-        """Regenerated energy per cycle that the supply does not store [J]."""
-
-    @property
-    @abstractmethod
-    def stored(self) -> float:
-        """Largest energy that is regenerated and not drawn again [J]; infinite where more with every cycle."""
-
-    @property
-    @abstractmethod
-    def mean_drawn(self) -> float:
-        """Mean power out of the source [W]."""
-
-    def highest_voltage(self, more: float = 0.0) -> float:
-        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.
-
-        ``more`` is capacitance beside that of the supply [F].
-        """
-        supply = self.spec.supply
-        if self.stored == 0.0:
-            return supply.highest
-        return float(bus_voltage(supply.highest, self.stored, (supply.capacitance or nan) + more))
-
-    @abstractmethod
-    def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
-        """Load of a brake resistor beside a bus that stores so much."""
-
-    @abstractmethod
-    def longest_above(self, power: float) -> float:
-        """Longest uninterrupted time in which the power out of the source exceeds one [s]."""
-
-
-@dataclass(frozen=True)
-class Regenerated(OnTheBus):
-    """Energies of a load case, piece by piece; unknown where the drive's demand is."""
-
-    case: str
-    spec: RobotSpec
     power: DrivePower
 
     @cached_property
@@ -374,6 +328,16 @@ class Regenerated(OnTheBus):
         if self.energy > float(self.drawn.sum()):
             return inf
         return most_stored(np.stack([-self.drawn, self.returned], axis=1).ravel())
+
+    def highest_voltage(self, more: float = 0.0) -> float:
+        """Highest voltage of the bus without a brake resistor [V]; NaN where its capacitance is unknown.
+
+        ``more`` is capacitance beside that of the supply [F].
+        """
+        supply = self.spec.supply
+        if self.stored == 0.0:
+            return supply.highest
+        return float(bus_voltage(supply.highest, self.stored, (supply.capacitance or nan) + more))
 
     def burnt(self, capacity: float, window: float, continuous: float = 0.0) -> Burnt:
         """Load of a brake resistor beside a bus that stores so much."""

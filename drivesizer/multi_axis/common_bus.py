@@ -20,7 +20,6 @@ from drivesizer.machine.problem import load_case, quickest_winding
 from drivesizer.machine.supply_power import (
     Burnt,
     DrivePower,
-    OnTheBus,
     Regenerated,
     drive_power,
     side_by_side,
@@ -191,14 +190,16 @@ _ROUNDING = 1e-9  # of a cell
 
 
 @dataclass(frozen=True)
-class AtAnyPhase(OnTheBus):
+class AtAnyPhase(Regenerated):
     """Energies to and from a bus whose axes run at any phase: no phase makes more of them."""
 
-    case: str
-    spec: RobotSpec
-    powers: tuple[DrivePower, ...]  # of axes, or of those that run together
-    singles: tuple[Regenerated, ...]  # the same
+    singles: tuple[Regenerated, ...]  # of axes, or of those that run together
     feed: Feed
+
+    @property
+    def powers(self) -> list[DrivePower]:
+        """Power of each of them."""
+        return [one.power for one in self.singles]
 
     @cached_property
     def known(self) -> bool:
@@ -545,7 +546,7 @@ class CommonBus(NamedTuple):
     feed: Feed
     axes: list[DrivePower]  # over the same time
     total: DrivePower  # as the sum is judged
-    on_bus: OnTheBus
+    on_bus: Regenerated
     together: tuple[DrivePower, ...]  # those that run at any phase to one another, each over its own period
     cycle: float  # s, of the machine; of axes at random phases the longest
     phases: tuple[float, ...]
@@ -579,11 +580,10 @@ def common_bus(
     window = _shown(powers) if isnan(window) else window
     phases = {k: worst_start(fitted(whole, window)) for group, whole in zip(groups, apart, strict=True) for k in group}
     shown = [from_start(fitted(power, window), phases[k]) for k, power in enumerate(powers)]
-    singles = tuple(Regenerated(name, shared, power) for power in apart)
-    at_any = AtAnyPhase(name, shared, apart, singles, feed)
     aligned = [from_start(fitted(p, window), phases[group[0]]) for group, p in zip(groups, apart, strict=True)]
     starts = tuple(phases[k] % power.total for k, power in enumerate(powers))
     total, exceeded = summed_up(aligned, feed), _exceeded(shared, apart, feed)
+    at_any = AtAnyPhase(name, shared, total, tuple(Regenerated(name, shared, power) for power in apart), feed)
     return CommonBus(shared, feed, shown, total, at_any, apart, cycle, starts, synchronised, exceeded)
 
 

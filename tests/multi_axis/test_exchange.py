@@ -171,7 +171,7 @@ def test_no_phase_exceeds_the_bounds(seed):
     points = [at_random(31 * seed + k, 2.0) for k in range(2 + seed % 2)]
     powers = tuple(course(p) for p in points)
     shared = machine()
-    bound = AtAnyPhase("", shared, powers, tuple(Regenerated("", shared, p) for p in powers), STIFF)
+    bound = AtAnyPhase("", shared, powers[0], tuple(Regenerated("", shared, p) for p in powers), STIFF)
     limit = 0.5 * sum(float(p.most.max()) for p in powers)
     worst, run, burnt, capacity = 0.0, bound.longest_above(limit), bound.burnt(0.0, 3.0), 5.0
     kept = bound.burnt(capacity, 3.0)
