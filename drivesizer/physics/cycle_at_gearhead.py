@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.physics import load_cycle as cycles
-from drivesizer.physics.extremes import Extremes, extremes, first_largest
+from drivesizer.physics.extremes import extremes, first_largest
 from drivesizer.physics.figures import Alike, Array, Figure, Mask, product
 from drivesizer.physics.gear_life import turned_load
 
@@ -166,21 +166,18 @@ class CycleAtBelt:
         return Scalars(*map(float, found)) if alone else found
 
     @cached_property
-    def extremes(self) -> Extremes:
-        """Of one cycle: the points at which anything linear in the functions is largest or smallest."""
-        found = [extremes(f, self.time[some]) for some, f in self.parts]
-        if len(found) == 1:
-            return found[0]
-        high, high_time, low, low_time = (np.concatenate(same) for same in zip(*found, strict=True))
-        return extremes(np.concatenate([high, low]), np.concatenate([high_time, low_time]))
-
-    @cached_property
     def corners(self) -> tuple[Array, Array]:
-        """Of one cycle: those points by time, the lower ones with the other sign, and when they are met [s]."""
-        met = self.extremes
-        time = np.concatenate([met.high_time, met.low_time])
+        """Of one cycle: the points at which anything linear in the functions is largest, by time [s].
+
+        Those at which it is smallest are among them with the other sign.
+        """
+        found = [extremes(f, self.time[some]) for some, f in self.parts]
+        if len(found) > 1:
+            high, high_time, low, low_time = (np.concatenate(same) for same in zip(*found, strict=True))
+            found = [extremes(np.concatenate([high, low]), np.concatenate([high_time, low_time]))]
+        time = np.concatenate([found[0].high_time, found[0].low_time])
         order = np.argsort(time, kind="stable")
-        return np.concatenate([met.high, -met.low])[order], time[order]
+        return np.concatenate([found[0].high, -found[0].low])[order], time[order]
 
     @cached_property
     def braked(self) -> Array:
