@@ -20,7 +20,7 @@ from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.document import records as doc
 from drivesizer.output.json.documents import as_text, plain
-from drivesizer.output.words import meeting
+from drivesizer.output.words import meeting, whole_name
 from drivesizer.results.check import Check, gravest, tightest, worst
 from drivesizer.results.machine import MachineSizing
 from drivesizer.results.sizing import mass_text, objective_figure
@@ -249,8 +249,7 @@ def compare(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     rows: list[tuple[str, str, list[doc.Text]]] = [("drive", "verdict", [(doc.Status(one.status),) for one in drives])]
     for role in dict.fromkeys(role for one in drives for role in one.parts):
         parts = [one.parts.get(role) for one in drives]
-        names = [dict.fromkeys((part.manufacturer, part.family, part.part)) if part else ["none"] for part in parts]
-        rows.append(("parts", role, [" ".join(filter(None, each)) for each in names]))
+        rows.append(("parts", role, [whole_name(part) if part else "none" for part in parts]))
     rows.append(("figures", "mass of a drive", [mass_text(one) for one in drives]))
     rows.append(("figures", "price of a drive", [one.price_text for one in drives]))
     figures = [{one.name: one for one in drive.figures} for drive in drives]

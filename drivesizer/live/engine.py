@@ -94,20 +94,14 @@ _MEMORY = 4 << 30  # bytes that the process may take: some six times what a sizi
 
 OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 
-# name of a job: module with a function of that name, which yields pieces
-JOBS = {
-    "answer": "answer", "sweep": "answer", "rejected": "answer", "compare": "answer",
-    "loop": "answer", "report": "answer", "export": "answer", "document": "answer",
-    "catalogues": "catalogue", "parts": "catalogue", "part": "catalogue", "beside": "catalogue",
-    "choose": "catalogue",
-}  # fmt: skip
-INSIDE = {"check": "catalogue"}  # jobs of the server alone
+CATALOGUE = {"catalogues", "parts", "part", "beside", "choose", "check"}  # jobs on catalogues, those beside on a spec
 
 
 def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
     """Pieces of the answer to a request; what is wrong with it is a piece as well."""
     try:
-        yield from getattr(import_module(f"drivesizer.live.{(JOBS | INSIDE)[job]}"), job)(held, request)
+        module = import_module(f"drivesizer.live.{'catalogue' if job in CATALOGUE else 'answer'}")
+        yield from getattr(module, job)(held, request)
     except InputError as error:
         yield wrong(*error.lines)
     except DrivesizerError as error:

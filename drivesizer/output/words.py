@@ -209,6 +209,11 @@ def first_columns(section: str) -> tuple[str, list[tuple[str, Column]]]:
     return note, [(head, schema[name]) for head, _, name in (one.rpartition(" ") for one in columns)]
 
 
+def whole_name(part: Any) -> str:
+    """Maker, family and number of a part, each word once."""
+    return " ".join(dict.fromkeys(filter(None, (part.manufacturer, part.family, part.part))))
+
+
 def figure(value: Any, column: Column, *, unit: bool = True, digits: int = 5) -> str:
     """A figure as a data sheet prints it; "unknown" where it is."""
     if isinstance(value, str):

@@ -308,7 +308,8 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
         yield doc.picture("diagram")
     *first, last = [title for _, title in closed_loop_rows(v)]
     shown = f"{', '.join(first)} and {last}" if first else last
-    yield doc.picture("loop", loop=v.loop, shown=shown, cut=_cut(len(windows(v.series))))
+    stretches = windows(v.series["time"], v.series["speed_reference"])
+    yield doc.picture("loop", loop=v.loop, shown=shown, cut=_cut(len(stretches)))
     rule = f"{v.gains.rule}. Source: {v.gains.source}."
     gains = [doc.row("gains", one, value=_gain(one.value, one.unit), note=rule) for one in gain_rows(v.gains)]
     yield doc.Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],

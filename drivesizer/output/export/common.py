@@ -27,6 +27,7 @@ from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remai
 from drivesizer.loads.springs import Lever
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import set_cycle
+from drivesizer.output.words import whole_name
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.thermal import TwoBodies, two_bodies
 from drivesizer.physics.winding import housing_loss
@@ -361,18 +362,13 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
     usable = float(spec.feed_of(own).usable)
     voltage = spec.supply.lowest if isnan(usable) else usable
     coulomb, viscous = (float(x[0]) for x in housing_loss(found.motor, np.ones(1)))
-    parts = {}
-    for role, part in found.parts.items():
-        if part is not None:
-            names = part.manufacturer, part.family, part.part
-            parts[role] = " ".join(name for n, name in enumerate(names) if name and name not in names[:n])
     motion = motion_of(spec)
     within_reach(train, motion)
     left = np.empty((0, 2)) if lever else remaining_torque(spec, motion, at_shaft(spec))
     return Export(
         name=spec.name,
         label=found.label,
-        parts=parts,
+        parts={role: whole_name(part) for role, part in found.parts.items() if part},
         motor_sets=spec.load.motors,
         train=train,
         inductance_known=found.motor.inductance > 0.0,

@@ -52,7 +52,7 @@ def motion(spec: RobotSpec) -> Plot:
         time, speed = np.array(required.time) - required.time[0], np.array(required.speed)
     curve = Curve(name="speed", x=time, y=from_si(speed, unit, kind), width=1.6, listed=False)
     return picture.over_time(Diagram(name="speed", unit=unit, curves=[curve], zero=True),
-                             windows=style.windows({"time": time, "speed_reference": speed}))  # fmt: skip
+                             windows=style.windows(time, speed))  # fmt: skip
 
 
 def _platform_motion(spec: RobotSpec) -> Plot:
@@ -141,7 +141,7 @@ def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
         columns = (cycle.speed.ravel(), cycle.torque.ravel())
         steps = sum(np.abs(np.diff(x)) / (np.abs(x).max() or 1.0) for x in columns)
         changes = np.append(0.0, np.cumsum(steps))
-        found.append(style.windows({"time": cycle.time.ravel(), "speed_reference": changes}))
+        found.append(style.windows(cycle.time.ravel(), changes))
     if all(one == found[0] for one in found):
         return found[0]
     return [Window("", 0.0, max(cycle.total for _, cycle in cycles))]
@@ -252,7 +252,8 @@ def closed_loop(validation: Validation) -> Plot:
             curves.append(Curve(name="reference", x=series["time"], y=from_si(series[names[0]], unit, kind),
                                 colour="ink", dashes=(0, (1, 2.5)), width=1.3))  # fmt: skip
         rows.append(Diagram(name=title, unit=unit, curves=curves, height=0.62))
-    return picture.over_time(*rows, windows=style.windows(series), columns=3)
+    return picture.over_time(*rows, windows=style.windows(series["time"], series["speed_reference"]),
+                             columns=3)  # fmt: skip
 
 
 # -- Temperatures of winding and housing from cold, and over the cycle that repeats.

@@ -12,7 +12,7 @@ from __future__ import annotations
 import io
 import unicodedata
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import TYPE_CHECKING, Any, Concatenate, Literal, NamedTuple, ParamSpec
 
@@ -253,9 +253,8 @@ class Window(NamedTuple):
     end: float
 
 
-def windows(series: Mapping[str, Array]) -> list[Window]:
+def windows(time: Array, reference: Array) -> list[Window]:
     """The first and the last stretch in which the reference changes; all of it where it changes most of the time."""
-    time, reference = series["time"], series["speed_reference"]
     whole = Window("whole cycle", float(time[0]), float(time[-1]))
     changing = np.flatnonzero(np.abs(np.diff(reference)) > 1e-6 * np.abs(reference).max(initial=0.0))
     if not len(changing):
