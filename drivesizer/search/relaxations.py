@@ -17,69 +17,25 @@ from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
-from drivesizer.search.set_record import drive_parts
+from drivesizer.search.set_record import TABLES, drive_parts
 from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show, to_si
 
-# -- Figures of a spec that may move alone so that a drive passes, and which way helps.
-#
-# Left out are figures of which more helps some drives and less others: diameters, leads, lengths, distances.
-
 
 class MovableFigure(NamedTuple):
-    """A figure that may move."""
+    """A figure of a spec that may move alone so that a drive passes."""
 
     path: tuple[str, ...]
-    kind: str
-    unit: str
     direction: int  # +1 when more helps
-    rotary: tuple[str, str] | None = None  # kind and unit where the load turns
+    linear: tuple[str, ...]  # kind and unit
+    rotary: tuple[str, ...]  # the same where the load turns
 
 
 HOLDING = ("needs", "holding_factor")
-FIGURES = (
-    MovableFigure(("motion", "speed"), "speed", "m/s", -1, ("rotary_speed", "rpm")),
-    MovableFigure(("motion", "acceleration_time"), "time", "s", +1),
-    MovableFigure(("motion", "acceleration"), "acceleration", "m/s^2", -1, ("angular_acceleration", "rad/s^2")),
-    MovableFigure(("motion", "time"), "time", "s", +1),
-    MovableFigure(("motion", "period"), "time", "s", +1),
-    MovableFigure(("motion", "rest_time"), "time", "s", +1),
-    MovableFigure(("load", "mass"), "mass", "kg", -1),
-    MovableFigure(("load", "inertia"), "inertia", "kg*m^2", -1),
-    MovableFigure(("load", "torque"), "torque", "N*m", -1),
-    MovableFigure(("load", "force"), "force", "N", -1),
-    MovableFigure(("load", "friction_torque"), "torque", "N*m", -1),
-    MovableFigure(("load", "friction_force"), "force", "N", -1),
-    MovableFigure(("load", "friction_coefficient"), "dimensionless", "1", -1),
-    MovableFigure(("load", "rolling_resistance"), "dimensionless", "1", -1),
-    MovableFigure(("load", "slope"), "angle", "deg", -1),
-    MovableFigure(("load", "incline"), "angle", "deg", -1),
-    MovableFigure(("supply", "nominal"), "voltage", "V", +1),
-    MovableFigure(("supply", "current"), "current", "A", +1),
-    MovableFigure(("supply", "power"), "power", "W", +1),
-    MovableFigure(("supply", "capacitance"), "capacitance", "mF", +1),
-    MovableFigure(("brake_resistor", "power"), "power", "W", +1),
-    MovableFigure(("battery", "capacity"), "charge", "A*h", +1),
-    MovableFigure(("battery", "autonomy"), "time", "h", -1),
-    MovableFigure(("battery", "range"), "length", "km", -1),
-    MovableFigure(("budget", "mass"), "mass", "kg", +1),
-    MovableFigure(("needs", "backlash_at_load"), "angle", "deg", +1),
-    MovableFigure(("needs", "resolution_at_load"), "angle", "deg", +1),
-    MovableFigure(("needs", "inertia_ratio"), "dimensionless", "1", +1),
-    MovableFigure(("needs", "resonance"), "frequency", "Hz", -1),
-    MovableFigure(HOLDING, "dimensionless", "1", -1),
-    MovableFigure(("needs", "life"), "time", "h", -1),
-    MovableFigure(("needs", "shock_torque"), "torque", "N*m", -1),
-    MovableFigure(("needs", "radial_load"), "force", "N", -1),
-    MovableFigure(("needs", "axial_load"), "force", "N", -1),
-    MovableFigure(("needs", "diameter"), "length", "mm", +1),
-    MovableFigure(("needs", "length"), "length", "mm", +1),
-    MovableFigure(("needs", "mass"), "mass", "g", +1),
-    MovableFigure(("needs", "price"), "price", "EUR", +1),
-    MovableFigure(("margins", "torque"), "dimensionless", "%", -1),
-    MovableFigure(("margins", "speed"), "dimensionless", "%", -1),
-    MovableFigure(("margins", "temperature"), "dimensionless", "%", -1),
+FIGURES = tuple(
+    MovableFigure((*path.split("."),), 1 if way == "more" else -1, (kind, unit), (*turning,) or (kind, unit))
+    for path, way, kind, unit, *turning in (cells for head, cells in TABLES if head == "movable")
 )
 
 
@@ -245,7 +201,7 @@ def _scaled(problem: Problem, passing: _Passing) -> Iterator[Relaxation]:
         passes = partial(_passes_at, problem, passing, figure.path, now)
         factor = _least_change(passes, figure.direction)
         if factor is not None:
-            kind, unit = figure.rotary if turns and figure.rotary else (figure.kind, figure.unit)
+            kind, unit = figure.rotary if turns else figure.linear
             unit = problem.catalog.currency if kind == "price" else unit
             grade = kind == "angle" and _entered(problem.spec, figure.path).endswith("%")
             steps = (factor * (1.0 + _STEP * figure.direction * n) for n in range(_ROUNDINGS))

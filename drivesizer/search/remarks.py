@@ -23,7 +23,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import unstated_ambient, unstated_supply, unstated_temperature
 from drivesizer.results.sizing import objective_figure
 from drivesizer.search.machine_filter import shortfall
-from drivesizer.search.set_record import STEPPER_ASSUMPTIONS
+from drivesizer.search.set_record import TABLES
 from drivesizer.search.shortlist import Shortlist
 from drivesizer.spec.mounting import altitude_words, mounting_words
 from drivesizer.spec.robot import RobotSpec
@@ -104,32 +104,12 @@ def _waits(spec: RobotSpec) -> tuple[str, ...]:
 
 def _method_remarks(spec: RobotSpec) -> tuple[str, ...]:
     """Assumptions of the method, as sentences."""
-    if spec.steps:
-        return STEPPER_ASSUMPTIONS
-    if spec.method == "physics":
-        sentences = [
-            "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well; "
-            "where a gearhead's no-load torque is printed, that is lost at any torque and the rest in proportion",
-            "brushed motors lose k_t I_0 at any speed; of brushless ones the no-load loss rises with speed",
-            "the winding's peak is that of the cycle in periodic steady state; friction and iron losses warm the "
-            "housing, copper the winding; where time constants are unknown it is the mean",
-            "voltage is with the winding at the ambient and at its mean temperature, the larger counts",
-            "at rest the motor holds the full torque of the load, without help of friction",
-            "an unknown inertia of the gearhead or friction of the motor is left out where it could only raise the "
-            "demand: a check that fails without it fails, one that passes is unknown",
-            "an encoder's unknown inertia is left out",
-            "a gearhead's continuous input speed may be exceeded for 1 s uninterrupted and 10 % of the time, but not "
-            "by the mean while running; Apex Dynamics, Harmonic Drive and Wittenstein limit that mean alone",
-        ]
-        if spec.paper_applies:
-            sentences.append("the paper's factors enter neither requirements nor checks")
+    method = "steppers" if spec.steps else spec.method
+    sentences = [sentence for head, (sentence, *_) in TABLES if head == method]
+    if method == "physics" and spec.paper_applies:
+        sentences.append("the paper's factors enter neither requirements nor checks")
+    if method != "paper":
         return tuple(sentences)
-    sentences = [
-        "J_m of (10) is each candidate's own rotor inertia at the motor shaft, without K², as the paper has it",
-        "the motor's speed is its no-load speed at nominal voltage, its maximum torque the stall torque",
-        "a gearhead's efficiency is the catalogue's maximum, at rated torque",
-        "motor current is torque / k_t plus the no-load current",
-    ]
     factors = spec.paper_factors
     left = [name for name in type(factors).model_fields if getattr(factors, name) == 1.0]
     if left:

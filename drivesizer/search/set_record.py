@@ -11,6 +11,7 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT, Table
 from drivesizer.catalog.parts import one_row
+from drivesizer.files.text import listed
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.budgets import MachineBudget, drive_rows
@@ -36,18 +37,7 @@ from drivesizer.search.open_checks import estimated, resolved_checks
 from drivesizer.search.ranking import CONTROLLING, bought, chosen
 from drivesizer.spec.drive import OBJECTIVES, Choice, MotorChoice
 
-STEPPER_ASSUMPTIONS = (
-    "gear and belt keep their catalogue efficiency, the maximum, at any torque, and driven backward as well",
-    "a stepper's driver gives the current that it is set to, the rated one where control.phase_current gives none, and "
-    "that of control.idle_current from the beginning of a rest; it loses 2 R I^2, at high speed less; holding and "
-    "pull-out torque go with it, at high speed, where the voltage limits, they fall less",
-    "pull-out torque is that of the printed curve of the highest voltage that the lowest supply reaches, compressed "
-    "along the speed to a lower one; without a curve that of the ideal two-phase model times an estimated share",
-    "a stepper's own friction is in its pull-out torque; losses of its driver are not counted",
-    "rotor and load turn as one body: neither lost steps at a resonance nor a soft coupling are in the checks",
-)
-
-
+TABLES = (*listed("drivesizer.search", "tables.txt"),)
 _NO_BUDGET = MachineBudget()
 _CASES = 4  # whose pieces are listed
 
@@ -141,7 +131,7 @@ def drive_in_brief(
         rank=rank,
         status=gravest((evaluation.status(index), verdict(budget.checks))),
         checks=evaluation.tightest_of(index),
-        figures=_rows(_OF_CYCLE, {name: column[index] for name, column in evaluation.figures.items()}),
+        figures=_rows({name: column[index] for name, column in evaluation.figures.items()}, "cycle"),
         budget=budget.checks,
         reliability=reliability,
         requirements=(), beside=(), machine=(), masses=(), comparison=(), changes=(), energy=None, braking=None,
@@ -206,51 +196,14 @@ def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[f
 # -- Figures of a drive without a limit of their own, and the settings of its controller.
 
 
-_OF_CYCLE = (
-    ("energy", "Energy per cycle, all drives", "energy", "J"),
-    ("returned", "Regenerated energy per cycle", "energy", "J"),
-    ("power", "Largest supply power, all drives", "power", "W"),
-    ("joule_heat", "Heat of the winding, mean", "power", "W"),
-    ("peak_current", "Largest motor current", "current", "A"),
-    ("winding_temperature", "Winding temperature, peak", "temperature", "degC"),
-)
-_OF_STEPPER = (
-    *_OF_CYCLE[:3],
-    ("joule_heat", "Heat of both windings, mean", "power", "W"),
-    ("peak_current", "Amplitude of the phase current to set", "current", "A"),
-    _OF_CYCLE[5],
-    ("pull_out_at_rest", "Pull-out torque at low speed", "torque", "N*m"),
-    ("pull_out_at_speed", "Pull-out torque at the highest speed", "torque", "N*m"),
-    ("step_rate", "Full steps per second at the highest speed", "frequency", "Hz"),
-    ("natural_frequency", "Natural frequency with the load, held", "frequency", "Hz"),
-    ("start_rate", "Full steps per second without a ramp, no load torque", "frequency", "Hz"),
-)
-_OF_SERVO = (
-    *_OF_CYCLE,
-    ("hold_winding_cold", "Winding at the end of the hold, from cold", "temperature", "degC"),
-    ("hold_housing_cold", "Housing at the end of the hold, from cold", "temperature", "degC"),
-    ("hold_housing", "Housing, hold repeated", "temperature", "degC"),
-    ("brake_power", "Brake, released", "power", "W"),
-    ("stop_energy", "Emergency stop from the highest speed, energy in the brake", "energy", "J"),
-    ("stop_time", "Emergency stop, time", "time", "s"),
-    ("stop_travel", "Emergency stop, travel of the load", "angle", "deg"),
-    ("gearhead_life", "Gearhead nominal life, rests included", "time", "h"),
-    ("gearhead_median_life", "Gearhead median life L_50, rests included", "time", "h"),
-    ("shaft_mean_radial_load", "Output shaft, equivalent mean radial load", "force", "N"),
-    ("shaft_mean_axial_load", "Output shaft, equivalent mean axial load", "force", "N"),
-    ("current_limit", "Current limit to set", "current", "A"),
-    ("gearhead_overload", "Gearhead above its continuous torque, uninterrupted", "time", "s"),
-    ("gearhead_overload_share", "Gearhead above its continuous torque, share of the cycle", "dimensionless", "%"),
-    ("overload_time_cold", "Time at the controller's peak current, cold", "time", "s"),
-    ("overload_time_warm", "Time at the controller's peak current, warm", "time", "s"),
-)
 _LIVES = {"gearhead_life": "rated_life", "gearhead_median_life": "median_life"}
 
 
-def _rows(table: Sequence[tuple[str, str, str, str]], values: Mapping[str, Any]) -> tuple[Figure, ...]:
+def _rows(values: Mapping[str, Any], *heads: str) -> tuple[Figure, ...]:
+    rows = {name: rest for head, (name, *rest) in TABLES if head in heads}
     return tuple(
         Figure(name=name, title=title, value=float(values[name]), kind=kind, unit=unit)
-        for name, title, kind, unit in table
+        for name, (title, kind, unit) in rows.items()
         if name in values
     )
 
@@ -262,7 +215,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         return ()
     problem, gearhead, controller = evaluation.problem, parts.gearhead, parts.controller
     if parts.steps:
-        return _rows(_OF_STEPPER, values | _of_stepper(problem, parts))
+        return _rows(values | _of_stepper(problem, parts), "cycle", "stepper")
     still = next((case for case in problem.cases if not case.at_belt.acts[SPEED]), None)
     if still is not None:  # the first load case in which nothing moves
         held = warm_up(set_cycle(still.spec, parts, still.at_belt))
@@ -295,7 +248,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         changed["current_limit"] = {"title": "Current limit to set: no jam overloads the gearhead"}
     if linear:
         changed["stop_travel"] = {"kind": "length", "unit": "mm"}
-    return tuple(replace(one, **changed.get(one.name, {})) for one in _rows(_OF_SERVO, values))
+    return tuple(replace(one, **changed.get(one.name, {})) for one in _rows(values, "cycle", "servo"))
 
 
 def _of_stepper(problem: Problem, parts: DriveParts) -> dict[str, float]:
