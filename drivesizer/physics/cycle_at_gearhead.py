@@ -235,8 +235,13 @@ class AtGearhead:
 
     def __init__(self, base: CycleAtBelt, ratio: Alike) -> None:
         self.base, self.belt = base, ratio
-        back, same = 1.0 / ratio, np.ones_like(ratio)
-        self.scale = np.stack([back, back, back, ratio, same, ratio], axis=-1)  # of the functions
+
+    @cached_property
+    def scale(self) -> Array:
+        """Of each of the functions: shape (6,), or (candidates, 6)."""
+        back, same = 1.0 / self.belt, np.ones_like(self.belt)
+        found: Array = np.stack([back, back, back, self.belt, same, self.belt], axis=-1)
+        return found
 
     def __getattr__(self, name: str) -> Any:
         """One of ``Scalars`` behind the belt."""
