@@ -22,7 +22,7 @@ from drivesizer.kernel.records import Drive
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
-from drivesizer.physics.figures import Range, on, put
+from drivesizer.physics.figures import Figures, Range, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -41,6 +41,20 @@ _TAKEN = "at least: what controller and commutation take of the voltage is known
 _HELD = "at the supply's highest voltage: the battery, which takes regenerated energy, is held to it"
 _ROUNDING = 1e-9  # of a figure
 _SOME = 1e-100  # s, more than nothing, of a time that is not known yet
+
+
+class InCase(NamedTuple):
+    """What a load case demands of candidates: columns."""
+
+    spec: RobotSpec
+    cycle: AtGearhead
+    demand: Demands
+    heating: Heat
+    stresses: Stress
+
+    def on(self, rows: Any) -> InCase:
+        """Of some of them."""
+        return InCase(self.spec, *on(self[1:], rows))
 
 
 class Moments(NamedTuple):
@@ -78,15 +92,15 @@ def cycle_figures(problem: Problem, draws: Sequence[Draw], **others: Array) -> d
     return {"energy": energy, "returned": returned, "power": np.maximum.reduce(power), **others}
 
 
-def least(found: Pair, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress) -> Pair:
+def least(found: Pair, case: InCase) -> Pair:
     """The same; with incomplete demands only lower bounds are known: of the power what the load takes."""
-    if demand.complete.all():
+    complete, cold = case.demand.complete, case.stresses.cold_voltage
+    if complete.all():
         return found
-    low, high = (Moments(*(np.where(demand.complete, column, np.nan) for column in side)) for side in found)
-    cold = stresses.cold_voltage
-    taken = np.maximum(cycle.drawn_power, 0.0)
-    lowest_known = {"winding": heating.winding, "voltage": cold.value, "voltage_time": cold.time, "power": taken}
-    filled = {name: np.where(demand.complete, getattr(low, name), column) for name, column in lowest_known.items()}
+    low, high = (Moments(*(np.where(complete, column, np.nan) for column in side)) for side in found)
+    taken = np.maximum(case.cycle.drawn_power, 0.0)
+    lowest_known = {"winding": case.heating.winding, "voltage": cold.value, "voltage_time": cold.time, "power": taken}
+    filled = {name: np.where(complete, getattr(low, name), column) for name, column in lowest_known.items()}
     return low._replace(**filled), high
 
 
@@ -153,13 +167,14 @@ def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Range:
                  np.where(found.stored == 0.0, supply.highest, bound))  # fmt: skip
 
 
-def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts) -> Pair:
+def bounds(case: InCase, parts: Parts) -> Pair:
     """Lower and upper bounds over the waveform; upper ones of windings that pass."""
+    spec, cycle, demand, heating, stresses = case
     motor, feed, ambient = parts.motor, spec.feed(parts.controller, parts.brake), spec.environment.ambient
     warmest = temperature_at_most(ambient, cycle, heating, stresses, motor)
     warmest = np.minimum(warmest, temperature_of_pulses(ambient, cycle, demand, heating, motor))
     hot = _hottest_resistance(warmest, motor)
-    low = lowest(spec, cycle, demand, heating, stresses, parts)
+    low = lowest(case, parts)
     k_t, current = motor["torque_constant"], stresses.current.value
     at_hot = np.maximum(cycle.peak(volts_of(demand, k_t, hot), demand.left_out).value, low.voltage)
     volts = at_hot
@@ -174,40 +189,38 @@ def bounds(spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, s
     high = low._replace(
         winding=warmest, voltage=volts, above=np.where(low.above > 0.0, longest, low.above),
         power=of_the_source(power + feed.lost(current) + feed.stage.standby, feed),
-        stored=_most_kept(spec, cycle, demand, motor),
+        stored=_most_kept(case, motor),
     )  # fmt: skip
     return low, high
 
 
-def _hottest_resistance(warmest: Array, motor: Any) -> Array:
+def _hottest_resistance(warmest: Array, motor: Figures) -> Array:
     """Resistance of a winding as warm as it may be, or as warm as it fails by its heat."""
     return np.asarray(resistance_at(resistance_25(motor), _permitted(warmest, motor)))
 
 
-def lowest(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
-) -> Moments:
+def lowest(case: InCase, parts: Parts) -> Moments:
     """Lower bounds over the waveform, of candidates with their controllers, or with each of a column of controllers."""
-    current, limit = stresses.current.value, controller_current(parts.controller, spec.environment.ambient)
+    current = case.stresses.current.value
+    limit = controller_current(parts.controller, case.spec.environment.ambient)
     unknown = np.full_like(current, np.nan)
     return Moments(*[unknown] * len(Moments._fields))._replace(
-        winding=heating.winding,
-        voltage=stresses.cold_voltage.value,
+        winding=case.heating.winding,
+        voltage=case.stresses.cold_voltage.value,
         above=np.where(current > limit, _SOME, np.where(np.isnan(current) | np.isnan(limit), np.nan, 0.0)),
         power=np.zeros_like(current),
-        stored=_least_kept(spec, cycle, demand, heating, stresses, parts),
+        stored=_least_kept(case, parts),
     )
 
 
-def _least_kept(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts
-) -> Array:
+def _least_kept(case: InCase, parts: Parts) -> Array:
     r"""Less than the energy that stays on the bus [J]: what a stretch of hard braking leaves of it.
 
     .. math:: E \ge -(1 - s) W_- - \int k_t w I + R I^2 + R_b I^2 + V_l |I| + |k_t - k_e| |w I| \, dt
 
     with a winding as warm as it may be, the share s that is kept, and work W_- of all that brakes.
     """
+    spec, cycle, demand, heating, stresses = case
     share, found = kept_on_the_bus(spec), np.zeros_like(demand.rms_current)
     if not share > 0.0 or not cycle.base.hardest_braking:
         return found
@@ -224,18 +237,18 @@ def _least_kept(
     return found
 
 
-def _permitted(temperature: Array, motor: Any) -> Array:
+def _permitted(temperature: Array, motor: Figures) -> Array:
     """Temperature that a winding does not exceed, or fails by its heat: with it a demand is a safe bound."""
     found: Array = np.fmin(np.where(np.isfinite(temperature), temperature, np.nan), motor["max_winding_temperature"])
     return found
 
 
-def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) -> Array:
+def _most_kept(case: InCase, motor: Figures) -> Array:
     """More than the energy that stays on the bus [J]: all that is returned over a cycle and not accepted.
 
     Infinite where more may be returned than is drawn, or that is unknown.
     """
-    share = kept_on_the_bus(spec)
+    (spec, cycle, demand, *_), share = case, kept_on_the_bus(case.spec)
     if not share > 0.0:
         return np.zeros_like(demand.rms_current)
     ratio, c, acting = demand.total_ratio, demand.coefficients, np.flatnonzero(cycle.base.braked)
@@ -247,11 +260,7 @@ def _most_kept(spec: RobotSpec, cycle: AtGearhead, demand: Demands, motor: Any) 
 
 
 def exact(
-    spec: RobotSpec,
-    cycle: AtGearhead,
-    demand: Demands,
-    heating: Heat,
-    stresses: Stress,
+    case: InCase,
     parts: Parts,
     what: Waveform = "all",
     error: float = 1e-3,
@@ -262,6 +271,7 @@ def exact(
     A winding of unknown heat is between one as cold as the ambient and one as warm as it may be. Commutation takes of
     the voltage what lies in a band; of samples, which have a factor each, that alone.
     """
+    spec, cycle, demand, heating, stresses = case
     ambient, motor, feed = spec.environment.ambient, parts.motor, spec.feed(parts.controller, parts.brake)
     kept = kept_on_the_bus(spec)
     level = ENERGY if what == "all" or np.any(kept > 0.0) else POWER
@@ -287,26 +297,23 @@ def exact(
 
 
 def over_waveform(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, stresses: Stress, parts: Parts,
-    what: Waveform, alive: NDArray[np.bool_], each: Collection[str] = (),
-) -> Pair:  # fmt: skip
+    case: InCase, parts: Parts, what: Waveform, alive: NDArray[np.bool_], each: Collection[str] = ()
+) -> Pair:
     """Peaks and heat over the waveform, of what is ``alive``: by bounds, and as far as that is wanted computed."""
     if what in ("limits", "all"):
-        found = exact(spec, cycle, demand, heating, stresses, parts, what)
-        return least(found, cycle, demand, heating, stresses)
-    found = bounds(spec, cycle, demand, heating, stresses, parts)
+        return least(exact(case, parts, what), case)
+    found, spec = bounds(case, parts), case.spec
     if what == "open":
         limits = waveform_limits(spec, *found, parts)
-        wanted = alive & demand.complete  # else it stays unknown whatever the waveform says
+        wanted = alive & case.demand.complete  # else it stays unknown whatever the waveform says
         rows = np.flatnonzero(wanted & ~np.logical_and.reduce([check.passed for check in limits]))
-        few = on((cycle, demand, heating, stresses, parts), rows)
-        left = left_open(spec, on(found, rows), few[-1])
+        few, own = parts.on(rows), on(found, rows)
+        left = left_open(spec, own, few)
         if {check.name for check in limits} & {*each}:
-            high = on(found[1], rows)
-            left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, high, high, few[-1])])
+            left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, own[1], own[1], few)])
         if left.any():
-            found = put(found, rows[left], exact(spec, *on(few, left), "limits"))
-    return least(found, cycle, demand, heating, stresses)
+            found = put(found, rows[left], exact(case.on(rows[left]), few.on(left), "limits"))
+    return least(found, case)
 
 
 def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ and extremes say of them at least, and computed in that order until none that is
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import on, put
 from drivesizer.physics.motor_demand import Demands
-from drivesizer.physics.winding import Heat, Parts, Stress, stress
+from drivesizer.physics.winding import Heat, Parts, stress
 from drivesizer.results.check_columns import CheckColumn
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns import limits_over_time as over_time
@@ -69,11 +69,11 @@ def powered(
     each: Collection[str] = (),
 ) -> Powered:
     """Controllers, and every check that hangs on current, voltage and heat."""
-    stresses = [
-        stress(case.spec.environment.ambient, cycle, one.demand, parts.motor)
+    cases = [
+        over_time.InCase(case.spec, cycle, *one, stress(case.spec.environment.ambient, cycle, one.demand, parts.motor))
         for case, cycle, one in zip(problem.cases, cycles, moving, strict=True)
     ]
-    given, some = parts.controller, _Candidates(problem, usable, cycles, moving, stresses, parts, waveform, each)
+    given, some = parts.controller, _Candidates(problem, usable, cases, parts, waveform, each)
     row, ranks = some.controllers()
     free = np.ones(len(row), bool) if given is None else given.rows == FREE
     row = row if given is None else np.where(free, row, given.rows)
@@ -85,7 +85,7 @@ def powered(
     agreed = [low.agreed(high) for low, high in found.pairs]
     figures = over_time.cycle_figures(
         problem, [Draw(one.drawn, one.returned, one.power) for one in agreed],
-        joule_heat=agreed[0].copper, peak_current=np.maximum.reduce([u.current.value for u in stresses]),
+        joule_heat=agreed[0].copper, peak_current=np.maximum.reduce([case.stresses.current.value for case in cases]),
         winding_temperature=np.maximum.reduce([one.winding for one in agreed]),
     )  # fmt: skip
     # a lower bound may fail a check, but is no figure
@@ -121,9 +121,7 @@ class _Candidates(NamedTuple):
 
     problem: Problem
     usable: Usable
-    cycles: Sequence[AtGearhead]
-    moving: Sequence[Moving]
-    stresses: Sequence[Stress]
+    cases: Sequence[over_time.InCase]
     parts: Parts
     waveform: over_time.Waveform
     each: Collection[str]
@@ -131,17 +129,12 @@ class _Candidates(NamedTuple):
     @property
     def complete(self) -> Mask:
         """Whether all that is demanded of each candidate is known."""
-        return np.asarray(np.logical_and.reduce([c.demand.complete for c in self.moving]), bool)
-
-    @property
-    def specs(self) -> list[RobotSpec]:
-        """The machine in each load case."""
-        return [case.spec for case in self.problem.cases]
+        return np.asarray(np.logical_and.reduce([case.demand.complete for case in self.cases]), bool)
 
     def some(self, rows: NDArray[np.int64]) -> _Candidates:
         """Some of the candidates."""
-        cycles, moving, stresses, parts = on((self.cycles, self.moving, self.stresses, self.parts), rows)
-        return self._replace(cycles=cycles, moving=moving, stresses=stresses, parts=parts)
+        cases, parts = on((self.cases, self.parts), rows)
+        return self._replace(cases=cases, parts=parts)
 
     def with_controllers(self, row: NDArray[np.int64]) -> Parts:
         """The parts of candidates with some controllers."""
@@ -149,15 +142,19 @@ class _Candidates(NamedTuple):
 
     def controllers(self) -> tuple[NDArray[np.int64], Ranks]:
         """The best that suffices in the worst of all cases, as far as that is known before its own limits are."""
-        spec, motor, moving = self.problem.spec, self.parts.motor, self.moving
-        lines = np.maximum.reduce([line_frequency(c.demand, self.parts.encoder) for c in moving])
+        spec, motor = self.problem.spec, self.parts.motor
+
+        def worst(figure: Callable[[over_time.InCase], Array]) -> Array:
+            found: Array = np.maximum.reduce([figure(case) for case in self.cases])
+            return found
+
         required = Required(
-            np.maximum.reduce([c.demand.rms_current for c in moving]),
-            np.maximum.reduce([u.current.value for u in self.stresses]),
-            np.maximum.reduce([u.cold_voltage.value for u in self.stresses]),
-            np.maximum.reduce([electrical_speed(c.demand, motor) for c in moving]),
-            lines if spec.wants_encoder else None,
-            max(controller_needed(one, spec.margins.torque) for one in self.specs),
+            worst(lambda case: case.demand.rms_current),
+            worst(lambda case: case.stresses.current.value),
+            worst(lambda case: case.stresses.cold_voltage.value),
+            worst(lambda case: electrical_speed(case.demand, motor)),
+            worst(lambda case: line_frequency(case.demand, self.parts.encoder)) if spec.wants_encoder else None,
+            max(controller_needed(case.spec, spec.margins.torque) for case in self.cases),
             spec.margins.torque,
             spec.margins.speed,
         )
@@ -166,22 +163,16 @@ class _Candidates(NamedTuple):
     def by_lower_bounds(self, row: NDArray[np.int64], ranks: Ranks, free: Mask) -> NDArray[np.int64]:
         """Controllers that are the best by lower bounds over the waveform; what has one that meets these keeps it."""
         parts, unmet = self.with_controllers(row), np.full(len(row), bool(ranks.weight))
-        for k, spec in enumerate(self.specs):
-            if over_time.kept_on_the_bus(spec) > 0.0 and not ranks.weight:
-                unmet |= ~np.logical_and.reduce([c.passed for c in self._hanging(k, parts, self._lowest(k, parts))])
+        for case in self.cases:
+            if over_time.kept_on_the_bus(case.spec) > 0.0 and not ranks.weight:
+                lowest = over_time.lowest(case, parts)
+                unmet |= ~np.logical_and.reduce([c.passed for c in _hanging(case.spec, lowest, parts)])
         rows = np.flatnonzero(unmet & free & (row >= 0) & self.complete)
         if not len(rows):
             return row
         unknown, _, _, place = self.some(rows).ranks(ranks.on(rows)).best()
         taken = np.flatnonzero(unknown < LOST)  # where each fails the first one says on what
         return put(row, rows[taken], self.usable.order[place[taken].astype(np.int64)])
-
-    def _lowest(self, k: int, parts: Parts) -> over_time.Moments:
-        return over_time.lowest(self.specs[k], self.cycles[k], *self.moving[k], self.stresses[k], parts)
-
-    def _hanging(self, k: int, parts: Parts, low: over_time.Moments) -> list[CheckColumn]:
-        """Limits of one load case that hang on controller and cycle, by lower bounds."""
-        return [c for c in over_time.waveform_limits(self.specs[k], low, low, parts) if c.name in HANGING]
 
     def ranks(self, ranks: Ranks, row: NDArray[np.int64] | None = None, found: _Judged | None = None) -> Ranks:
         """Ranks of all controllers by lower bounds over the waveform, and by what was computed with one of them.
@@ -191,8 +182,8 @@ class _Candidates(NamedTuple):
         parts = self.with_controllers(self.usable.order[:, None])
         passed: dict[str, Mask] = {}
         lacking, margin = ranks.lacking.copy(), ranks.margin
-        for k, spec in enumerate(self.specs):
-            low = self._lowest(k, parts)
+        for k, case in enumerate(self.cases):
+            spec, low = case.spec, over_time.lowest(case, parts)
             if found is not None and row is not None:
                 computed, stage = found.pairs[k][0], spec.feed(parts.controller).stage
                 tried = spec.feed(Rows(self.problem.catalog.controllers, row)).stage
@@ -203,7 +194,7 @@ class _Candidates(NamedTuple):
                     stored=np.where(less, np.fmax(low.stored, computed.stored), low.stored),
                     power=np.where(more, np.fmax(low.power, computed.power), low.power),
                 )
-            for check in self._hanging(k, parts, low):
+            for check in _hanging(spec, low, parts):
                 lacking[np.broadcast_to(check.failed, lacking.shape)] = LOST
                 passed[check.name] = passed.get(check.name, np.True_) & check.passed
                 if ranks.weight:
@@ -215,39 +206,33 @@ class _Candidates(NamedTuple):
 
     def judged(self, row: NDArray[np.int64]) -> _Judged:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
-        specs, parts = self.specs, self.with_controllers(row)
-        complete = [case.demand.complete for case in self.moving]
-        stresses = list(self.stresses)
-        for k, spec in enumerate(specs):
+        parts, cases = self.with_controllers(row), list(self.cases)
+        for k, (spec, cycle, demand, *_) in enumerate(cases):
             if spec.resists:  # before the winding, of the voltage
                 leads = spec.feed(parts.controller).leads
-                stresses[k] = stress(
-                    spec.environment.ambient, self.cycles[k], self.moving[k].demand, parts.motor, leads
-                )
+                stresses = stress(spec.environment.ambient, cycle, demand, parts.motor, leads)
+                cases[k] = cases[k]._replace(stresses=stresses)
 
         def electrical(k: int) -> list[CheckColumn]:
-            checks = electrical_limits(specs[k], self.cycles[k], self.moving[k].demand, stresses[k], parts)
-            return unknown_where_doubtful(checks, complete[k])
+            spec, cycle, demand, _, stresses = cases[k]
+            checks = electrical_limits(spec, cycle, demand, stresses, parts)
+            return unknown_where_doubtful(checks, demand.complete)
 
         first = worst_of_all(self.problem, electrical)
         alive: Mask = ~np.logical_or.reduce([check.failed for check in first if not check.advice])
-        pairs = [
-            over_time.over_waveform(
-                spec, self.cycles[k], *self.moving[k], stresses[k], parts, self.waveform, alive, self.each
-            )
-            for k, spec in enumerate(specs)
-        ]
+        pairs = [over_time.over_waveform(case, parts, self.waveform, alive, self.each) for case in cases]
 
         def of_waveform(k: int) -> list[CheckColumn]:
-            return unknown_where_doubtful(over_time.waveform_limits(specs[k], *pairs[k], parts), complete[k])
+            checks = over_time.waveform_limits(cases[k].spec, *pairs[k], parts)
+            return unknown_where_doubtful(checks, cases[k].demand.complete)
 
         found = _Judged([*first, *worst_of_all(self.problem, of_waveform)], pairs, np.zeros(len(row)))
         if self.waveform != "bounds":
             return found
         left, lacks = np.zeros(len(row), bool), np.zeros(len(row), bool)
-        for k, spec in enumerate(specs):
-            left |= over_time.left_open(spec, pairs[k], parts) & complete[k]
-            for check in over_time.waveform_limits(spec, pairs[k][0], pairs[k][0], parts):
+        for case, pair in zip(cases, pairs, strict=True):
+            left |= over_time.left_open(case.spec, pair, parts) & case.demand.complete
+            for check in over_time.waveform_limits(case.spec, pair[0], pair[0], parts):
                 lacks |= ~(check.passed | check.failed)
         return found._replace(undecided=np.where(left & ~found.failed(), 1.0 + lacks, 0.0))
 
@@ -266,6 +251,11 @@ class _Candidates(NamedTuple):
         return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
+def _hanging(spec: RobotSpec, low: over_time.Moments, parts: Parts) -> list[CheckColumn]:
+    """Limits of a load case that hang on controller and cycle, by lower bounds."""
+    return [c for c in over_time.waveform_limits(spec, low, low, parts) if c.name in HANGING]
+
+
 def _best_of_all(
     some: _Candidates, ranks: Ranks, row: NDArray[np.int64], found: _Judged, free: Mask
 ) -> tuple[NDArray[np.int64], _Judged]:
@@ -278,8 +268,8 @@ def _best_of_all(
     unmet = ~np.logical_and.reduce([c.passed for c in found.checks if c.name in HANGING])
     if ranks.weight:
         unmet |= found.margin(True) < found.margin(False)
-    for spec, (low, _) in zip(some.specs, found.pairs, strict=True):
-        free = free & ~(more * low.voltage > spec.supply.lowest)
+    for case, (low, _) in zip(some.cases, found.pairs, strict=True):
+        free = free & ~(more * low.voltage > case.spec.supply.lowest)
     wanting = unmet & free & (row >= 0) & ~found.failed(HANGING)
     rows = np.flatnonzero(wanting & (some.complete | found.failed()))
     if not len(rows):

@@ -33,7 +33,7 @@ from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stepper import amplitude, copper_loss, idle_loss
-from drivesizer.physics.winding import Heat, Parts, Stress, housing_loss, stress
+from drivesizer.physics.winding import Parts, housing_loss, stress
 from drivesizer.results.check_columns import CheckColumn, fits, worst_case
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
@@ -41,7 +41,7 @@ from drivesizer.search.columns import limits, steppers
 from drivesizer.search.columns.brakes import brake_inertia, brake_limits, is_listed
 from drivesizer.search.columns.candidates import Rows
 from drivesizer.search.columns.limits import unknown_where_doubtful
-from drivesizer.search.columns.limits_over_time import Pair, exact, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import InCase, Pair, exact, least, waveform_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, PullOut
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
@@ -479,17 +479,8 @@ def _controller_fits(spec: RobotSpec, controller: Figures, one: SetRows) -> Chec
     return fits("controller_available", good, known)
 
 
-class _Loaded(NamedTuple):
-    """A drive over the samples of one load case."""
-
-    required: Demands
-    warmth: Heat
-    peaks: Stress
-    over_time: Pair  # bounds of what needs the waveform
-
-
-def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) -> _Loaded:
-    """Demands, heat and waveform of a drive in one load case."""
+def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) -> tuple[InCase, Pair]:
+    """Demands and heat of a drive over the samples of a load case, and bounds of what needs the waveform."""
     parts, ambient = drive.parts, spec.environment.ambient
     required = demands(at, parts.motor, parts.gearhead, parts.encoder, brake_inertia(parts, at.belt))
     brushed = drive.printed["kind"][0] == "brushed"
@@ -502,13 +493,14 @@ def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) ->
     warmth = heat_of(spec, at, required, parts.motor, parts.gearhead, losses)
     leads = spec.feed(parts.controller, parts.brake).leads if spec.resists else 0.0
     peaks = stress(ambient, at, required, parts.motor, leads)
-    figures = exact(spec, at, required, warmth, peaks, parts, "all" if energies else "limits", _ERROR, (1.0, 1.0))
-    return _Loaded(required, warmth, peaks, least(figures, at, required, warmth, peaks))
+    case = InCase(spec, at, required, warmth, peaks)
+    return case, least(exact(case, parts, "all" if energies else "limits", _ERROR, (1.0, 1.0)), case)
 
 
 def _servo_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, energies: bool) -> tuple[list[CheckColumn], Draw]:
     """The checks of one load case that hang on a motor with a controller, and the energy that its drives draw."""
-    parts, (required, warmth, peaks, over_time) = drive.parts, _loaded(spec, at, drive, energies=energies)
+    parts, (case, over_time) = drive.parts, _loaded(spec, at, drive, energies=energies)
+    required, warmth, peaks = case.demand, case.heating, case.stresses
     found = [c for c in limits.moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
     if parts.brake is not None:  # friction that holds is printed
         found += brake_limits(spec, at, parts._replace(motor=drive.printed), required, drive.listed)
@@ -564,10 +556,10 @@ def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Ar
 @np.errstate(divide="ignore", invalid="ignore")
 def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Any]:
     """Figures that the load cycle makes, unknown where only a least demand is known; and those at the supply alone."""
-    case = _loaded(spec, at, drive, energies=True)
-    known, over_time = case.required.complete, case.over_time[0].agreed(case.over_time[1])
+    case, (low, high) = _loaded(spec, at, drive, energies=True)
+    known, over_time = case.demand.complete, low.agreed(high)
     figures = {
-        "rms_current": case.required.rms_current, "peak_current": case.peaks.current.value,
+        "rms_current": case.demand.rms_current, "peak_current": case.stresses.current.value,
         "voltage": over_time.voltage, "power": over_time.power * spec.load.motors,
         "joule_heat": np.where(np.isnan(over_time.winding), np.nan, over_time.copper),  # bounds of it are not kept
         "winding_temperature": over_time.winding,
