@@ -305,11 +305,12 @@ def over_waveform(
     found, spec = bounds(case, parts), case.spec
     if what == "open":
         limits = waveform_limits(spec, *found, parts)
-        wanted = alive & case.demand.complete  # else it stays unknown whatever the waveform says
+        every = not {check.name for check in limits}.isdisjoint(each)
+        wanted = case.demand.complete & (alive | every)  # else it stays unknown whatever the waveform says
         rows = np.flatnonzero(wanted & ~np.logical_and.reduce([check.passed for check in limits]))
         few, own = parts.on(rows), on(found, rows)
-        left = left_open(spec, own, few)
-        if {check.name for check in limits} & {*each}:
+        left = left_open(spec, own, few) & alive[rows]
+        if every:
             left |= ~np.logical_and.reduce([check.passed for check in waveform_limits(spec, own[1], own[1], few)])
         if left.any():
             found = put(found, rows[left], exact(case.on(rows[left]), few.on(left), "limits"))
