@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
 from itertools import pairwise
-from types import CodeType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivesizer.files.arithmetic import code, own_value
 from drivesizer.files.yaml_source import shipped_data
 from drivesizer.physics import thermal
 
@@ -113,16 +112,10 @@ FURTHER: dict[str, tuple[Callable[[Any], Any], str]] = {
 }  # fmt: skip
 
 
-@cache
-def code(expression: str) -> CodeType:
-    """An expression, compiled."""
-    return compile(f"({expression})", expression, "eval")
-
-
 def value(expression: str, figures: Any, **instead: Any) -> Any:
     """The value of an expression over figures by name, some of them replaced."""
-    one, found = code(expression), dict[str, Any](instead)
-    for name in one.co_names:
+    found = dict[str, Any](instead)
+    for name in code(expression).co_names:
         if name in FURTHER and name not in found:
             of = _Replaced(figures, instead) if instead else figures
             found[name] = FURTHER[name][0](of)
@@ -131,7 +124,7 @@ def value(expression: str, figures: Any, **instead: Any) -> Any:
         elif name not in found:
             found[name] = _FUNCTIONS[name] if name in _FUNCTIONS else figures[name]
     with np.errstate(all="ignore"):
-        return eval(one, {"__builtins__": {}}, found)  # noqa: S307  of this table
+        return own_value(expression, found)
 
 
 class _Replaced:

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.expressions import FURTHER, code, solved, value
+from drivesizer.catalog.expressions import FURTHER, solved, value
 from drivesizer.catalog.parts import PARTS, columns_of
 from drivesizer.catalog.tables import Note, Table
+from drivesizer.files.arithmetic import code
 from drivesizer.files.yaml_source import shipped_data
 
 Numbers = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Arithmetic in a user's file: expressions over figures by name, and limits on them. Never code.
+"""Arithmetic over figures by name: in a user's file, never as code, with limits on it; and in tables of the program.
 
 >>> expression("2 * wheel.mass + sqrt(payload)").value({"wheel.mass": 1.5, "payload": 4.0}.__getitem__)
 5.0
@@ -10,9 +10,10 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
+from types import CodeType
 from typing import Any, Literal
 
 from drivesizer.errors import InputError, quoted
@@ -28,6 +29,17 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "exp": math.exp, "log": math.log,
 }  # fmt: skip
 _EXAMPLE = "mass + 0.1 * price, or 2 * load.wheel_diameter"
+
+
+@cache
+def code(text: str) -> CodeType:
+    """An expression of a table of the program, compiled."""
+    return compile(f"({text})", text, "eval")
+
+
+def own_value(text: str, names: Mapping[str, Any]) -> Any:
+    """The value of an expression of a table of the program over what its names are; never of a user's text."""
+    return eval(code(text), {"__builtins__": {}}, names)  # noqa: S307  of our own tables
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.sheets import decimal_sign, figure, plain_head, sheets, split_head, unit_of
-from drivesizer.files.text import missing, read_text
+from drivesizer.files.text import missing, plain_number, read_text
 from drivesizer.units import KINDS, RANGES, noun, possible, scale
 
 Array = NDArray[np.float64]
@@ -158,11 +158,8 @@ class CsvFile:
         return found
 
     def number(self, line: int, column: str, cell: str, factor: float) -> float:
-        """The finite number in a cell, in SI; float() would take underscores and digits of other scripts too."""
-        try:
-            value = float(cell) * factor if cell.isascii() and "_" not in cell else math.nan
-        except ValueError:
-            value = math.nan
+        """The finite number in a cell, in SI."""
+        value = plain_number(cell) * factor
         if not math.isfinite(value):
             raise self.fault(line, column, f"{quoted(cell)} is not a finite number; expected e.g. 1.25")
         return value

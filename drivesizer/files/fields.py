@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -136,6 +136,7 @@ Bearing = Annotated[float, Quantity("angle", least=-2 * math.pi, most=2 * math.p
 Area = Annotated[float, Quantity("area", least=0.0)]
 Density = Annotated[float, Quantity("density", above=0.0)]
 Force = Annotated[float, Quantity("force", least=0.0)]
+ForceAbove = Annotated[float, Quantity("force", above=0.0)]
 Pull = Annotated[float, Quantity("force")]  # with its sign
 Torque = Annotated[float, Quantity("torque", least=0.0)]
 TorqueAbove = Annotated[float, Quantity("torque", above=0.0)]
@@ -207,6 +208,11 @@ def all_defaults(description: str | None = None, **more: Any) -> Any:
 def no_entries(description: str | None = None, **more: Any) -> Any:
     """A list that a file may leave out: it has no entries then."""
     return Field(default_factory=list, description=description, **more)
+
+
+def or_else(another: dict[str, Any]) -> Callable[[dict[str, Any]], None]:
+    """Let the schema of a section that may be left out take something else in its place."""
+    return lambda schema: schema["anyOf"].insert(0, another)
 
 
 class Section(BaseModel):

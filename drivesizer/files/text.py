@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import select
@@ -162,6 +163,14 @@ def decoded(raw: bytes, path: Path) -> str:
 def read_text(path: Path, largest: int = 64_000_000) -> str:
     """A file's text."""
     return decoded(read_bytes(path, largest), path)
+
+
+def plain_number(text: str) -> float:
+    """The number of a text; NaN where it is none: float() would take underscores and digits of other scripts too."""
+    try:
+        return float(text) if text.isascii() and "_" not in text else math.nan
+    except ValueError:
+        return math.nan
 
 
 def listed(package: str, name: str) -> Iterator[tuple[str, list[str]]]:

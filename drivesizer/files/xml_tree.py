@@ -5,7 +5,6 @@ expat parses; document types, and so entities, are refused, size and depth are b
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.text import read_bytes
+from drivesizer.files.text import plain_number, read_bytes
 
 Array = NDArray[np.float64]
 _LARGEST = 16_000_000  # bytes
@@ -76,10 +75,7 @@ class Node:
         return self.figures(name)
 
     def _number(self, written: str, name: str) -> float:
-        try:
-            value = float(written) if written.isascii() and "_" not in written else math.nan  # digits of other scripts
-        except ValueError:
-            value = math.nan
+        value = plain_number(written)
         if not abs(value) < _FARTHEST:  # written so that NaN fails too
             raise self.fault(f"{name}: {quoted(written)} is no number")
         return value

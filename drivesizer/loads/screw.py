@@ -28,7 +28,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, ClassVar, Literal, NamedTuple
+from typing import ClassVar, Literal, NamedTuple
 
 import numpy as np
 
@@ -43,8 +43,6 @@ from drivesizer.physics.load_cycle import Ends, LoadCycle, OwnLimit
 from drivesizer.units import show
 
 _ROUNDING = 1e-9  # of the stroke
-
-Rating = Annotated[float, fields.Quantity("force", above=0.0)]
 
 
 class ScrewChoice(fields.Section):
@@ -122,9 +120,9 @@ class Screw(SharedLoad):
     design: physics.Design | None = fields.optional(
         "whose factors for these; those of a beam where not given, of a screw out of the catalogues its maker's"
     )
-    dynamic_load: Rating | None = fields.optional("rating C_a, for the life", example="15 kN")
-    static_load: Rating | None = fields.optional("rating C_0a", example="25 kN")
-    permissible_thrust: Rating | None = fields.optional("of a sliding nut", example="2 kN")
+    dynamic_load: fields.ForceAbove | None = fields.optional("rating C_a, for the life", example="15 kN")
+    static_load: fields.ForceAbove | None = fields.optional("rating C_0a", example="25 kN")
+    permissible_thrust: fields.ForceAbove | None = fields.optional("of a sliding nut", example="2 kN")
     load_factor: fields.Ratio = fields.default(
         1.5, "f_w of the life: 1 to 1.2 smooth, 1.5 up to 1 m/s, 2 to 3.5 with impacts"
     )

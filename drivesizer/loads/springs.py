@@ -137,7 +137,6 @@ _BEND = 3e-5  # of the travel, by which a chord of a ramp may be off
 _ROUNDING = 1e-9
 
 Rate = Annotated[float, fields.Quantity("stiffness", above=0.0)]
-ForceAbove = Annotated[float, fields.Quantity("force", above=0.0)]
 
 
 class SpringEnds(fields.Section):
@@ -182,7 +181,7 @@ class GasSpring(fields.Section):
     """A gas spring, which pushes its ends apart, with the friction of its seal."""
 
     kind: Literal["gas"]
-    force: ForceAbove = fields.required("F_1, where the rod is out", example="400 N")
+    force: fields.ForceAbove = fields.required("F_1, where the rod is out", example="400 N")
     progression: fields.Factor = fields.default(1, "of the force over the stroke: in over out, such as 1.33")
     stroke: fields.Length = fields.required(example="100 mm")
     pressed: fields.Thickness = fields.default("0 mm", "by how much it is in when the cycle starts")

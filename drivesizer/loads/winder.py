@@ -75,10 +75,6 @@ class Winder(SharedLoad):
             raise FieldError(("motion",), f"the web ends before the motion does; expected no more than its {on_it}")
         return np.sqrt(square)
 
-    def roll_inertia(self, radius: Any) -> Any:
-        """Inertia of the roll with its core at a radius [kg*m^2]."""
-        return self.inertia + math.pi / 2 * self.density * self.width * (radius**4 - (self.core_diameter / 2) ** 4)
-
 
 def winder(load: Winder, gravity: float, course: Course) -> LoadCycle:
     """Load cycle at the roll's shaft.
@@ -109,7 +105,8 @@ def winder(load: Winder, gravity: float, course: Course) -> LoadCycle:
     travel = np.abs(np.diff(course.position, axis=1)[:, 0])
     course = course.finer(capped(_PIECES * h * travel / (2.0 * math.pi * smallest**2)))
     r = load.radius(course.position)
-    inertia, core = load.roll_inertia(r), load.core_diameter / 2
+    core = load.core_diameter / 2
+    inertia = load.inertia + math.pi / 2 * load.density * load.width * (r**4 - core**4)  # of the roll with its core
     speed = course.speed / r
     acceleration = course.acceleration / r - way * h * course.speed**2 / (2.0 * math.pi * r**3)
     tension = load.tension * (1.0 - load.taper * (1.0 - core / r))

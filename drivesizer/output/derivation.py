@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer import equations  # noqa: F401 - declares them
+from drivesizer.files.arithmetic import code, own_value
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.physics.notation import Notation
 from drivesizer.results.drive_set import Requirement
@@ -121,10 +122,9 @@ def printed_failure(declared: Equation) -> str | None:
         return ureg.Quantity(1.5, unit[name] if unit[name] != "1" else "")
 
     functions = {"sqrt": np.sqrt, "sin": np.sin, "cos": np.cos, "pi": np.pi}
-    names = {n.id for n in ast.walk(ast.parse(declared.printed)) if isinstance(n, ast.Name)}
-    space = {n: functions[n] if n in functions else quantity(n) for n in names}
+    space = {n: functions[n] if n in functions else quantity(n) for n in code(declared.printed).co_names}
     try:
-        value = eval(declared.printed, {"__builtins__": {}}, space)  # noqa: S307 - our own declarations
+        value = own_value(declared.printed, space)
     except DimensionalityError as error:
         one, other = (label(f"{ureg.Unit(str(unit)):~C}") for unit in (error.units1, error.units2))
         return f"{one} cannot be added to {other}"
@@ -174,7 +174,7 @@ def value_of(expression: str, terms: Mapping[str, tuple[float, str]]) -> float:
     """
     space: dict[str, Any] = {"sqrt": math.sqrt, "sin": math.sin, "cos": math.cos}
     space |= {term: value for term, (value, _) in terms.items()}
-    return float(eval(expression, {"__builtins__": {}}, space))  # noqa: S307 - our own formulas
+    return float(own_value(expression, space))
 
 
 def worked(

@@ -139,7 +139,6 @@ class Consumer(fields.Section):
 
 
 _ANY = "any"  # out of the catalogues
-Energy = Annotated[float, fields.Quantity("energy", above=0.0)]
 _OWN = ("resistance", "power", "peak_power", "pulse_energy")
 
 
@@ -151,7 +150,7 @@ class BrakeResistor(fields.Section):
     resistance: fields.Resistance | None = fields.optional("of a resistor that no catalogue lists", example="10 ohm")
     power: fields.Power | None = fields.optional("continuous", example="50 W")
     peak_power: fields.Power | None = fields.optional("for as long as a braking lasts", example="500 W")
-    pulse_energy: Energy | None = fields.optional("of a single braking", example="200 J")
+    pulse_energy: fields.Energy | None = fields.optional("of a single braking", example="200 J")
     chopper_voltage: fields.Voltage | None = fields.optional(
         "at which the chopper switches on; that of a shunt regulator where not given", example="56 V"
     )

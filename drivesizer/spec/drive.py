@@ -77,11 +77,6 @@ class BeltStage(fields.Section):
         if self.pulleys is None and self.pulley_diameter is None and (self.max_tension or self.max_speed):
             yield "give pulley_diameter beside max_tension and max_speed"
 
-    @property
-    def to_search(self) -> list[float]:
-        """The ratios that the stage names, the smallest first; those of pulleys are out of the catalogues."""
-        return [self.ratio] if self.ratio is not None else sorted(set(self.ratios or []))
-
 
 class GearStage(fields.Section):
     """A further stage of fixed ratio, behind or before the belt: spur or bevel gears, a chain, or a worm."""

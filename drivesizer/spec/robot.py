@@ -57,11 +57,6 @@ def _stages(volts: float, given: sections.PowerStage, assume: bool) -> Callable[
 AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
 
 
-def or_any(schema: dict[str, Any]) -> None:
-    """Let the schema of a section take the word ``any``."""
-    schema["anyOf"].insert(0, {"const": "any", "type": "string"})
-
-
 class RobotSpec(fields.Section, OfFile):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
@@ -81,7 +76,8 @@ class RobotSpec(fields.Section, OfFile):
     margins: sections.Margins = fields.all_defaults()
     supply: sections.Supply
     brake_resistor: BrakeResistor | None = fields.optional(
-        "that burns what is regenerated; none where not given", json_schema_extra=or_any
+        "that burns what is regenerated; none where not given",
+        json_schema_extra=fields.or_else({"const": "any", "type": "string"}),
     )
     power_stage: sections.PowerStage = fields.all_defaults()
     shaft: Shaft | None = fields.optional("output shaft of the gearhead, or motor, and what it carries")
@@ -308,8 +304,9 @@ class RobotSpec(fields.Section, OfFile):
 
     @property
     def belt_ratios(self) -> list[float]:
-        """The belt ratios to search; 1 without a belt. Those of pulleys are out of the catalogues: see ``Problem``."""
-        return self.belt.to_search if self.belt else [1.0]
+        """The belt ratios to search, the smallest first; 1 without a belt. Those of pulleys are in the catalogues."""
+        ratio, several = (self.belt.ratio, self.belt.ratios) if self.belt else (1.0, None)
+        return sorted(set(several or [])) if ratio is None else [ratio]
 
     @property
     def belt_efficiency(self) -> float:

@@ -68,11 +68,6 @@ Name = Annotated[str, Field(min_length=1, max_length=200)]
 Point = Annotated[list[fields.Place], Field(min_length=3, max_length=3)]
 
 
-def _or_mass(schema: dict[str, Any]) -> None:
-    """Let the schema of a payload take its mass alone."""
-    schema["anyOf"] = [{"type": "string", "examples": ["1 kg"]}, *schema["anyOf"]]
-
-
 _ORIGIN = ["0 mm", "0 mm", "0 mm"]
 
 
@@ -195,7 +190,9 @@ class RobotSection(fields.Section):
         "of moves between waypoints, by joint; `all` for those that are not named"
     )
     held: dict[Name, Position] = fields.all_defaults("positions of joints that do not move; 0 where not given")
-    payload: PointMass | None = fields.optional("or its mass alone", json_schema_extra=_or_mass)
+    payload: PointMass | None = fields.optional(
+        "or its mass alone", json_schema_extra=fields.or_else({"type": "string", "examples": ["1 kg"]})
+    )
     payloads: Annotated[list[PayloadCase], Field(max_length=100)] = fields.no_entries(
         "other payloads at the same point, as load cases"
     )

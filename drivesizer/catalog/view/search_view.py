@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import tables
 from drivesizer.catalog.estimates.estimate import UNRATED, estimates_of_catalog
-from drivesizer.catalog.expressions import code, value
+from drivesizer.catalog.expressions import value
 from drivesizer.catalog.parts import DIRECT, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Table, filled, with_pairs, with_rows
 from drivesizer.catalog.tolerances import usual_of_spur_gears
 from drivesizer.errors import CatalogError, quoted
+from drivesizer.files.arithmetic import code
 from drivesizer.files.yaml_source import shipped_data
 from drivesizer.physics.drive_train import DRY_SHARE, SERVO
 
