@@ -35,7 +35,7 @@ from drivesizer.search.shortlist import Shortlist, problem_with_drive_mass, shor
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.spec.robot import RobotSpec
 
-ORDER: tuple[Status, ...] = ("pass", "open", "unknown", "fail")
+ORDER = GRAVEST[::-1]
 Cost = tuple[int, float]  # figures that are unknown, and the sum of those that are known: less is better in this order
 Masses = tuple[float, ...]  # kg, of the carried axes in their order
 Kind = tuple[str, str]  # motor and gearhead

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.physics.figures import Array
-from drivesizer.results.check import Check, Figure, Reliability, Status, verdict, worst
+from drivesizer.results.check import Check, Figure, Reliability, Status, gravest, verdict, worst
 from drivesizer.results.drive_set import BrakingBudget, DriveSet, EnergyBudget
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.drive import OBJECTIVES
@@ -165,9 +165,7 @@ class MachineSizing:
     def status(self) -> Status:
         """The worst of all axes and of the machine's own checks; a fail where an axis has no drive."""
         bests = [axis.best for axis in self.axes]
-        found = [best.status if best else "fail" for best in bests] + [verdict(self.checks)]
-        order: tuple[Status, ...] = ("fail", "unknown", "open")
-        return next((status for status in order if status in found), "pass")
+        return gravest([best.status if best else "fail" for best in bests] + [verdict(self.checks)])
 
     @property
     def complete(self) -> bool:

@@ -26,6 +26,7 @@ from drivesizer.loads.screw import Screw, own_limits
 from drivesizer.loads.stage_losses import force_along
 from drivesizer.machine.problem import problem
 from drivesizer.physics.load_cycle import Ends
+from drivesizer.results.check import GRAVEST
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem, TriedScrew, chosen_of, leaves_open, screw_figures, with_screw
@@ -38,7 +39,7 @@ from drivesizer.spec.drive import OBJECTIVES
 from drivesizer.spec.robot import RobotSpec
 
 _KINDS = {"ball_screw": ("ball",), "lead_screw": ("trapezoidal", "lead")}  # in the catalogues, by kind of load
-_CERTAIN = ("pass", "open", "unknown", "fail")
+_CERTAIN = GRAVEST[::-1]
 
 
 class _Case(NamedTuple):

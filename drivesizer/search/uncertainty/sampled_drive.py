@@ -27,7 +27,7 @@ from drivesizer.machine.supply_power import Draw
 from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
-from drivesizer.physics.drive_train import back_emf_constant, commutation, friction, gear_loss
+from drivesizer.physics.drive_train import back_emf_constant, commutation, friction, motor_and_gears
 from drivesizer.physics.figures import Array, Figures, Mask
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
@@ -569,13 +569,12 @@ def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, A
     feed = spec.feed(drive.parts.controller, drive.parts.brake)._replace(voltage=spec.supply.nominal)
     cold = thermal.resistance_at(thermal.resistance_25(motor), spec.environment.ambient)  # winding at the ambient
     cold = cold + (feed.leads if spec.resists else 0.0)
-    k_t, (dry, viscous), (efficiency, idle) = motor["torque_constant"], friction(motor), gear_loss(gearhead)
-    speed, _ = operating_point(
-        Winding(cold, np.nan, k_t, motor["back_emf_constant"], commutation(motor)), feed.usable, dry + idle, viscous
-    )
+    own = motor_and_gears(motor, gearhead)
+    winding, rubs = Winding(cold, np.nan, own.k_t, own.k_e, commutation(motor)), own.coulomb + own.idle
+    speed, _ = operating_point(winding, feed.usable, rubs, own.viscous)
     stalled = np.fmin(feed.usable / cold, drive.parts.controller["peak_current"])
-    ratio = gearhead["ratio"] * at.belt
-    held = np.maximum(k_t * stalled - dry - idle, 0.0) * ratio * efficiency * spec.belt_efficiency
+    ratio = own.ratio * at.belt
+    held = np.maximum(own.k_t * stalled - rubs, 0.0) * ratio * own.efficiency * spec.belt_efficiency
     found["free_speed"] = np.maximum(speed, 0.0) / ratio
     found["stall_torque"] = np.where(np.isnan(feed.usable), np.nan, held)
     return found
