@@ -8,10 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import one_row
 from drivesizer.load_cases import load_cycle
-from drivesizer.machine.part_curves import torque_of_part
+from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.machine.set_cycle import SetCycle, turned
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import BRAKING, DIRECTION, DRIVING, SPEED, CycleAtBelt
@@ -112,6 +111,8 @@ def hot_winding(found: OperatingField) -> str:
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
     """The field of a drive's motor, and the cycle of a spec in it.
 
+    That of a stepper has its pull-out torque, up to half more than the highest speed of the cycle.
+
     The hot winding is the permitted one, for a line that is valid in any permitted cycle; where that is unknown it is
     the mean of this cycle in the long run, and the line is this cycle's alone.
     """
@@ -164,7 +165,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         continuous = np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy()
     peak = drive_set.controller.peak_current if drive_set.controller else nan
     rms_speed = float(np.sqrt(cycle.moment(SPEED, SPEED)) * ratio)
-    return OperatingField(
+    found = OperatingField(
         voltage=voltage,
         ambient=ambient,
         hot=hot,
@@ -181,10 +182,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         rms_speed=rms_speed,
         rms_torque=float(np.maximum(k_t * demand.rms_current[0] - rubbed(rms_speed), 0.0)),
     )
-
-
-def with_pull_out(found: OperatingField, spec: RobotSpec, catalog: Catalog, part: str) -> OperatingField:
-    """The field of a stepper with its pull-out torque, up to half more than the highest speed of the cycle."""
-    speed = 1.5 * found.speed
-    torque = torque_of_part(catalog, part, speed, spec.supply.lowest)
-    return replace(found, speed=speed, pull_out=torque, factor=spec.margins.pull_out)
+    if not drive_set.steps:
+        return found
+    torque = torque_of_drive(drive_set, 1.5 * w, spec.supply.lowest)
+    return replace(found, speed=1.5 * w, pull_out=torque, factor=spec.margins.pull_out)

@@ -31,14 +31,6 @@ from drivesizer.results.drive_set import DriveParts
 _FIGURES = ("holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", "pull_out_share")
 
 
-def torque_of_part(catalog: Catalog, part: str, speed: Array, voltage: float) -> Array:
-    """Pull-out torque of one stepper."""
-    row = catalog.motors.rows[part]
-    one = catalog.motors.taken(slice(row, row + 1))
-    found: Array = available_torque(one, catalog.pull_outs, speed[None], voltage)[0]
-    return found
-
-
 def curves_of(catalog: Catalog, row: int) -> PullOuts:
     """Printed curves of one stepper, as a record of its drive keeps them."""
     if STEPPER not in catalog.motors.columns:
@@ -64,24 +56,21 @@ def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: Al
         for name, column in (("holding_torque", "holding_torque"), ("phase_current", "nominal_current"),
                              ("resistance", "resistance"), ("inductance", "inductance"), ("teeth", "pole_pairs"))
     }  # fmt: skip
-    volts = voltage if np.ndim(voltage) == 0 else voltage[:, None]
-    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, volts, **figures)
+    volts = np.broadcast_to(voltage, len(speed))
+    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, volts[:, None], **figures)
     if not len(curves.speed):
         return found
-    which = _curves_of(curves, voltage, motor[STEPPER])
+    which = _curves_of(curves, volts, motor[STEPPER])
     rows = np.flatnonzero(which >= 0)
     if len(rows):
         at_speed, at_torque, at_voltage = (column[which[rows]] for column in _as_rows(curves))
-        own = voltage if np.ndim(voltage) == 0 else voltage[rows]
-        found[rows] = rescaled_torque(speed[rows], own, at_speed, at_torque, at_voltage)
+        found[rows] = rescaled_torque(speed[rows], volts[rows], at_speed, at_torque, at_voltage)
     return found
 
 
-def _curves_of(curves: PullOuts, voltage: Alike, steppers: Whole) -> Whole:
-    """Number of the curve of each stepper, on a voltage of its own or that of all; -1 where it has none."""
+def _curves_of(curves: PullOuts, voltage: Array, steppers: Whole) -> Whole:
+    """Number of the curve of each stepper on its voltage; -1 where it has none."""
     count = int(steppers.max(initial=0)) + 1
-    if np.ndim(voltage) == 0:
-        return _curve_of(curves, voltage, count)[steppers]
     reached = np.searchsorted(np.unique(curves.voltage), voltage, side="right")  # between charts the choice is the same
     found = np.full(len(steppers), -1)
     for level in np.unique(reached):

@@ -15,7 +15,7 @@ from drivesizer.files.text import listed
 from drivesizer.kernel.warming import State, overload_time
 from drivesizer.machine.braking import braking_budget
 from drivesizer.machine.budgets import MachineBudget, drive_rows
-from drivesizer.machine.part_curves import curves_of, torque_of_part
+from drivesizer.machine.part_curves import curves_of, torque_of_drive
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
 from drivesizer.physics.braking import Stop
@@ -258,7 +258,7 @@ def _of_stepper(problem: Problem, parts: DriveParts) -> dict[str, float]:
     inertia = parts.inertia() + float(cycle.inertia) / total**2
     fastest = float(np.abs(cycle.speed).max()) * total
     speeds, volts = np.array([0.0, fastest]), problem.spec.supply.lowest
-    at_rest, at_speed = torque_of_part(problem.catalog, motor.part, speeds, volts).tolist()
+    at_rest, at_speed = torque_of_drive(parts, speeds, volts).tolist()
     starts = start_speed_with(motor.start_speed, motor.rotor_inertia, inertia, 0.0, motor.holding_torque)
     return {
         "pull_out_at_rest": at_rest,

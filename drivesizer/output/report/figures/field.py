@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer import equations as eq
-from drivesizer.machine.operating_field import OperatingField, Operation, field, hot_winding, operation, with_pull_out
+from drivesizer.machine.operating_field import OperatingField, Operation, field, hot_winding, operation
 from drivesizer.machine.set_cycle import SetCycle
 from drivesizer.output.report.figures import picture, style
 from drivesizer.output.report.figures.cycle import TOGETHER
@@ -58,8 +58,6 @@ def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requiremen
     alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
     for number, case in enumerate(problem.cases):
         found = field(case.spec, drive_set)
-        if drive_set.steps:
-            found = with_pull_out(found, case.spec, problem.catalog, drive_set.motor.part)
         alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
     points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
     times = {number: case.cycle.time for number, case in enumerate(problem.cases)}
