@@ -154,7 +154,7 @@ def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:
         of_screw = screw_requirements([case.spec for case in problem.cases])
         return (*requirements([case.cycle for case in problem.cases]), *of_screw)
     if len(found.evaluation.candidates.motor):
-        return tuple(r.at(row) for r in found.evaluation.wheel.values())
+        return tuple(r.on(row) for r in found.evaluation.wheel.values())
     return tuple(vehicle(problem.spec, 0.0).steps.values())
 
 

@@ -219,19 +219,12 @@ class Requirement:
         """The value as it is printed."""
         return show(self.value, self.unit, self.kind)
 
-    def at(self, index: int) -> Requirement:
-        """The figure of one candidate out of a column."""
+    def on(self, rows: Whole | int) -> Requirement:
+        """The figures of some candidates out of a column, or the figure of one."""
 
         def pick(value: Any) -> Any:
-            return float(value[index]) if getattr(value, "ndim", 0) else value
-
-        return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
-
-    def on(self, rows: Whole) -> Requirement:
-        """The figures of some candidates out of a column."""
-
-        def pick(value: Any) -> Any:
-            return value[rows] if getattr(value, "ndim", 0) else value
+            own = value[rows] if getattr(value, "ndim", 0) else value
+            return own if getattr(own, "ndim", 1) else float(own)
 
         return replace(self, value=pick(self.value), inputs={k: pick(v) for k, v in self.inputs.items()})
 

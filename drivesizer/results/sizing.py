@@ -254,32 +254,22 @@ def mass_text(one: DriveSet) -> str:
     return mark + show(one.mass, "g", "mass", 3 if one.mass_estimated else 4)
 
 
-def objective_figure(drive_set: DriveSet, objective: str) -> Figure:
-    """The figure of a drive for an objective, ranked by it or not."""
-    shown = OBJECTIVES[objective]
-    value = _objective_value(drive_set, objective)
-    unit = drive_set.currency if shown.kind == "price" else shown.unit
-    return Figure(name=objective, title=shown.title, value=value, kind=shown.kind, unit=unit)
-
-
-def _objective_value(drive_set: DriveSet, objective: str) -> float:
+def objective_figure(one: DriveSet, objective: str) -> Figure:
+    """The figure of a drive for an objective, ranked by it or not; of encoder and controller as far as it is known."""
     declared = OBJECTIVES[objective]
     if objective == "margin":
-        tight = worst(drive_set.checks)
-        return tight.margin if tight else nan
-    if declared.over:  # first: what is called power among the figures is that of the supply
-        return _summed(drive_set, objective)
-    return {figure.name: figure.value for figure in drive_set.figures}.get(objective, nan)
-
-
-def _summed(one: DriveSet, objective: str) -> float:
-    """A sum over the parts of a drive; of encoder and controller as far as it is known."""
-    if objective == "mass":
-        return nan if set(unknown_parts(one, objective, one.mass_of)) - _CONTROLLING else one.mass
-    declared = OBJECTIVES[objective]
-    parts = {role: part for role in declared.over if (part := getattr(one, role)) is not None}
-    values = {role: getattr(part, declared.figure, 0.0) for role, part in parts.items()}
-    return float(sum(value for role, value in values.items() if role not in _CONTROLLING or not isnan(value)))
+        tight = worst(one.checks)
+        value = tight.margin if tight else nan
+    elif objective == "mass":
+        value = nan if set(unknown_parts(one, objective, one.mass_of)) - _CONTROLLING else one.mass
+    elif declared.over:  # first: what is called power among the figures is that of the supply
+        parts = {role: part for role in declared.over if (part := getattr(one, role)) is not None}
+        values = {role: getattr(part, declared.figure, 0.0) for role, part in parts.items()}
+        value = float(sum(x for role, x in values.items() if role not in _CONTROLLING or not isnan(x)))
+    else:
+        value = {figure.name: figure.value for figure in one.figures}.get(objective, nan)
+    unit = one.currency if declared.kind == "price" else declared.unit
+    return Figure(name=objective, title=declared.title, value=value, kind=declared.kind, unit=unit)
 
 
 _CONTROLLING = {"encoder", "controller"}
