@@ -362,7 +362,7 @@ def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
     count = max(min(_SAMPLED, waveforms(problem)), top)
     ahead = np.count_nonzero(kept.certainty == PASSES)
     for rows in (np.flatnonzero(opened), np.flatnonzero(kept.certainty == UNKNOWN)):
-        if len(rows) > 1 and ahead < top:
+        if len(rows) and np.count_nonzero(kept.certainty != PASSES) > 1 and ahead < top:
             before = [precedence[rows]]
             best = rows[order(problem.catalog, kept.sets.on(rows), value[rows], missing[rows], before=before)][:count]
             probable = _probabilities(problem, kept.sets.on(best))
@@ -371,7 +371,7 @@ def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
             by_samples = opened[best] & ~np.isnan(probable)
             likely = np.where(by_samples, _TENTHS * (OPEN + 1) - 1 - tenths, precedence[best])
             precedence[best] = np.where(tenths == 0, hardly + _HARDLY * (probable < _ONCE), likely)
-        ahead += len(rows)
+        ahead += np.count_nonzero(precedence[rows] < _TENTHS * UNKNOWN)
     return Rank(precedence, missing, value)
 
 

@@ -98,9 +98,9 @@ def test_the_robots_unknown_and_estimated_figures(example):
     sized = size(load_spec(example), top=1)
     best = sized.sets[0]
     assert not unknown_figures(best)
-    poorer = without(sized.catalog, "motor", "118752", "max_speed")
+    poorer = without(sized.catalog, "motor", "118752", "max_winding_temperature")
     (lacking,) = explain(load_spec(example), "118752", "406764", catalog=poorer)
-    assert dict(unknown_figures(lacking)) == {"Motor permissible speed": "motor max speed"}
+    assert dict(unknown_figures(lacking)) == {"Winding temperature, peak": "motor max winding temperature"}
     marked = {name: (value, mark) for name, value, mark, _ in marked_figures(best)}
     assert marked["encoder max speed"] == ("24000 rpm", "recalled")
     assert marked["encoder inertia"] == ("0.7 g·cm²", "derived")

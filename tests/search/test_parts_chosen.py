@@ -160,6 +160,17 @@ def test_one_unknown_limit_of_frequency_does_not_pass(fan, own, controllers, sta
         assert {check.name: check.status for check in one.checks}["encoder_frequency"] == status
 
 
+@pytest.mark.parametrize(("no_load", "status"), [(2200, "pass"), (1600, "pass"), (1500, "unknown")])
+def test_a_motor_of_no_permissible_speed_bears_what_its_maker_runs_it_at(fan, no_load, status):
+    """1200 rpm, where 1600 without load / 1.3 are 1231, 1500 / 1.3 are 1154; of a nominal speed it would be 1500."""
+    parts = PARTS.replace(", max_speed: 6000 rpm", "").replace("nominal_speed (rpm), ", "").replace(" 1500, 6,", " 6,")
+    (one,) = explain(fan(catalog=parts.replace("2200, 300", f"{no_load}, 300")), "light", "direct")
+    (speed,) = [check for check in one.checks if check.name == "motor_speed"]
+    assert speed.status == status and "no permissible speed is printed" in speed.note
+    (one,) = explain(fan(catalog=PARTS.replace(", max_speed: 6000 rpm", "")), "light", "direct")
+    assert next(check.status for check in one.checks if check.name == "motor_speed") == "pass"
+
+
 def test_a_stricter_demand_gives_no_lighter_set(fan):
     """What is asked for can only leave fewer sets."""
     masses = [size(fan("coarse unknown", f"encoder_counts: {n}" if n else "")).sets[0].mass for n in (0, 50, 150, 600)]

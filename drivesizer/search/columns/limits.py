@@ -46,6 +46,8 @@ from drivesizer.spec.sections import required_life
 Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
 _BY_TORQUE = "no power is printed: limited by torque and speed alone, assumed"
+_IDLE = 1.3  # times the permissible speed, which no no-load speed exceeds
+_BY_IDLE = "no permissible speed is printed: assumed at least that at nominal load, or without load / 1.3"
 _NO_SHORT = "the limit at least: none for a short time is printed"
 _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
@@ -203,7 +205,7 @@ def moving_limits(
     if spec.once:
         rated = [_of_one_run(check, heating, motor) for check in rated]
     found = [
-        at_most("motor_speed", demand.peak_speed, motor["max_speed"], needed=speed),
+        _motor_speed(demand.peak_speed, motor, speed),
         *rated,
         winding_limit(spec, heating.winding, motor),
     ]
@@ -214,6 +216,18 @@ def moving_limits(
         found.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
                              advice=True, note=_UNEVEN_NOTE))  # fmt: skip
     return found + inertia_limits(spec, cycle, demand, parts)
+
+
+def _motor_speed(speed: Array, motor: Figures, needed: float) -> CheckColumn:
+    """A motor's speed against the permissible one; where none is printed it is at least one that its maker runs it at.
+
+    Of 904 motors that print both none permits less than the no-load speed at nominal voltage over 1.3.
+    """
+    printed = motor["max_speed"]
+    silent, reached = np.isnan(printed), np.fmax(motor["nominal_speed"], motor["no_load_speed"] / _IDLE)
+    limit = Range(np.where(silent, reached, printed), printed)
+    column = at_most("motor_speed", speed, limit, needed=needed, undecided=_BY_IDLE)
+    return column.assuming(silent & column.passed, _BY_IDLE)
 
 
 def _of_one_run(check: CheckColumn, heating: Heat, motor: Figures) -> CheckColumn:
