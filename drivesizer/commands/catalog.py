@@ -112,7 +112,7 @@ def take_in(
     from drivesizer.catalog.law_check import check as checked
     from drivesizer.files.sheets import sheets
     from drivesizer.files.writing import new
-    from drivesizer.output.terminal import findings as terminal_findings
+    from drivesizer.output.terminal import catalog as terminal_catalog
 
     if output is None and not dry_run:
         raise InputError("--output: no file to write is named; expected -o my_parts.yaml, or --dry-run")
@@ -141,10 +141,10 @@ def take_in(
         assumed = "what fits is assumed at its end: look at it" if "\ncompatibility:" in imported.text else ""
         fits = assumed or "it states no compatibility: name a catalogue by --with, or add it at its end"
         written.append(f"{target} written; {fits}")
-    terminal_findings.imported(imported, guessed=map_ is None)
+    terminal_catalog.imported(imported, guessed=map_ is None)
     wrong = [one for one in checked(imported.catalog) if one.unexplained]
     if wrong:
-        terminal_findings.findings(wrong)
+        terminal_catalog.findings(wrong)
     for line in written:
         typer.echo(line)
 
@@ -199,7 +199,7 @@ def add(
     from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
     from drivesizer.files.writing import write_files
     from drivesizer.files.yaml_source import written
-    from drivesizer.output.terminal import findings as terminal_findings
+    from drivesizer.output.terminal import catalog as terminal_catalog
 
     known_section(section)
     _target(output)
@@ -226,9 +226,9 @@ def add(
     made = with_part(output.read_text(encoding="utf-8") if output.exists() else empty, str(output), part)
     write_files({output: made.encode()})
     catalog = catalog_of_text(Path("added.yaml"), part.encode())
-    terminal_findings.added(catalog, section, output)
+    terminal_catalog.added(catalog, section, output)
     if wrong := [one for one in checked(catalog) if one.unexplained]:
-        terminal_findings.findings(wrong)
+        terminal_catalog.findings(wrong)
 
 
 def _question(section: str, name: str) -> str:
@@ -419,9 +419,9 @@ def stats(catalog: Names = None, json: Json = False) -> None:
         sections = {name: {s: coverage(c, s)._asdict() for s in PARTS} for name, c in shelf.items()}
         print_json({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}})
         return
-    from drivesizer.output.terminal import findings as terminal_findings
+    from drivesizer.output.terminal import catalog as terminal_catalog
 
-    terminal_findings.statistics(shelf)
+    terminal_catalog.statistics(shelf)
 
 
 @app.command(epilog="Example: drivesizer catalog check --catalog my_parts.yaml")
@@ -439,9 +439,9 @@ def check(
 
         print_json({"findings": [as_finding(one) for one in found if one.unexplained or everything]})
     else:
-        from drivesizer.output.terminal import findings as terminal_findings
+        from drivesizer.output.terminal import catalog as terminal_catalog
 
-        terminal_findings.findings(found, everything=everything)
+        terminal_catalog.findings(found, everything=everything)
     raise typer.Exit(1 if any(one.unexplained for one in found) else 0)
 
 
