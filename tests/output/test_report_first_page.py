@@ -11,7 +11,7 @@ import pytest
 from pdf_text import texts_of
 from printed import blank_figures
 
-from drivesizer.output.document import SECTIONS, printed
+from drivesizer.output.document import SECTIONS, Chapter, printed
 from drivesizer.output.document.axes import document_of
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data
@@ -108,7 +108,7 @@ def test_the_title_block_is_what_the_spec_gives(result):
     assert all("SPS surveillance robot, AGV 12, revision B" in text for text in pages[1:])
     assert "<dt>Customer</dt><dd>Muster &lt;AG&gt;</dd>" in page and "Author" not in pages[0]
     assert paper_data(document_of(Content(result)))["block"] == []
-    (summary,) = printed(Content(titled), SECTIONS[:1], BOOK)
+    (summary,) = printed([Chapter(Content(titled), SECTIONS[:1])], BOOK)
     assert {row.cells.get("title"): row.cells.get("note") for row in summary.blocks[1].rows}["Project"] == "AGV 12"
 
 

@@ -253,7 +253,7 @@ def test_the_speeds_by_direction_are_in_the_report(result, canvas):
     """A diagonal of the drive is slower than straight on; a circle shows what the spec asks for."""
     content = Content(result, None)
     found = content.behaviour.permitted
-    table = next(block for block in permitted.blocks(content) if isinstance(block, Table))
+    table = next(block for block in permitted(content) if isinstance(block, Table))
     assert [column.head for column in table.columns[1:-1]] == ["all motors", *(f"without {n}" for n in range(1, 5))]
     assert [row.cells["all_motors"].value for row in table.rows] == [
         found.at(degrees)[0][0] for degrees in range(0, 91, 15)
@@ -275,10 +275,10 @@ MEASURED = "{measured: [{name: a robot, position: 2 m, heading: 3 deg}]}"
 
 
 def test_path_following_is_in_the_report_of_a_spec_that_has_it(result):
-    assert [*followed.blocks(Content(result, None))] == []
+    assert [*followed(Content(result, None))] == []
     found = size(changed(SHORT, ("  misjudged:", f"  following: {MEASURED}\n  misjudged:")), top=1)
     content = Content(found, None)
-    table = next(block for block in followed.blocks(content) if isinstance(block, Table))
+    table = next(block for block in followed(content) if isinstance(block, Table))
     names = ["a robot, measured", "kinematic model", "dynamic model", "poses fed back"]
     assert [row.cells["title"] for row in table.rows] == names
     rows = csv.DictReader(io.StringIO(report_csv(content).decode()))
@@ -293,6 +293,6 @@ def test_path_following_is_in_the_report_of_a_spec_that_has_it(result):
 def test_a_platform_that_tips_over_is_not_followed_and_its_report_says_so():
     tall = ("centre_of_mass: {height: 90 mm}", f"centre_of_mass: {{height: 3.5 m}}\n  following: {MEASURED}")
     content = Content(size(changed(SHORT, tall), top=1), None)
-    (words,) = followed.blocks(content)
+    (words,) = followed(content)
     assert "the platform tips over" in words.text
     assert "followed" not in content.pictures and report_json(content)

@@ -41,7 +41,7 @@ def test_the_formulas_give_what_the_checks_have(kind, catalog):
     load = {"kind": kind, **LOADS[kind]}
     spec = load_spec({"name": "x", "load": load, "motion": motion, "supply": SUPPLY, "transmission": stages})
     result = size(spec, catalog=catalog, top=1)
-    blocks = list(with_numbers.blocks(Content(result)))
+    blocks = list(with_numbers(Content(result)))
     steps = {b.step["exact"]["name"]: b.step["exact"]["value"] for b in blocks if isinstance(b, Equation)}
     assert not [b for b in blocks[1:] if isinstance(b, Words)]  # the load's own formula holds
     drive, requirements = result.sets[0], {r.name: r.value for r in result.requirements}

@@ -37,11 +37,9 @@ ADDED = {  # file: a line before which another goes, or several such
         '        at_most("below_no_load", demand.peak_speed, motor["no_load_speed"]),\n',
     ),
     "loads/kinds.py": ('"hoist", ', '"wire_winder", '),
-    "output/document/__init__.py": (
-        '__all__ = ["SECTIONS"',
-        "from drivesizer.output.document.speeds import SPEEDS\n",
-        "    at_work.pieces,\n",
-        "    SPEEDS,\n",
+    "output/document/sections.txt": (
+        "pieces | at_work.pieces",
+        "speeds | speeds.speeds | Speeds of the motor | level=2 of_drive\n",
     ),
     "spec/drive.py": (
         '    "energy": ObjectiveKind(',
@@ -76,17 +74,14 @@ motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_ti
 supply: {nominal: 24 V}
 """
 SECTION = """
-from drivesizer.output.document.records import Column, Quantity, Row, Section, Table, Words
+from drivesizer.output.document.records import Column, Quantity, Row, Table, Words
 
 
-def _speeds(of, drive):
+def speeds(of, drive):
     yield Words("Speeds of the bare motor.")
     speed = Quantity(drive.motor.no_load_speed, "rpm", "rotary_speed")
     columns = Column("title", "figure"), Column("value", "value", "number")
     yield Table("Speeds without a load", columns, [Row({"title": "no-load speed", "value": speed}, name="no_load")])
-
-
-SPEEDS = Section(name="speeds", title="Speeds of the motor", level=2, blocks=_speeds, of_drive=True)
 """
 RUN = """
 from pathlib import Path

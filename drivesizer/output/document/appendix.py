@@ -16,7 +16,6 @@ from drivesizer.version import __version__
 # -- The specification as it was entered, by section, with the figures of the motion.
 
 
-@doc.section("specification", "Specification", media="paper")
 def specification(content: Content) -> Iterator[doc.Block]:
     """The specification as it was entered."""
     entered = content.result.spec.entered
@@ -83,7 +82,6 @@ _MEANING = {
 }
 
 
-@doc.section("repeat", "How to repeat this", appendix=True, early="never")
 def repeat(content: Content) -> Iterator[doc.Block]:
     """Versions and digests behind a result."""
     result = content.result
@@ -119,7 +117,6 @@ def repeat_blocks(
 # -- data sheets
 
 
-@doc.section("datasheets", "Data sheets", appendix=True, media="paper")
 def data_sheets(content: Content) -> Iterator[doc.Block]:
     """Data sheets of the parts of the drive."""
     if content.drive is not None:
@@ -137,7 +134,6 @@ def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[doc.Block]:
     yield doc.Fragment("datasheets", sheets)
 
 
-@doc.section("figures", "Selected drive", media="book")
 def figures_of_parts(content: Content) -> Iterator[doc.Block]:
     """Every known figure of the drive's parts with its source and confidence."""
     if content.drive is None:

@@ -37,11 +37,6 @@ _OF_WHEELS = (
 _OF_CYCLE = "Figures of the load cycle, segment by segment, at the {shaft}."
 
 
-@doc.section(
-    "derivation",
-    lambda content: "Derivation" if content.result.method == "paper" else "Requirements of the load",
-    early="derivation",
-)
 def derivation(content: Content) -> Iterator[doc.Block]:
     """Requirements of the load: equations with their numbers, or figures of the cycle."""
     from drivesizer.output.report.figures.cycle import stretches
@@ -138,7 +133,6 @@ def _equation(r: Requirement) -> doc.Equation:
 # -- The motor's own torque piece by piece of the motion: accelerate, run, brake, rest, and over the whole cycle.
 
 
-@doc.section("pieces", "The motor piece by piece", level=2, of_drive=True)
 def pieces(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """The motor in each piece of the motion."""
     for case, pieces in groupby(drive.pieces, key=lambda one: one.case):
@@ -159,7 +153,6 @@ _VOLTAGE = (
 )
 
 
-@doc.section("field", media="paper")
 def field(content: Content) -> Iterator[doc.Block]:
     """The motor's torque-speed field with the load cycle in it."""
     if content.drive is None:
@@ -180,7 +173,6 @@ def _unknown(subject: str) -> doc.Words:
     return doc.Words((f"{subject}: {reason} (", doc.TableLink("unknown"), ")."))
 
 
-@doc.section("cycle", "Over the cycle", level=2, of_drive=True)
 def cycle(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Figures of a drive over the cycle."""
     if drive.steps:
@@ -191,7 +183,6 @@ def cycle(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
         yield figures_table(f"Figures of the drive over the cycle{words}", drive.figures, halves=True)
 
 
-@doc.section("over-time", "Over the cycle", level=2, media="paper")
 def cycle_pictures(content: Content) -> Iterator[doc.Block]:
     """Field, efficiency, current and voltage as figures."""
     from drivesizer.output.report.figures.cycle import MOST_WHEELS, TOGETHER, stretches
@@ -210,7 +201,6 @@ def cycle_pictures(content: Content) -> Iterator[doc.Block]:
     yield doc.picture("demand", cases=cases, of=of, cut=_cut(len(stretches(content.cycles))))
 
 
-@doc.section("heat", "Heat", level=2, early="never")
 def heat(content: Content) -> Iterator[doc.Block]:
     """Losses and temperatures, and the way to them."""
     behaviour = content.behaviour
@@ -228,7 +218,6 @@ def heat(content: Content) -> Iterator[doc.Block]:
     yield doc.picture("heat", worst=worst)
 
 
-@doc.section("energy", "Energy", level=2, media="paper")
 def energy(content: Content) -> Iterator[doc.Block]:
     """The energy of a cycle and where it goes."""
     behaviour = content.behaviour
@@ -247,11 +236,6 @@ def energy(content: Content) -> Iterator[doc.Block]:
 # -- The closed loop: its verdict and tightest checks first, what helps, then all checks, figures, gains and courses.
 
 
-@doc.section(
-    "loop",
-    lambda content: content.validation.loop.capitalize() if content.validation else "Closed loop",
-    early="answer",
-)
 def loop(content: Content | OfLoop) -> Iterator[doc.Block]:
     """Verdict of a closed loop, its tightest checks and what helps."""
     v = content.validation
@@ -293,7 +277,6 @@ def remedies(v: Validation, axis: str = "") -> doc.Table:
     return doc.table("remedies", f"{axis}: {sentence_case(caption)}" if axis else caption, rows)
 
 
-@doc.section("loop-details")
 def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
     """Checks, figures, gains and courses of a closed loop."""
     v = content.validation
@@ -357,7 +340,6 @@ def _linear_run(v: Validation) -> Iterator[doc.Block]:
     yield doc.Words(left_out(v.linear), "note")
 
 
-@doc.section("linear", "The loops by linear theory", level=2)
 def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
     """Loops by linear theory."""
     loops = content.validation.loops if content.validation else ()

@@ -189,7 +189,8 @@ def _verdict(content: MachineContent) -> Iterator[Any]:
         yield f" The others: {drives}, {ranked}."
 
 
-def _summary(content: MachineContent) -> Iterator[doc.Block]:
+def answer(content: MachineContent) -> Iterator[doc.Block]:
+    """The verdict, a row for each axis, all parts, and the machine's own checks."""
     sizing = content.sizing
     yield doc.Verdict(sizing.status != "fail", [tuple(_verdict(content))])
     caption = (
@@ -238,7 +239,8 @@ def _axis_row(one: AxisContent) -> doc.Row:
     return doc.Row(cells, name=one.name, status=one.status, data={"axis": one.name})
 
 
-def _glance(content: MachineContent) -> Iterator[doc.Block]:
+def glance(content: MachineContent) -> Iterator[doc.Block]:
+    """The figures that a reader wants first."""
     checks = [(c, one.name) for one in content.axes if one.sizing.best for c in tightest(one.sizing.best.deciding, 1)]
     checks += [(c, f"{name}, {v.loop}") for name, v in content.proofs.items() for c in tightest(v.checks, 1)]
     checks += [(c, "all axes") for c in tightest(content.sizing.checks, 1)]
@@ -316,7 +318,8 @@ def sampled_text(found: Reliability) -> str:
 # -- Chapters on all axes: their loads side by side, power, who carries whom, closed loops, assumptions, the appendix.
 
 
-def _loads(content: MachineContent) -> Iterator[doc.Block]:
+def loads(content: MachineContent) -> Iterator[doc.Block]:
+    """The field of each axis with its load."""
     cases = any(len(one.content.cycles) > 1 for one in content.axes)
     first = " Of several load cases the first is drawn." if cases else ""
     lacking = [one.name for one in content.axes if one.sizing.best is None and one.content.drive]
@@ -330,7 +333,8 @@ def _loads(content: MachineContent) -> Iterator[doc.Block]:
         yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about)
 
 
-def _power(content: MachineContent) -> Iterator[doc.Block]:
+def supply(content: MachineContent) -> Iterator[doc.Block]:
+    """Power of all axes over time, its limits, and the battery."""
     power = content.sizing.power
     if power is None:
         return
@@ -377,7 +381,8 @@ def power_columns(power: MachinePower) -> dict[str, tuple[Any, str, str]]:
     return {"time": (course.time, "time", "s"), **held}
 
 
-def _carried(content: MachineContent) -> Iterator[doc.Block]:
+def riding_drives(content: MachineContent) -> Iterator[doc.Block]:
+    """Axes below those that carry their drives."""
     sizing, rows = content.sizing, []
     if not any(one.carried for one in sizing.axes):
         return
@@ -402,7 +407,7 @@ def _carried(content: MachineContent) -> Iterator[doc.Block]:
                 "upper end of its band.", "note")  # fmt: skip
 
 
-def _loops(content: MachineContent) -> Iterator[doc.Block]:
+def closed_loops(content: MachineContent) -> Iterator[doc.Block]:
     """A row for each axis with a drive: what it was simulated over, and its tightest check."""
     if not content.proofs:
         return
@@ -425,7 +430,8 @@ def _loop_row(one: AxisContent) -> doc.Row:
     return doc.Row(cells | {"status": (doc.Status(v.status),)}, name=one.name, data={"axis": one.name})
 
 
-def _assumptions(content: MachineContent) -> Iterator[doc.Block]:
+def assumptions(content: MachineContent) -> Iterator[doc.Block]:
+    """Assumptions and warnings, those of all axes once."""
     for intro, look, name in (("Assumptions of the sizing:", "", "assumptions"), ("Warnings:", "alarm", "warnings")):
         found: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
         for one in content.axes:
@@ -437,7 +443,8 @@ def _assumptions(content: MachineContent) -> Iterator[doc.Block]:
             yield doc.Bullets((doc.Strong(intro),) if look else intro, texts, look)
 
 
-def _repeat(content: MachineContent) -> Iterator[doc.Block]:
+def repeat(content: MachineContent) -> Iterator[doc.Block]:
+    """Versions and digests behind a result."""
     machine, results = content.sizing.machine, [one.content.result for one in content.axes]
     yield doc.Words(("A report of one axis, with its candidates and its heat: ",
                      doc.Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
@@ -446,27 +453,12 @@ def _repeat(content: MachineContent) -> Iterator[doc.Block]:
     yield from repeat_blocks(catalogs, methods, content.sizing.objective, content.file, machine.text, machine.entered)
 
 
-def _datasheets(content: MachineContent) -> Iterator[doc.Block]:
+def sheets(content: MachineContent) -> Iterator[doc.Block]:
     """Every part once, however many axes have it."""
     sheets = [sheet for one in content.axes if one.content.drive
               for sheet in datasheets(one.content.drive, one.content.result.catalog)]  # fmt: skip
     if sheets:
         yield from sheet_blocks([sheet for n, sheet in enumerate(sheets) if sheet not in sheets[:n]])
-
-
-FRONT = (
-    doc.Section(name="summary", title="Summary", blocks=_summary, early="answer"),
-    doc.Section(name="glance", title="", blocks=_glance, media="paper"),
-    doc.Section(name="loads", title="Loads of the axes", blocks=_loads, media="paper"),
-    doc.Section(name="supply", title="Power of all axes", blocks=_power),
-    doc.Section(name="carried", title="Carried drives", blocks=_carried),
-    doc.Section(name="loops", title="Closed loops of the axes", blocks=_loops, early="answer"),
-)
-BACK = (
-    doc.Section(name="assumptions", title="Assumptions", blocks=_assumptions, early="never"),
-    doc.Section(name="repeat", title="How to repeat this", blocks=_repeat, appendix=True, early="never"),
-    doc.Section(name="datasheets", title="Data sheets", blocks=_datasheets, appendix=True, media="paper"),
-)
 
 
 # -- The chapter of one axis: its answer, then sections of a document of it alone, without what the machine has once.
@@ -484,7 +476,7 @@ def _chapter(one: AxisContent) -> list[doc.Section]:
     riding = ", ".join(f"{found.of} ({show(found.mass, 'g', 'mass')})" for found in one.sizing.carried)
 
     def opening(content: Content) -> Iterator[doc.Block]:
-        yield from summary.summary.blocks(content)
+        yield from summary.summary(content)
         if riding:
             yield doc.Words(f"In its load are the drives of other axes: {riding}.")
 
@@ -495,6 +487,7 @@ def _chapter(one: AxisContent) -> list[doc.Section]:
     return [first, *(replace(section, level=2) for section in SECTIONS[1:] if section.name not in left), unknown]
 
 
+FRONT, BACK = doc.sections("machine before its axes"), doc.sections("machine behind its axes")
 _AXIS = doc.Section(name="axis", title="", blocks=lambda _: (), early="checks")
 
 

@@ -99,7 +99,6 @@ def short_table(caption: str, drives: Sequence[DriveSet], objective: str, name: 
         yield doc.Words(f"Unknown of each: {shared[0] if len(shared) == 1 else f'{len(shared)} checks'}.", "note")
 
 
-@doc.section("alternatives", "Other families", early="answer")
 def alternatives(content: Content) -> Iterator[doc.Block]:
     """The best drive of other motor families."""
     result = content.result
@@ -117,14 +116,12 @@ def alternatives(content: Content) -> Iterator[doc.Block]:
                          doc.Strong(", ".join([other.label, *more])), f" (mass {mass}; price {price})."))  # fmt: skip
 
 
-@doc.section("ranking", "Ranking", early="ranking", media="terminal")
 def ranking(content: Content) -> Iterator[doc.Block]:
     """The best drives in rows."""
     if len(content.result.sets) > 1:
         yield from short_table("Best first", content.result.sets, content.result.objective, "ranking")
 
 
-@doc.section("screws", "Screws by lead", level=2)
 def screws(content: Content) -> Iterator[doc.Block]:
     """Of each lead the smallest screw that holds, and the best drive for it."""
     found = content.result.problem.screw
@@ -152,7 +149,6 @@ def screws(content: Content) -> Iterator[doc.Block]:
 _LONGEST_FRONT = 40  # drives of it that are printed
 
 
-@doc.section("candidates", "Candidates", early="never")
 def candidates(content: Content) -> Iterator[doc.Block]:
     """The best drives and the closest rejected ones."""
     result, counts = content.result, content.result.counts
@@ -213,7 +209,6 @@ def gearhead_words(one: DriveParts, *, belt: bool = True) -> str:
     return " ".join(f"{one.gearhead_name} {part}{driven}".split())
 
 
-@doc.section("rejected", "Why the others fail", level=2, early="rejected")
 def rejected(content: Content) -> Iterator[doc.Block]:
     """The checks that reject the others."""
     result, counts = content.result, content.result.counts
@@ -253,7 +248,6 @@ def _rejected_row(one: DriveSet, belts: bool) -> doc.Row:
                    value=demand, limit=limit)  # fmt: skip
 
 
-@doc.section("pareto", "Pareto front", level=2, early="answer")
 def front(content: Content) -> Iterator[doc.Block]:
     """Drives that no other beats in all of the objectives."""
     result = content.result
@@ -284,7 +278,6 @@ _MOST_CHECKS = 12
 _MOST_DRIVERS = 3
 
 
-@doc.section("probabilities", "Probability that the drives pass", level=2, early="answer")
 def probabilities(content: Content) -> Iterator[doc.Block]:
     """Drives that reach the required confidence, and drives that do not."""
     result, sampled = content.result, content.result.uncertainty
@@ -352,7 +345,6 @@ def _chance(probability: float, unknown: Sequence[str], error: str = "") -> doc.
     return doc.Quantity(probability, "%", "probability", own=said)
 
 
-@doc.section("reliability", "The drive over its tolerances", level=2, of_drive=True)
 def reliability(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """A drive over its tolerances: checks, figures, the assumptions that matter most."""
     found = drive.reliability
@@ -396,7 +388,6 @@ def _drivers(caption: str, drivers: Sequence[Driver], **look: Any) -> doc.Table:
     return doc.table("drivers", caption, rows, **look)
 
 
-@doc.section("uncertain", level=2)
 def uncertain(content: Content) -> Iterator[doc.Block]:
     """The uncertain figures with their tolerances."""
     if content.result.uncertainty:

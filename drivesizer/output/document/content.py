@@ -132,6 +132,18 @@ class Content(Reported):
         """``found``, ``unsure`` where no drive reaches the required confidence, or ``missed``."""
         return outcome(self.result)
 
+    @property
+    def titles(self) -> dict[str, str]:
+        """Titles of sections that depend on what was computed."""
+        by_paper, proof = self.result.method == "paper", self.validation
+        drives = {"found": "The selected drive", "unsure": "The most probable drive",
+                  "missed": "The closest rejected drive"}  # fmt: skip
+        return {
+            "drive": drives[self.outcome], "derivation": "Derivation" if by_paper else "Requirements of the load",
+            "loop": proof.loop.capitalize() if proof else "Closed loop",
+            "physics": f"The same drive by {'physics' if by_paper else 'the paper'}",
+        }  # fmt: skip
+
     @cached_property
     def behaviour(self) -> Behaviour | None:
         """Behaviour of the reported drive over the load cycles."""

@@ -31,7 +31,6 @@ from drivesizer.results.drive_set import DriveSet
 _OF_MASSES = ("mass_known", "mass_left")  # figures that belong below the masses that they sum
 
 
-@doc.section("machine", "The machine with this drive", of_drive=True)
 def machine(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Budgets and masses of the machine."""
     if not drive.budget:
@@ -58,7 +57,6 @@ def mass_blocks(drive: DriveSet) -> Iterator[doc.Block]:
 # -- battery, and what the drives regenerate
 
 
-@doc.section("battery", "Battery", level=2, media="paper")
 def battery_picture(content: Content) -> Iterator[doc.Block]:
     """Consumers and charge of the battery as a figure."""
     budget = content.drive.energy if content.drive else None
@@ -68,7 +66,6 @@ def battery_picture(content: Content) -> Iterator[doc.Block]:
     yield doc.picture("battery", battery=budget.battery, lacks=lacks)
 
 
-@doc.section("battery-figures", "Battery", level=2, of_drive=True)
 def battery(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Consumers and figures of the battery."""
     budget = drive.energy
@@ -81,7 +78,6 @@ def battery(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
         yield doc.Bullets("Assumptions of the energy budget:", list(budget.assumptions))
 
 
-@doc.section("braking", "Regenerated energy", level=2, of_drive=True)
 def braking(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Energy that is regenerated, stored and burnt."""
     budget = drive.braking
@@ -97,7 +93,6 @@ def braking(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 # -- a platform: its speed by direction, and how it follows its path
 
 
-@doc.section("permitted", "Speed by direction", level=2, early="never")
 def permitted(content: Content) -> Iterator[doc.Block]:
     """Speeds that the drives permit, by direction."""
     found = content.behaviour.permitted if content.behaviour else None
@@ -126,7 +121,6 @@ def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
     yield doc.Bullets("In these speeds:", [*speed_remarks(found)])
 
 
-@doc.section("followed", "Path following", level=2, early="never")
 def followed(content: Content) -> Iterator[doc.Block]:
     """Deviations from the path, simulated and measured."""
     does, platform = content.behaviour, content.result.spec.platform
@@ -167,7 +161,6 @@ def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Fo
 # -- The platform's kinematics and dynamics in numbers, equations (21)-(59) beside them.
 
 
-@doc.section("platform", "Kinematics and dynamics of the platform", appendix=True, early="never")
 def kinematics_and_dynamics(content: Content) -> Iterator[doc.Block]:
     """Kinematics and dynamics of a platform in numbers."""
     spec = content.result.spec

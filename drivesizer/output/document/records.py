@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from importlib import import_module
 from math import isnan, nan
 from operator import attrgetter
 from typing import Any, Literal, NamedTuple, get_args
@@ -405,7 +406,7 @@ class Section:
     """
 
     name: str
-    title: str | Callable[[Any], str]  # without one its blocks belong to the section above
+    title: str  # without one its blocks belong to the section above
     blocks: Callable[..., Iterable[Block]]
     of_drive: bool = False
     early: Early = "checks"
@@ -414,17 +415,23 @@ class Section:
     media: Media = "all"
 
     def headed(self, content: Any) -> str:
-        """The title in a document of that content."""
-        return self.title if isinstance(self.title, str) else self.title(content)
+        """The title in a document of that content, which has those that depend on what was computed."""
+        return self.title.format(titles=content.titles) if "{" in self.title else self.title
 
 
-def section(
-    name: str, title: str | Callable[[Any], str] = "", *, of_drive: bool = False, early: Early = "checks",
-    level: int = 1, appendix: bool = False, media: Media = "all",
-) -> Callable[[Callable[..., Iterable[Block]]], Section]:  # fmt: skip
-    """A function to blocks as a section."""
-    return lambda blocks: Section(name=name, title=title, blocks=blocks, of_drive=of_drive, early=early, level=level,
-                                  appendix=appendix, media=media)  # fmt: skip
+def sections(which: str) -> tuple[Section, ...]:
+    """The sections of an axis, or of a machine before or behind its axes, as ``sections.txt`` declares them."""
+    found = []
+    for head, (name, function, *cells) in rows_of_file(__package__, "sections.txt"):
+        if head == which:
+            title, words, *_ = (*cells, "", "")
+            module, _, of = function.partition(".")
+            parts = (word.partition("=") for word in words.split())
+            given: dict[str, Any] = {key: value or True for key, _, value in parts}
+            given["level"] = int(given.get("level", 1))
+            blocks = getattr(import_module(f"{__package__}.{module}"), of)
+            found.append(Section(name=name, title=title, blocks=blocks, **given))
+    return tuple(found)
 
 
 class Printed(NamedTuple):

@@ -114,7 +114,6 @@ OUTCOMES = {
 }
 
 
-@doc.section("summary", "Summary", early="answer")
 def summary(content: Content) -> Iterator[doc.Block]:
     """The outcome, the parts to order, the smallest margins."""
     result, best = content.result, content.drive
@@ -198,7 +197,6 @@ def _missed(content: Content) -> Iterator[Any]:
         yield f" The closest rejected drive is {best.label}" + (f"; it fails on: {failed}." if failed else ".")
 
 
-@doc.section("glance", media="paper")
 def glance(content: Content) -> Iterator[doc.Block]:
     """The figures that a reader wants first."""
     behaviour, best, lines = content.behaviour, content.drive, content.bought
@@ -227,7 +225,6 @@ def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, st
     return f"{name.capitalize()} of {drives}{least}", value, "; ".join(notes)
 
 
-@doc.section("required", "Requirements on the machine", early="answer")
 def required(content: Content) -> Iterator[doc.Block]:
     """Requirements on the machine, and by what margin they are met."""
     if content.drive and (
@@ -308,7 +305,6 @@ def _of_the_machine(result: SizingResult) -> Iterator[str]:
         yield f"Unknown of {closest.label} in the machine: {said}."
 
 
-@doc.section("changes", early="answer")
 def changes(content: Content) -> Iterator[doc.Block]:
     """Changes of the spec after which a drive passes, where none does, and those after which the closest one does."""
     result = content.result
@@ -327,7 +323,6 @@ def changes(content: Content) -> Iterator[doc.Block]:
 # -- Confidence in the verdict: checks by status, estimated figures, tolerances and the closed loop.
 
 
-@doc.section("confidence", early="answer")
 def grounds(content: Content) -> Iterator[doc.Block]:
     """Grounds of the verdict: checks by status, estimates, tolerances, the closed loop."""
     if content.drive:
@@ -412,10 +407,6 @@ def _deciding(braking: BrakingBudget) -> str:
 # -- The reported drive part by part, its checks, estimated figures, and the same drive by the other method.
 
 
-_TITLES = {"found": "The selected drive", "unsure": "The most probable drive", "missed": "The closest rejected drive"}
-
-
-@doc.section("drive", lambda content: _TITLES[content.outcome], of_drive=True)
 def drive(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """A drive part by part; for other programs its ratios, mass and price."""
     yield doc.Words((f"{drive.label}: ", doc.Status(drive.status)), media="paper")
@@ -473,7 +464,6 @@ def _identity(s: DriveSet) -> doc.Table:
     return doc.table("identity", "Parts, ratios, mass and price", rows)
 
 
-@doc.section("checks", "Checks", level=2, of_drive=True)
 def checks(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Every check under the part that it concerns."""
     worst = of.of_machine(
@@ -487,7 +477,6 @@ def checks(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     )  # fmt: skip
 
 
-@doc.section("estimates", "Estimated figures", level=2, of_drive=True)
 def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Figures that no data sheet gives, with their bands, and the checks that hang on them."""
     if not drive.estimated:
@@ -503,13 +492,6 @@ def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
         yield doc.table("open", "Open checks", [(c.title, about(c.probability), c.note) for c in hanging])
 
 
-@doc.section(
-    "physics",
-    lambda content: f"The same drive by {'physics' if content.result.method == 'paper' else 'the paper'}",
-    of_drive=True,
-    appendix=True,
-    early="paper",
-)
 def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """The drive by the other method; on paper only where the method of the paper ranked."""
     if not drive.beside:
@@ -535,7 +517,6 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 # -- Assumptions and warnings, and the figures that are unknown or not from a document.
 
 
-@doc.section("assumptions", "Assumptions and unknowns", early="never")
 def assumptions(content: Content) -> Iterator[doc.Block]:
     """Assumptions, warnings, and figures to be confirmed."""
     result = content.result

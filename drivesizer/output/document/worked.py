@@ -144,7 +144,6 @@ def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
 # -- From the driven shaft to the motor: the moment of its largest torque, and the mean over the cycle.
 
 
-@doc.section("worked", "With the numbers put in", level=2, media="paper")
 def with_numbers(content: Content) -> Iterator[doc.Block]:
     """The steps at the hardest moment, then over the cycle."""
     drive, result = content.drive, content.result

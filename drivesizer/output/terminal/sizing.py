@@ -136,7 +136,8 @@ def validation(proof: Validation, *, checks: bool = False) -> None:
     """Print a validation: its verdict, the tightest checks and what helps; all checks, gains and loops on request."""
     out = console()
     heading(out, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
-    loop = (at_work.loop, *((at_work.loop_details, at_work.linear_loops) if checks else ()))
+    wanted = {"loop", "loop-details", "linear"} if checks else {"loop"}
+    loop = (one for one in SECTIONS if one.name in wanted)
     render.sections(out, (doc.Printed(one, "", [*one.blocks(OfLoop(proof))]) for one in loop))
     if not checks:
         out.print(
