@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 from math import inf, log, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from scipy.linalg import expm
 
 from drivesizer.kernel.warming import State, after, overload_time, steady_state
 from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE, TwoBodies
+from drivesizer.physics.winding import temperature_of_pulses
 
 MOTOR = TwoBodies(R_25=2.32, R_th1=3.1, R_th2=14.0, tau_w=12.4, tau_h=612.0)  # an RE 25, near enough
 ONE = TwoBodies(R_25=1.9, R_th1=4.0, R_th2=1e-9, tau_w=8.0, tau_h=0.5)  # its housing keeps the ambient's temperature
@@ -98,6 +100,28 @@ def test_a_pulse_beyond_the_limit_is_borne_with_a_pause_and_not_without():
     assert warmed(one, AMBIENT, [1.5, 14.0], [[square, 0.0]], 0.0).peak[0] < inf
     for seconds, factor in ((9.0, 1.0), (1e4, 9.0), (1e8, 9.0)):  # beyond what a float holds
         assert warmed(one, AMBIENT, [seconds, 14.0], [[square * factor, 0.0]], 0.0).peak[0] == inf
+
+
+PIECES = st.lists(st.tuples(st.floats(0.05, 90.0), st.floats(0.0, 1.4), st.floats(0.0, 3.0)), min_size=1, max_size=5)
+
+
+@given(motors(), PIECES)
+def test_all_heat_of_a_cycle_as_one_pulse_warms_a_winding_no_less_and_a_quick_cycle_as_its_mean(motor, pieces):
+    one = TwoBodies(**{name: np.array([getattr(motor, name)]) for name in NAMES})
+    t, share, losses = np.array(pieces).T
+    squares = share / (COPPER * motor.R_25 * (motor.R_th1 + motor.R_th2))
+    figures = {"resistance": one.R_25, "data_temperature": np.array([DATA_TEMPERATURE])}
+    names = ("thermal_resistance_winding", "thermal_resistance_housing", "winding_time_constant", "motor_time_constant")
+    figures |= zip(names, (one.R_th1, one.R_th2, one.tau_w, one.tau_h), strict=True)
+    square, loss = (np.average(x, weights=t) for x in (squares, losses))
+
+    def bound(total):
+        cycle = SimpleNamespace(load_cycle=SimpleNamespace(total=total))
+        demands, heat = SimpleNamespace(rms_current=np.sqrt([square])), SimpleNamespace(mean=np.array([loss]))
+        return temperature_of_pulses(AMBIENT, cycle, demands, heat, figures)[0]
+
+    assert warmed(one, AMBIENT, t, [squares], [losses]).peak[0] <= bound(t.sum()) * (1.0 + 1e-9)
+    assert bound(0.0) == pytest.approx(steady_state(motor, AMBIENT, sqrt(square), loss).winding, rel=1e-9)
 
 
 # --- overload
