@@ -7,19 +7,18 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.kernel.cycle import ACCOUNT
 from drivesizer.kernel.kernel import compiled
 from drivesizer.kernel.records import Drive, Figures, Piece
+from drivesizer.physics.figures import Array, Whole
 
-Array = NDArray[np.float64]
-Whole = NDArray[np.int64]
+Whole = Whole
 _COUNT = -1  # level of a call that only counts pieces
 _A_THREAD = 20_000  # drives times segments that are worth a thread
 
 
-def evaluate(drives: Drive, cycle: Any, level: int, rows: NDArray[np.int64] | None = None) -> Figures:
+def evaluate(drives: Drive, cycle: Any, level: int, rows: Whole | None = None) -> Figures:
     """Figures of drives over a load cycle that repeats.
 
     Parameters

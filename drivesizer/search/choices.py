@@ -17,11 +17,11 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.physics.extremes import undominated
+from drivesizer.physics.figures import Array, Whole
 from drivesizer.results.check import Status, verdict
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import CRITERIA, Choice, Choices, used_share, weighted_order
@@ -33,7 +33,6 @@ from drivesizer.search.search import Judge, SearchResult
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.drive import OBJECTIVES, Ranking, weights_of
 
-Array = NDArray[np.float64]
 _CELLS = 200_000  # drives times pieces of the load cycles, of which waveforms are computed: a few tenths of a second
 _JUDGED = 16  # drives that are checked in their machine as well, beside those that the search gives
 _MOST_LAYERED = 10_000  # drives of which layers are made
@@ -150,11 +149,11 @@ def _cheap(problem: Problem, sets: Candidates, figures: Mapping[str, Array], nam
 class Picked(NamedTuple):
     """Some rows out of many."""
 
-    rows: NDArray[np.int64]  # rising
+    rows: Whole  # rising
     whole: bool  # whether the Pareto front of all is among them
 
 
-def picked(figures: Mapping[str, Array], always: NDArray[np.int64], most: int) -> Picked:
+def picked(figures: Mapping[str, Array], always: Whole, most: int) -> Picked:
     """Rows of drives that some weights may make the best, layer by layer of the Pareto front.
 
     Examples
@@ -167,7 +166,7 @@ def picked(figures: Mapping[str, Array], always: NDArray[np.int64], most: int) -
     if count <= most or not columns:
         return Picked(np.arange(count) if count <= most else always, count <= most)
     place = _best_places(columns)
-    left, layers = np.sort(np.argsort(place, kind="stable")[:_MOST_LAYERED]), list[NDArray[np.int64]]()
+    left, layers = np.sort(np.argsort(place, kind="stable")[:_MOST_LAYERED]), list[Whole]()
     table = np.stack([_finite(column) for column in columns.values()], axis=1)
     while len(left) and sum(map(len, layers)) < most:
         layer = left[undominated(-table[left])]
@@ -177,12 +176,12 @@ def picked(figures: Mapping[str, Array], always: NDArray[np.int64], most: int) -
     return Picked(np.unique(np.concatenate([always, np.concatenate(layers)[:most]])), whole)
 
 
-def _best_places(columns: Mapping[str, Array]) -> NDArray[np.int64]:
+def _best_places(columns: Mapping[str, Array]) -> Whole:
     """The best place of each row in several orders: by each figure alone, by each two of them, by all together."""
     names = [*columns]
     several = [*combinations(names, 1), *combinations(names, 2), tuple(names)]
     orders = [weighted_order(columns, dict.fromkeys(some, 1.0)).order for some in several]
-    found: NDArray[np.int64] = np.minimum.reduce([np.argsort(order) for order in orders])
+    found: Whole = np.minimum.reduce([np.argsort(order) for order in orders])
     return found
 
 

@@ -9,7 +9,6 @@ from itertools import islice
 from math import nan
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import Load, accepted, charging, columns_of, feeding, pack_of, raised_voltage
@@ -23,7 +22,7 @@ from drivesizer.machine.budgets import (
 )
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED
-from drivesizer.physics.figures import no_less
+from drivesizer.physics.figures import Array, Mask, Whole, no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, sentence_case, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most
@@ -50,13 +49,12 @@ from drivesizer.spec.drive import BOUGHT
 # of the load cycle, over as many drives as there are.
 
 
-Array = NDArray[np.float64]
 _ROUNDING = 1e-9  # of a figure
 
 
-def battery_failures(problem: Problem, sets: Candidates) -> dict[str, NDArray[np.bool_]]:
+def battery_failures(problem: Problem, sets: Candidates) -> dict[str, Mask]:
     """The drives that certainly fail on autonomy or range of the battery; empty where neither is required."""
-    found = dict[str, NDArray[np.bool_]]()
+    found = dict[str, Mask]()
     battery = problem.spec.battery
     if battery is None:
         return found
@@ -94,9 +92,9 @@ def least_power(problem: Problem, number: int, sets: Candidates) -> Array:
 _NEARLY = 1e-3  # of a limit: what misses it by less is judged by its record
 
 
-def certain_failures(whole: Evaluation) -> dict[str, NDArray[np.bool_]]:
+def certain_failures(whole: Evaluation) -> dict[str, Mask]:
     """The drives that certainly fail on each budget of the machine."""
-    sets, found = whole.candidates, dict[str, NDArray[np.bool_]]()
+    sets, found = whole.candidates, dict[str, Mask]()
     for check in (*_masses(whole), *_prices(whole), *_batteries(whole)):
         with np.errstate(invalid="ignore"):
             missed = ~((1.0 + check.margin) >= (1.0 + check.needed) * (1.0 - _NEARLY))
@@ -222,7 +220,7 @@ def machine_filter(
         checks = tuple(check for check in weigh(whole, row).checks if check.name not in aside)
         return _fails(problem, checks), {check.name for check in checks if check.status == "fail"}
 
-    def known(found: dict[str, NDArray[np.bool_]]) -> dict[str, NDArray[np.bool_]]:
+    def known(found: dict[str, Mask]) -> dict[str, Mask]:
         return {name: rows for name, rows in found.items() if name not in aside}
 
     def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> BudgetFilter:
@@ -236,7 +234,7 @@ def machine_filter(
         alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
         for rows in _pieces(np.flatnonzero(~rejected), alone, _FIRST * wanted, most):
             whole = evaluated(rows)
-            certain: dict[str, NDArray[np.bool_]] | None = None
+            certain: dict[str, Mask] | None = None
             few = not counted and not whole.figures and len(rows) <= _FEW  # columns cost more than so many records
             for n, row in enumerate(rows.tolist()):
                 names = {name for name, column in (certain or {}).items() if column[n]}
@@ -260,7 +258,7 @@ def machine_filter(
     return judge
 
 
-def _pieces(rows: NDArray[np.int64], alone: int, first: int, most: int) -> Iterator[NDArray[np.int64]]:
+def _pieces(rows: Whole, alone: int, first: int, most: int) -> Iterator[Whole]:
     """Some rows alone, then a piece at a time, each larger than the one before: a piece costs much more than a row."""
     if alone and len(rows):
         yield rows[:alone]

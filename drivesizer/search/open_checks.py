@@ -17,6 +17,7 @@ from drivesizer.catalog.estimates.estimate import law_text, shipped_laws
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances import lognormal
 from drivesizer.catalog.view.mounted import has_steppers
+from drivesizer.physics.figures import Array, Mask, Whole
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.physics.thermal import rated_ambient, steady_winding
 from drivesizer.results.check import Check
@@ -36,7 +37,6 @@ from drivesizer.units import show
 # judged by themselves, of samples that fail on something else as well.
 
 
-Array = NDArray[np.float64]
 Figure = tuple[str, str]  # section and column
 SAMPLES = 128
 _FARTHEST = 3.0  # standard deviations that a figure is followed
@@ -147,7 +147,7 @@ def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]
 
 def _along(
     problem: Problem, one: Candidates, figures: list[Figure], steps: Sequence[Array], names: Set[str]
-) -> dict[str, list[NDArray[np.bool_]]]:
+) -> dict[str, list[Mask]]:
     """Whether each check passes along the steps of one figure after the other, the others at the middle."""
     ends = np.cumsum([len(each) for each in steps])
     owner = np.repeat(np.arange(len(steps)), np.diff(ends, prepend=0))
@@ -158,7 +158,7 @@ def _along(
     return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
 
 
-def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]]) -> tuple[int, int] | None:
+def _nearest_change(steps: Sequence[Array], passed: Sequence[Mask]) -> tuple[int, int] | None:
     """Figure and step between which a check turns nearest to the middle of the band; None where none turns it."""
     changes = [
         (abs(float(each[step] + each[step + 1])), k, int(step))
@@ -168,7 +168,7 @@ def _nearest_change(steps: Sequence[Array], passed: Sequence[NDArray[np.bool_]])
     return min(changes)[1:] if changes else None
 
 
-def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: NDArray[np.bool_]) -> Turn:
+def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: Mask) -> Turn:
     """The value at which a check turns, between two steps of a figure."""
     step = int(np.flatnonzero(passed != passed[0])[0]) - 1
     row = dict(zip(("motors", "gearheads", "brakes"), _rows_of(one), strict=True))[figure[0]]
@@ -201,14 +201,14 @@ def drive_at_points(
     return at_figures(replace(problem, catalog=varied), given, "open", each=names)
 
 
-def _braked(catalog: Catalog, one: Candidates, every: NDArray[np.int64]) -> dict[str, Pairs]:
+def _braked(catalog: Catalog, one: Candidates, every: Whole) -> dict[str, Pairs]:
     """The list of what goes together of the motor at each point and its brake."""
     motor, _, brake = _rows_of(one)
     rows = (every if is_listed(catalog, motor, brake) else every[:0]).astype(np.int32)
     return {"motor_brake": Pairs(rows, rows, np.zeros_like(rows))}
 
 
-def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapping[Figure, Array]) -> Table[Any]:
+def _table(catalog: Catalog, section: str, rows: Whole, points: Mapping[Figure, Array]) -> Table[Any]:
     table = catalog.table(section).taken(rows)
     inside = section != "brakes" and bool(table["inside"][0] != "")
     follows = (_FOLLOWS if inside else {}) | (_followers(catalog, int(rows[0])) if section == "motors" else {})
@@ -223,7 +223,7 @@ def _table(catalog: Catalog, section: str, rows: NDArray[np.int64], points: Mapp
     return replace(table, columns=columns)
 
 
-def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: dict[str, NDArray[Any]]) -> None:
+def _with_rated_temperature(catalog: Catalog, rows: Whole, columns: dict[str, NDArray[Any]]) -> None:
     """Put in the permitted temperature that is that of the nominal current: it follows the thermal resistances."""
     easy, hard = (end.motors[_RATED][rows] for end in catalog.ends)
     reached = steady_winding(columns, rated_ambient(columns), columns["nominal_current"])
@@ -231,7 +231,7 @@ def _with_rated_temperature(catalog: Catalog, rows: NDArray[np.int64], columns: 
     columns[_RATED] = np.where(follows, reached, columns[_RATED])
 
 
-def _moved(catalog: Catalog, figure: Figure, rows: NDArray[np.int64], by: Array) -> Array:
+def _moved(catalog: Catalog, figure: Figure, rows: Whole, by: Array) -> Array:
     """A figure of some parts, moved from the middle of its band towards its unfavourable end."""
     section, name = figure
     easy, middle, hard = (c.table(section)[name][rows] for c in (catalog.ends[0], catalog, catalog.ends[1]))

@@ -14,25 +14,21 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.physics.figures import joined, on
+from drivesizer.physics.figures import Array, Mask, Whole, joined, on
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates, Crossed, pairs
+from drivesizer.search.columns.controllers import OVER_WAVEFORM, UNDECIDED
 from drivesizer.search.columns.evaluation import at_ends, by_physics, estimated, figures_by_physics
 from drivesizer.search.columns.limits_over_time import Waveform
-from drivesizer.search.columns.powered import OVER_WAVEFORM, UNDECIDED
 from drivesizer.search.columns.stages import Drives, Examined, amount_of, belts_together, bits_of, examine, offers
 from drivesizer.search.open_checks import passing
 from drivesizer.search.ranking import COUNTED, chosen, order, rounded
 from drivesizer.spec.drive import OBJECTIVES
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 Progress = Callable[[int, int], None]  # drives examined, drives in all
 PASSES, OPEN, UNKNOWN = range(3)  # certainty
 _WAVEFORM = {name for name, declared in OBJECTIVES.items() if declared.by_waveform}
@@ -55,11 +51,11 @@ class Passing(NamedTuple):
     """Candidates that pass or may pass, as rows of a few numbers."""
 
     sets: Candidates
-    certainty: NDArray[np.int64]  # PASSES, OPEN by estimates or ranges, or UNKNOWN by a figure of which no end is known
+    certainty: Whole  # PASSES, OPEN by estimates or ranges, or UNKNOWN by a figure of which no end is known
     figures: dict[str, Array]  # that objectives count
     # of the unknown checks that are so, but for those that are so of all, of the open ones that are, and doublings of
     # limits up to their demands; of what is open by estimates the most
-    lacking: NDArray[np.int64]
+    lacking: Whole
     most: Array  # what the smallest margin of each is at most; infinite where that is not known
     passes: Mask  # none of its checks is unknown or open
 
@@ -209,7 +205,7 @@ def _chunks(problem: Problem, every: Candidates) -> Iterator[tuple[Crossed, slic
             yield Crossed(every.on(rows), some.tolist()), rows
 
 
-def _closest_of_both(problem: Problem, some: Crossed, one: Examined) -> Rows:
+def _closest_of_both(problem: Problem, some: Crossed, one: Examined) -> Whole:
     """The closest of the rejected with estimated figures, and of those without.
 
     What hangs on estimated figures is bounded by their favourable end, which may be far from the middle.
@@ -226,7 +222,7 @@ def _uncertain(problem: Problem, sets: Candidates) -> Mask:
     return found
 
 
-def _closest(bound: Array) -> Rows:
+def _closest(bound: Array) -> Whole:
     """Rows that are as near to their limits as the nearest, as many as are kept and their equals."""
     if len(bound) <= _NEAREST:
         return np.arange(len(bound))
@@ -234,7 +230,7 @@ def _closest(bound: Array) -> Rows:
     last = -np.partition(-bound[bound >= farthest], _NEAREST - 1)[_NEAREST - 1]
     few = np.flatnonzero(bound >= last - _ALIKE * abs(last))  # rounding makes equals of no others
     far = rounded(-bound[few])
-    near: Rows = few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
+    near: Whole = few[~(far > np.partition(far, _NEAREST - 1)[_NEAREST - 1])]
     return near
 
 
@@ -335,8 +331,8 @@ _TENTHS = 12  # places for tenths of a probability, and for what is not sampled
 class Rank(NamedTuple):
     """Columns over drives that pass or may pass: less is better, the first one first."""
 
-    precedence: NDArray[np.int64]  # certainty; of open drives how probable it is that none fails, of unknown how few
-    missing: NDArray[np.int64]  # parts of which the objective is unknown
+    precedence: Whole  # certainty; of open drives how probable it is that none fails, of unknown how few
+    missing: Whole  # parts of which the objective is unknown
     value: Array  # of the objective
 
     @property
@@ -344,7 +340,7 @@ class Rank(NamedTuple):
         """All of them, where rounding makes no difference: shape (3, drives)."""
         return np.stack([self.precedence, self.missing, rounded(self.value)])
 
-    def order(self, catalog: Catalog, sets: Candidates, rows: Any = slice(None), margin: Array | None = None) -> Rows:
+    def order(self, catalog: Catalog, sets: Candidates, rows: Any = slice(None), margin: Array | None = None) -> Whole:
         """Some drives from best to worst, by their places among these."""
         before = [self.precedence[rows]]
         return order(catalog, sets.on(rows), self.value[rows], self.missing[rows], before=before, margin=margin)
@@ -389,7 +385,7 @@ def waveforms(problem: Problem) -> int:
     return _CELLS_OF_RANK // problem.segments
 
 
-def better_but_unknown(problem: Problem, kept: Passing, rank: Rank, best: Rows) -> Rows:
+def better_but_unknown(problem: Problem, kept: Passing, rank: Rank, best: Whole) -> Whole:
     """The best of those that are better than the first shown and only stand behind it for a figure that is missing."""
     if not len(best) or kept.certainty[best[0]] != PASSES:
         return best[:0]

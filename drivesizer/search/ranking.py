@@ -13,6 +13,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.estimates.estimate import assumed_mass
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.extremes import undominated
+from drivesizer.physics.figures import Array, Whole
 from drivesizer.results.sizing import multiples, used_share
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation
@@ -20,7 +21,6 @@ from drivesizer.search.columns.stages import Drives
 from drivesizer.spec.drive import OBJECTIVES, Ranking, Weighted
 from drivesizer.units import RANGES
 
-Array = NDArray[np.float64]
 CONTROLLING = ("encoder", "controller")
 _UNLISTED, _NEEDLESS = -1, -2  # in place of the row of a part
 COUNTED = tuple(name for name, declared in OBJECTIVES.items() if not declared.over and name != "margin")
@@ -99,9 +99,7 @@ def bought(
     return found
 
 
-def values(
-    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Ranking
-) -> tuple[Array, NDArray[np.int64]]:
+def values(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: Ranking) -> tuple[Array, Whole]:
     """An objective of each drive, less is better, and of how many parts it is unknown."""
     if isinstance(objective, str):
         value, missing = single(catalog, sets, figures, objective)
@@ -118,9 +116,7 @@ def values(
     return total, missing
 
 
-def single(
-    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str
-) -> tuple[Array, NDArray[np.int64]]:
+def single(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name: str) -> tuple[Array, Whole]:
     """One objective of each drive as far as it is known, less is better, and what is unknown of it."""
     declared = OBJECTIVES[name]
     if not declared.over:
@@ -132,15 +128,11 @@ def single(
     return -total if declared.more_is_better else total, np.isnan(found[turning]).sum(0)
 
 
-def controlling_unknown(
-    catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str
-) -> NDArray[np.int64]:
+def controlling_unknown(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], objective: str) -> Whole:
     """Number of encoder and controller of each drive of which an objective is unknown."""
     declared = OBJECTIVES[objective]
     over = [role for role in declared.over if role in CONTROLLING]
-    unknown: NDArray[np.int64] = np.isnan(
-        bought(catalog, sets, figures, declared.figure, over, 0 if catalog.ends else None)
-    ).sum(0)
+    unknown: Whole = np.isnan(bought(catalog, sets, figures, declared.figure, over, 0 if catalog.ends else None)).sum(0)
     return unknown
 
 
@@ -148,10 +140,10 @@ def order(
     catalog: Catalog,
     sets: Candidates,
     value: Array,
-    missing: NDArray[np.int64],
+    missing: Whole,
     before: Sequence[NDArray[Any]] = (),
     margin: Array | None = None,
-) -> NDArray[np.int64]:
+) -> Whole:
     """Drives from best to worst.
 
     An objective that is known of all parts goes before one that is not, then the better one, then the larger smallest
@@ -176,7 +168,7 @@ def rounded(value: Array) -> Array:
     return np.where(np.isfinite(found), found, value)
 
 
-def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> NDArray[np.int64]:
+def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> Whole:
     """Drives that no other drive equals or beats in every one of several objectives, in order of the first.
 
     Drives of which one of the objectives is not wholly known are left out.
@@ -186,5 +178,5 @@ def front(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], name
     values_ = np.stack([rounded(value[known]) for value, _ in columns], axis=1)
     ordered = order(catalog, sets.on(known), values_[:, 0], np.zeros(len(known), np.int64))
     best = ordered[np.sort(undominated(-values_[ordered]))]
-    found: NDArray[np.int64] = known[best]
+    found: Whole = known[best]
     return found

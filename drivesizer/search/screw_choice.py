@@ -15,7 +15,6 @@ from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import Screw as Part
@@ -25,6 +24,7 @@ from drivesizer.loads.course import Course, course
 from drivesizer.loads.screw import Screw, own_limits
 from drivesizer.loads.stage_losses import force_along
 from drivesizer.machine.problem import problem
+from drivesizer.physics.figures import Whole
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.check_kinds import CHECKS
@@ -140,7 +140,7 @@ def _outcome(screw: Part, cases: Sequence[_Case]) -> tuple[str, bool]:
     return "", lacks
 
 
-def _allowed(spec: RobotSpec, catalog: Catalog) -> NDArray[np.int64]:
+def _allowed(spec: RobotSpec, catalog: Catalog) -> Whole:
     """Rows of the screws of the required kind, maker and size."""
     load, table = spec.load, catalog.screws
     assert isinstance(load, Screw) and load.screw is not None

@@ -13,10 +13,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.physics.figures import joined
+from drivesizer.physics.figures import Array, Whole, joined
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
@@ -35,9 +34,7 @@ from drivesizer.search.passing import (
     waveforms,
 )
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-Evaluated = Callable[[Rows], Evaluation]  # some rows of the drives in full
+Evaluated = Callable[[Whole], Evaluation]  # some rows of the drives in full
 _QUICK = "mass"  # objective that needs no waveform
 _FIRST = 1 << 12  # drives that are judged in their machine at first
 _MOST = 1 << 16  # at a time
@@ -49,8 +46,8 @@ _ALIKE = 32  # drives of a family that rank alike, of which margins are computed
 class BudgetFilter(NamedTuple):
     """Of the drives that pass their own checks those that pass the machine's budgets, as far as they were examined."""
 
-    best: Rows  # which of them, in order
-    rejected: Rows  # which of them fail on a budget, in order
+    best: Whole  # which of them, in order
+    rejected: Whole  # which of them fail on a budget, in order
     judged: int
     by: Counter[str]  # how many by each budget
 
@@ -63,9 +60,9 @@ class InOrder(NamedTuple):
 
     drives: Passing
     rank: Rank
-    order: Rows  # of the drives, from best to worst
+    order: Whole  # of the drives, from best to worst
     at: Evaluated  # drives in full; the rejected are numbered behind those that pass
-    rejected: Callable[[int], Rows]  # so many of them, from the closest on
+    rejected: Callable[[int], Whole]  # so many of them, from the closest on
 
 
 class SearchResult(NamedTuple):
@@ -80,7 +77,7 @@ class SearchResult(NamedTuple):
     held_back: int | None  # row of the best that would be better than the first, did its checks not lack figures
     others: tuple[int, ...]  # rows of the best of other motor families than the first one's, where required
     every: InOrder  # all that pass their own checks
-    best: Rows  # which of these the first rows are
+    best: Whole  # which of these the first rows are
 
 
 def search(
@@ -192,7 +189,7 @@ def _by_physics(
     few = len(failing) <= waveforms(problem)
     in_full = InFull(problem, joined([kept.sets, rejected]))
 
-    def closest(number: int) -> Rows:
+    def closest(number: int) -> Whole:
         """The rejected by the share that they have of what is required, then by the number of failed checks."""
         if not number or not len(failing):
             return failing[:0]
@@ -230,7 +227,7 @@ class InFull:
         self.problem, self.sets = problem, sets
         self.known: list[tuple[dict[int, int], Evaluation]] = []
 
-    def at(self, rows: Rows) -> Evaluation:
+    def at(self, rows: Whole) -> Evaluation:
         """Some drives, out of an evaluation where all of them are in it."""
         wanted = rows.tolist()
         for places, found in self.known:
@@ -241,7 +238,7 @@ class InFull:
             self.known.append(({row: n for n, row in enumerate(wanted)}, found))
         return found
 
-    def by_margin(self, kept: Passing, rank: Rank, rows: Rows, top: int, also: Rows) -> Rows:
+    def by_margin(self, kept: Passing, rank: Rank, rows: Whole, top: int, also: Whole) -> Whole:
         """Drives in order of their margins too, as far as the first need it; others are computed with them."""
         catalog, size = self.problem.catalog, max(_FEW, 2 * top)
         rows = rows[rank.order(catalog, kept.sets, rows, kept.most[rows])]  # the largest possible margins first
@@ -258,7 +255,7 @@ class InFull:
 
 
 def ordered_in_machine(
-    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: Rows, wanted: int
+    judge: Judge | None, sets: Candidates, evaluated: Evaluated, order: Whole, wanted: int
 ) -> BudgetFilter:
     """The drives in order that pass the machine's budgets, until so many are found or none is left."""
     if judge is None:
@@ -274,11 +271,11 @@ def ordered_in_machine(
     return BudgetFilter(np.concatenate(best), np.concatenate(rejected), start, by)
 
 
-def _some(evaluated: Evaluated, rows: Rows, few: Rows) -> Evaluation:
+def _some(evaluated: Evaluated, rows: Whole, few: Whole) -> Evaluation:
     return evaluated(rows[few])
 
 
-def but_for(rows: Rows, others: Rows) -> Rows:
+def but_for(rows: Whole, others: Whole) -> Whole:
     """Some rows without others."""
     return rows[~np.isin(rows, others)] if len(rows) else rows
 
@@ -286,17 +283,17 @@ def but_for(rows: Rows, others: Rows) -> Rows:
 # -- Motor families among drives in order: alternatives that differ from the best, not its other windings.
 
 
-def family_of(catalog: Catalog, motor: Rows) -> Rows:
+def family_of(catalog: Catalog, motor: Whole) -> Whole:
     """The motor family of drives, as a number."""
 
-    def numbers() -> Rows:
+    def numbers() -> Whole:
         return np.unique(catalog.motors["family"].astype(str), return_inverse=True)[1]
 
-    found: Rows = catalog.once("motor families", numbers)[motor]
+    found: Whole = catalog.once("motor families", numbers)[motor]
     return found
 
 
-def family_firsts(family: Rows) -> Rows:
+def family_firsts(family: Whole) -> Whole:
     """Places of the first drive of each family, rising.
 
     >>> family_firsts(np.array([7, 2, 7, 7, 0, 2])).tolist()
@@ -305,14 +302,14 @@ def family_firsts(family: Rows) -> Rows:
     return np.sort(np.unique(family, return_index=True)[1])
 
 
-def _alike(order: Rows, family: Rows, place: int, columns: Array) -> Rows:
+def _alike(order: Whole, family: Whole, place: int, columns: Array) -> Whole:
     """The drives of the family of one in order that rank as it does, the first of them."""
     same = (family == family[place]) & (columns == columns[:, [place]]).all(axis=0)
-    found: Rows = order[same][:_ALIKE]
+    found: Whole = order[same][:_ALIKE]
     return found
 
 
-def _best_of_other_families(problem: Problem, judge: Judge | None, found: InOrder, best: Rows, wanted: int) -> Rows:
+def _best_of_other_families(problem: Problem, judge: Judge | None, found: InOrder, best: Whole, wanted: int) -> Whole:
     """The best drive of each other motor family than that of the best; of those that rank alike the largest margin."""
     if not wanted or not len(best):
         return best[:0]

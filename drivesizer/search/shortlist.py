@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, load, singular
 from drivesizer.catalog.prices import priced
@@ -18,6 +17,7 @@ from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.budgets import check_battery, drive_mass, machine_requirements, mass_without_drive, settle
 from drivesizer.machine.problem import problem
+from drivesizer.physics.figures import Mask
 from drivesizer.results.check import Reliability, Uncertainty
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import (
@@ -84,7 +84,7 @@ def pair_of(catalog: Catalog, motor: str, gearhead: str, volts: float) -> tuple[
     return row, other
 
 
-def _row(catalog: Catalog, section: str, part: str, counts: NDArray[np.bool_] | None = None) -> int:
+def _row(catalog: Catalog, section: str, part: str, counts: Mask | None = None) -> int:
     table = catalog.table(section)
     rows = [row for row in table.called(part) if counts is None or counts[row]]
     if not rows:

@@ -150,7 +150,7 @@ class ObjectiveKind:
     title: str
     kind: str  # of quantity
     unit: str  # of the trade
-    figure: str = ""  # of the parts, that is summed; none: what ``search.columns.powered`` computes under this name
+    figure: str = ""  # of the parts, that is summed; none: what ``search.columns.controllers`` computes under this name
     over: tuple[str, ...] = ()  # roles of the parts that it is summed over
     note: str = ""  # beside a value that is no sum: its meaning
     more_is_better: bool = False

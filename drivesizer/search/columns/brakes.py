@@ -7,21 +7,19 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import EDGES, Catalog, lines
 from drivesizer.catalog.view.mounted import OWN
 from drivesizer.physics.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.figures import Figures, Range
+from drivesizer.physics.figures import Array, Figures, Mask, Range, Whole
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.winding import Parts
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
-from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import LAST, figure_order, summed_share
+from drivesizer.search.columns.candidates import FREE, LAST, Rows, figure_order, summed_share
 from drivesizer.spec.robot import RobotSpec
 
 # -- An encoder for every candidate at once: of those that meet the requirements one whose own limits are known to hold.
@@ -32,21 +30,18 @@ from drivesizer.spec.robot import RobotSpec
 # the encoder is a proposal and its figures are advice.
 
 
-Array = NDArray[np.float64]
-
-
 class EncoderOffers(NamedTuple):
     """Encoders of each motor, by counts and part number: rows are motors; where there are fewer, row -1 at the end."""
 
-    row: NDArray[np.int64]
+    row: Whole
     counts: Array  # lines per turn; NaN unknown
     fastest: Array  # rad/s that no known limit of theirs forbids; infinite where none is known
-    known: NDArray[np.bool_]  # whether all of their limits are known
+    known: Mask  # whether all of their limits are known
     worth: Array  # what each adds to the objective, less is better
     inertia: Array  # kg*m^2, as it counts: 0 where it is unknown
-    last: NDArray[np.int64]  # the one with the most counts, -1 where there is none
+    last: Whole  # the one with the most counts, -1 where there is none
     least: float  # counts that are required; 0 where none are
-    enough: NDArray[np.bool_]  # which have so many
+    enough: Mask  # which have so many
 
 
 def angle_per_edge(counts: Any, reduction: Any) -> Any:
@@ -81,7 +76,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
     return offered
 
 
-def _first_of_each(fitting: NDArray[np.bool_], order: NDArray[np.int64]) -> NDArray[np.int64]:
+def _first_of_each(fitting: Mask, order: Whole) -> Whole:
     """Rows of the parts that fit each motor, in an order of all or of each: where there are fewer, -1 at the end."""
     if not fitting.size:
         return np.full((len(fitting), 1), -1)
@@ -94,13 +89,8 @@ def _first_of_each(fitting: NDArray[np.bool_], order: NDArray[np.int64]) -> NDAr
 
 
 def encoders_for(
-    spec: RobotSpec,
-    offered: EncoderOffers,
-    motor: NDArray[np.int64],
-    speed: Array,
-    reduction: Array,
-    below: Array | float = np.inf,
-) -> tuple[NDArray[np.int64], Array]:
+    spec: RobotSpec, offered: EncoderOffers, motor: Whole, speed: Array, reduction: Array, below: Array | float = np.inf
+) -> tuple[Whole, Array]:
     """Row of each candidate's encoder, -1 where none is listed for its motor, and its inertia where one is easier to
     turn, else 0.
 
@@ -129,7 +119,7 @@ def encoders_for(
     return np.where(best > 0, offered.row[motor, place], offered.last[motor]), np.where(easier, own, 0.0)
 
 
-def counts_check(spec: RobotSpec, catalog: Catalog, row: NDArray[np.int64]) -> list[CheckColumn]:
+def counts_check(spec: RobotSpec, catalog: Catalog, row: Whole) -> list[CheckColumn]:
     """The counts of some encoders against those required; no check where the spec requires no encoder.
 
     A motor without any listed encoder has an unknown one, for tables of what fits are partial: a reason to fail only
@@ -189,13 +179,13 @@ _FEW = 1000.0  # stops up to which a gearhead's emergency torque counts
 class OfferedBrakes(NamedTuple):
     """Brakes of each motor, the smallest first: rows are motors; where there are fewer, row -1 at the end."""
 
-    row: NDArray[np.int64]
-    listed: NDArray[np.bool_]  # which brake a source lists with which motor: (motors, brakes)
-    last: NDArray[np.int64]  # the strongest, -1 where none is listed
+    row: Whole
+    listed: Mask  # which brake a source lists with which motor: (motors, brakes)
+    last: Whole  # the strongest, -1 where none is listed
 
-    def goes(self, motor: NDArray[np.int64], brake: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def goes(self, motor: Whole, brake: Whole) -> Mask:
         """Whether a source lists brakes with motors, by their rows; of none it does not."""
-        found: NDArray[np.bool_] = (brake >= 0) & np.pad(self.listed, ((0, 0), (0, 1)))[motor, brake]
+        found: Mask = (brake >= 0) & np.pad(self.listed, ((0, 0), (0, 1)))[motor, brake]
         return found
 
 
@@ -247,7 +237,7 @@ def _turns(brake: Figures, total: Any) -> Any:
 
 def brakes_for(
     problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Parts, given: Any = None
-) -> NDArray[np.int64]:
+) -> Whole:
     """Row of each candidate's brake, -1 where it has none."""
     spec, catalog = problem.spec, problem.catalog
     option, found = offered.row[parts.motor.rows], np.full(len(parts.motor.rows), -1)
@@ -308,17 +298,15 @@ def _holding(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figur
 _COUNTED = "with the motor's printed friction and detent torque"
 
 
-def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures) -> NDArray[np.bool_]:
+def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: Figures) -> Mask:
     """Whether the motor's friction is to be counted and holds the load alone, with the safety factor."""
     behind = held_by_brake(cycle.held, gearhead["ratio"], gearhead["efficiency"])
     counted = spec.needs.hold_unpowered and spec.needs.holding_friction == "counted"
-    found: NDArray[np.bool_] = counted & np.asarray(held_by_friction(motor) >= spec.needs.holding_factor * behind)
+    found: Mask = counted & np.asarray(held_by_friction(motor) >= spec.needs.holding_factor * behind)
     return found
 
 
-def brake_limits(
-    spec: RobotSpec, cycle: AtGearhead, parts: Any, demand: Any, listed: NDArray[np.bool_]
-) -> list[CheckColumn]:
+def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Any, demand: Any, listed: Mask) -> list[CheckColumn]:
     """Limits of brakes, and of gearheads that pass on what brakes hold."""
     brake, motor, gearhead, needs = parts.brake, parts.motor, parts.gearhead, spec.needs
     there = brake["part"] != ""

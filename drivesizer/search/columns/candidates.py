@@ -1,4 +1,4 @@
-"""The candidates, motor x gearhead x belt ratio, as rows of the catalogue's tables, and which of them are left."""
+"""The candidates, motor x gearhead x belt ratio, as rows of the catalogue's tables, and orders of their parts."""
 
 from __future__ import annotations
 
@@ -9,21 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, Table
+from drivesizer.physics.braking import released_power
+from drivesizer.physics.figures import Array, Mask, Whole
 from drivesizer.results.problem import Problem
+from drivesizer.spec.robot import RobotSpec
 
+LAST = 1e9  # in place of a figure that is unknown: behind all that are known
 FREE = -2  # in place of a part's row: one is chosen
 
 
 class Candidates(NamedTuple):
     """Rows of motors and gearheads, the belt ratio, and whether a source lists the pair."""
 
-    motor: NDArray[np.int64]
-    gearhead: NDArray[np.int64]
-    belt: NDArray[np.float64]
-    listed: NDArray[np.bool_]
-    controller: NDArray[np.int64] | None = None  # row of a controller, or FREE; None: one is chosen for each
-    brake: NDArray[np.int64] | None = None  # the same of a brake,
-    encoder: NDArray[np.int64] | None = None  # and of an encoder
+    motor: Whole
+    gearhead: Whole
+    belt: Array
+    listed: Mask
+    controller: Whole | None = None  # row of a controller, or FREE; None: one is chosen for each
+    brake: Whole | None = None  # the same of a brake,
+    encoder: Whole | None = None  # and of an encoder
 
     def on(self, rows: NDArray[Any] | slice) -> Candidates:
         """Some of them."""
@@ -36,7 +40,7 @@ class Crossed(NamedTuple):
     pairs: Candidates  # whatever their belt
     belts: list[float]
 
-    def on(self, numbers: NDArray[np.int64]) -> Candidates:
+    def on(self, numbers: Whole) -> Candidates:
         """Some of them."""
         belt, row = np.divmod(numbers, max(len(self.pairs.motor), 1))
         return self.pairs.on(row)._replace(belt=np.array(self.belts, float)[belt])
@@ -45,7 +49,7 @@ class Crossed(NamedTuple):
 class Rows:
     """The columns of a table at some rows, taken on first use; at row -1 every figure is unknown."""
 
-    def __init__(self, table: Table[Any], rows: NDArray[np.int64], some_missing: bool | None = None) -> None:
+    def __init__(self, table: Table[Any], rows: Whole, some_missing: bool | None = None) -> None:
         """``some_missing``: whether a row may be -1, where that is known."""
         self.table, self.rows = table, rows
         self.some_missing = bool((rows < 0).any()) if some_missing is None else some_missing
@@ -81,7 +85,7 @@ class Rows:
         return Rows(self.table, self.rows.take(rows), self.some_missing)
 
 
-def _at(columns: Any, rows: NDArray[np.int64]) -> Any:
+def _at(columns: Any, rows: Whole) -> Any:
     """Columns, or several of them, at some rows."""
     if not isinstance(columns, tuple):
         return columns.take(rows)
@@ -116,7 +120,7 @@ def _pairs(problem: Problem, also: tuple[int, int] | None) -> Candidates:
     return Candidates(motor, gearhead, np.ones(len(motor)), listed)
 
 
-def _alone(catalog: Catalog) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _alone(catalog: Catalog) -> tuple[Whole, Whole]:
     """Every motor that is not inside an actuator, and no gearhead."""
     motor = np.flatnonzero(catalog.motors["inside"] == "")
     return motor, np.full(len(motor), catalog.gearheads.rows[DIRECT])
@@ -127,3 +131,37 @@ def candidates(problem: Problem, also: tuple[int, int] | None = None) -> Candida
     found, belts = pairs(problem, also), np.array(problem.belt_ratios)
     every = np.repeat(np.arange(len(found.motor)), len(belts))
     return found.on(every)._replace(belt=np.tile(belts, len(found.motor)))
+
+
+# -- Orders of parts: by a figure, or by what an objective sums of them.
+
+
+def figure_order(table: Table[Any], figure: Array) -> Whole:
+    """Rows by a figure, then by part number; unknown figures last."""
+    return np.lexsort((table["part"], figure))
+
+
+def summed_share(spec: RobotSpec, table: Table[Any], catalog: Catalog) -> Array:
+    """Share of parts in what the objective of a spec sums, less is better."""
+    found = np.zeros(len(table))
+    for name, weight in spec.select.weights.items():
+        found += weight * parts_share(name, table, catalog, alone=len(spec.select.weights) == 1)
+    return found
+
+
+def parts_share(name: str, table: Table[Any], catalog: Catalog, *, alone: bool) -> Array:
+    """Figure of parts that an objective sums, in that of a typical motor; unknown ones behind all others.
+
+    Unknown ones go by mass where nothing else counts: beside other figures a mass would be one more of them. Of what
+    turns with the motor the inertia, where the objective is a figure of the motor's current.
+    """
+    if name == "energy" and table.section == "brakes":
+        return np.asarray(np.nan_to_num(released_power(table), nan=LAST), float)
+    column = {"mass": "mass", "price": "price", "length": "added_length"}.get(name, "inertia")
+    if column not in table.columns or name == "power" or (name == "length" and table.section != "brakes"):
+        return np.zeros(len(table))
+    figure, of_motors = table[column], catalog.motors["rotor_inertia" if column == "inertia" else name]
+    typical = np.median(known) if len(known := of_motors[~np.isnan(of_motors)]) else 1.0
+    unknown = LAST + np.nan_to_num(table["mass"]) if alone else LAST
+    found: Array = np.where(np.isnan(figure), unknown, figure / typical)
+    return found

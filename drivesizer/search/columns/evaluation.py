@@ -7,10 +7,9 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of
-from drivesizer.physics.figures import joined, on
+from drivesizer.physics.figures import Array, Mask, Whole, joined, on
 from drivesizer.results.check import Check, Status
 from drivesizer.results.check_columns import CheckColumn, at_most, fits, over_ends, together
 from drivesizer.results.check_kinds import CHECKS
@@ -52,24 +51,24 @@ def at_ends(problem: Problem) -> tuple[Problem, Problem]:
     )
 
 
-def estimated(problem: Problem, candidates: Candidates, method: str = "physics") -> NDArray[np.int64]:
+def estimated(problem: Problem, candidates: Candidates, method: str = "physics") -> Whole:
     """Candidates with an estimated figure that a check may hang on."""
     if not problem.catalog.ends:
         return np.zeros(0, np.int64)
     motors, gearheads = (_differ(problem.catalog, name, problem.spec, method) for name in ("motors", "gearheads"))
-    found: NDArray[np.bool_] = motors[candidates.motor] | gearheads[candidates.gearhead]
+    found: Mask = motors[candidates.motor] | gearheads[candidates.gearhead]
     if method == "physics" and (offered := offered_brakes(problem.spec, problem.catalog)) is not None:
-        brakes: NDArray[np.bool_] = np.append(_differ(problem.catalog, "brakes", problem.spec, method), False)
-        uncertain: NDArray[np.bool_] = np.any(brakes[offered.row], axis=1)
+        brakes: Mask = np.append(_differ(problem.catalog, "brakes", problem.spec, method), False)
+        uncertain: Mask = np.any(brakes[offered.row], axis=1)
         found |= uncertain[candidates.motor]
     return np.flatnonzero(found)
 
 
-def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDArray[np.bool_]:
+def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> Mask:
     """Parts of which a figure that counts is not the same at both ends."""
     left = frozenset(name for name, need in _NEEDED.items() if not getattr(spec.needs, need))
 
-    def differ() -> NDArray[np.bool_]:
+    def differ() -> Mask:
         low, high = (end.table(section) for end in catalog.ends)
         found = np.zeros(len(low), bool)
         counted = {name for check in CHECKS["paper"].values() for name in check.rests_on}
@@ -79,7 +78,7 @@ def _differ(catalog: Catalog, section: str, spec: RobotSpec, method: str) -> NDA
                 found |= (low[name] != high[name]) & ~np.isnan(low[name])
         return found
 
-    found: NDArray[np.bool_] = catalog.once(("differ", section, left, method), differ)
+    found: Mask = catalog.once(("differ", section, left, method), differ)
     return found
 
 
@@ -94,10 +93,10 @@ class Evaluation(NamedTuple):
     wheel: Mapping[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
     shaft: Mapping[str, Requirement]  # (17)-(20)
     checks: list[CheckColumn]
-    encoder: NDArray[np.int64]
-    controller: NDArray[np.int64]
-    brake: NDArray[np.int64]  # -1 none
-    figures: Mapping[str, NDArray[np.float64]]  # what objectives count beside the catalogue's figures, SI
+    encoder: Whole
+    controller: Whole
+    brake: Whole  # -1 none
+    figures: Mapping[str, Array]  # what objectives count beside the catalogue's figures, SI
 
     @property
     def spec(self) -> RobotSpec:
@@ -110,23 +109,23 @@ class Evaluation(NamedTuple):
         return self.problem.catalog
 
     @property
-    def failed(self) -> NDArray[np.bool_]:
+    def failed(self) -> Mask:
         """Mask of the candidates that fail a check that is not mere advice."""
-        found: NDArray[np.bool_] = np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
+        found: Mask = np.logical_or.reduce([check.failed for check in self.checks if not check.advice])
         return found
 
     @property
-    def unknown(self) -> NDArray[np.bool_]:
+    def unknown(self) -> Mask:
         """Mask of the candidates that have an unknown check, and fail none."""
         known = [c.passed | c.opened for c in self.checks if not c.advice]
-        all_known: NDArray[np.bool_] = np.logical_and.reduce(known)
+        all_known: Mask = np.logical_and.reduce(known)
         return ~self.failed & ~all_known
 
-    def on(self, rows: NDArray[np.int64]) -> Evaluation:
+    def on(self, rows: Whole) -> Evaluation:
         """Of some of the candidates."""
         return Evaluation(self.problem, *on(self[1:], rows))
 
-    def chosen(self, rows: NDArray[np.int64] | slice = slice(None)) -> Candidates:
+    def chosen(self, rows: Whole | slice = slice(None)) -> Candidates:
         """Some of the candidates, each with the parts that were chosen for it."""
         parts = {name: getattr(self, name)[rows] for name in ("controller", "brake", "encoder")}
         return self.candidates.on(rows)._replace(**parts)
@@ -256,23 +255,21 @@ def _with_others(
     return at(hard[0], given), at(easy[0], given)
 
 
-def _undecided(found: Evaluation) -> NDArray[np.int64]:
+def _undecided(found: Evaluation) -> Whole:
     """Number of checks that do not pass; what fails counts more than all that are unknown."""
     checks = [check for check in found.checks if not check.advice]
-    unmet: NDArray[np.int64] = np.sum([~check.passed for check in checks], axis=0) + len(checks) * found.failed
+    unmet: Whole = np.sum([~check.passed for check in checks], axis=0) + len(checks) * found.failed
     return unmet
 
 
-def _with_parts(candidates: Candidates, rows: NDArray[np.int64], found: Evaluation | Drives) -> Candidates:
+def _with_parts(candidates: Candidates, rows: Whole, found: Evaluation | Drives) -> Candidates:
     """Candidates, of which some rows have the parts that were chosen for them."""
     parts = np.full((3, len(candidates.motor)), FREE)
     parts[:, rows] = found.controller, found.brake, found.encoder
     return candidates._replace(controller=parts[0], brake=parts[1], encoder=parts[2])
 
 
-def figures_by_physics(
-    problem: Problem, candidates: Candidates, waveform: Waveform = "all"
-) -> Mapping[str, NDArray[np.float64]]:
+def figures_by_physics(problem: Problem, candidates: Candidates, waveform: Waveform = "all") -> Mapping[str, Array]:
     """The figures of :func:`by_physics` alone, which take no checks at the favourable end of a band."""
     rows = estimated(problem, candidates)
     if len(rows):
@@ -306,7 +303,7 @@ def _in_order_of_belts(
     return checks, on(drives, np.argsort(drives.rows)[place])
 
 
-def smallest_margin(checks: list[CheckColumn]) -> NDArray[np.float64]:
+def smallest_margin(checks: list[CheckColumn]) -> Array:
     """The smallest margin of each candidate that is known; what passes by selection is left out."""
-    found: NDArray[np.float64] = np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)
+    found: Array = np.minimum.reduce([check.tightness for check in checks]) if checks else np.zeros(0)
     return found

@@ -11,13 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.figures import Figures, Range
+from drivesizer.physics.figures import Array, Figures, Mask, Range
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
@@ -43,7 +42,6 @@ from drivesizer.spec.mounting import controller_needed, motor_needed, rise_neede
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import required_life
 
-Array = NDArray[np.float64]
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
 _BY_TORQUE = "no power is printed: limited by torque and speed alone, assumed"
 _IDLE = 1.3  # times the permissible speed, which no no-load speed exceeds
@@ -61,7 +59,7 @@ def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -
     return [worst_case(same) for same in found.values()]
 
 
-def unknown_where_doubtful(checks: list[CheckColumn], known: NDArray[np.bool_]) -> list[CheckColumn]:
+def unknown_where_doubtful(checks: list[CheckColumn], known: Mask) -> list[CheckColumn]:
     """The checks; with an unknown inertia those that hang on it may fail but not pass."""
     if known.all():
         return checks

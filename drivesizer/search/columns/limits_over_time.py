@@ -13,7 +13,6 @@ from collections.abc import Collection, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.kernel.cycle import ENERGY, POWER
 from drivesizer.kernel.drives import drives_of, held
@@ -22,7 +21,7 @@ from drivesizer.kernel.records import Drive
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
-from drivesizer.physics.figures import Figures, Range, on, put
+from drivesizer.physics.figures import Array, Figures, Mask, Range, Whole, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
@@ -33,7 +32,6 @@ from drivesizer.results.ratings import controller_current, controller_power_limi
 from drivesizer.search.columns.limits import waived, winding_limit
 from drivesizer.spec.robot import RobotSpec
 
-Array = NDArray[np.float64]
 # what is computed from the waveform: nothing, what bounds leave open, peaks and heat of all drives, energies too
 Waveform = Literal["bounds", "open", "limits", "all"]
 _STAYS = "unknown: where it goes: give brake_resistor, supply.capacitance, or supply.accepts: all of a battery"
@@ -296,9 +294,7 @@ def exact(
     return low, high
 
 
-def over_waveform(
-    case: InCase, parts: Parts, what: Waveform, alive: NDArray[np.bool_], each: Collection[str] = ()
-) -> Pair:
+def over_waveform(case: InCase, parts: Parts, what: Waveform, alive: Mask, each: Collection[str] = ()) -> Pair:
     """Peaks and heat over the waveform, of what is ``alive``: by bounds, and as far as that is wanted computed."""
     if what in ("limits", "all"):
         return least(exact(case, parts, what), case)
@@ -317,7 +313,7 @@ def over_waveform(
     return least(found, case)
 
 
-def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:
+def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> Mask:
     """Candidates that fail on no limit of the waveform by their bounds, and of which one may be met or not."""
     both = list(zip(*(waveform_limits(spec, side, side, parts) for side in found), strict=True))
     fails = np.logical_or.reduce([a.failed & b.failed for a, b in both])
@@ -325,9 +321,7 @@ def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> NDArray[np.bool_]:
     return np.asarray(left & ~fails, bool)
 
 
-def _moments(
-    ambient: Any, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: NDArray[np.int64]
-) -> Pair:
+def _moments(ambient: Any, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: Whole) -> Pair:
     """Figures of some rows, with the voltage of a cold start, standby power and what the source adds.
 
     Commutation takes the least and the most of the voltage.

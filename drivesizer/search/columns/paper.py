@@ -13,7 +13,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.loads.motions import Trapezoid
 from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
-from drivesizer.physics.figures import Figures
+from drivesizer.physics.figures import Figures, Mask, Whole
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.spec.robot import RobotSpec
@@ -206,14 +206,14 @@ def _power(wheel: Mapping[str, Requirement], motor: Figures) -> CheckColumn:
 
 def hopeless(
     spec: RobotSpec, catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], belt: NDArray[Any]
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Candidates that the rule rejects by figures of one part: no motor for this machine, or a gearhead too fast.
 
     Without them the others pass and fail as with them: the reductions of a family are compared for each motor, and one
     that turns too fast is none that is allowed.
     """
     wheel, gears = vehicle(spec, catalog.motors["rotor_inertia"]).steps, catalog.gearheads
-    found: NDArray[np.bool_] = _power(wheel, catalog.motors).failed[motor]
+    found: Mask = _power(wheel, catalog.motors).failed[motor]
     left = np.flatnonzero(~found)
     row = gearhead[left]
     n_motor = wheel["nominal_speed"].value * gears["ratio"][row] * belt[left]
@@ -221,11 +221,11 @@ def hopeless(
     return found
 
 
-def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> NDArray[np.int64]:
+def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> Whole:
     """Number of each candidate's motor and gearhead family among those that there are, from 0."""
     families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
     group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
-    found: NDArray[np.int64] = np.unique(group, return_inverse=True)[1]
+    found: Whole = np.unique(group, return_inverse=True)[1]
     return found
 
 

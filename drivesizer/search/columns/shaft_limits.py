@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
 from drivesizer.catalog.parts import BeltDrive
@@ -16,7 +15,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DRIVING, AtGearhead
 from drivesizer.physics.extremes import distinct
-from drivesizer.physics.figures import Figures, Range
+from drivesizer.physics.figures import Array, Figures, Range
 from drivesizer.physics.gear_life import (
     ROLLER,
     bearing_life,
@@ -309,7 +308,7 @@ def loads_on_motors(
     return found
 
 
-def life_of_gearheads(cycle: AtGearhead, gearhead: Figures, rated: str = "rated_life") -> NDArray[np.float64]:
+def life_of_gearheads(cycle: AtGearhead, gearhead: Figures, rated: str = "rated_life") -> Array:
     """Nominal life of gearheads by their rated life, at rated torque and speed."""
     life, exponent = gearhead[rated], gearhead["life_exponent"]
     speed = np.where(np.isnan(gearhead["rated_speed"]), gearhead["continuous_input_speed"], gearhead["rated_speed"])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.catalog.view.mounted import has_steppers
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
-from drivesizer.physics.figures import on
+from drivesizer.physics.figures import Array, Mask, Whole, on
 from drivesizer.physics.motor_demand import demands
 from drivesizer.physics.winding import Parts, belts_of
 from drivesizer.results.check_columns import CheckColumn, fits, over_ends, together
@@ -26,13 +26,11 @@ from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.problem import LoadCase, Problem
 from drivesizer.search.columns import brakes, limits, steppers
 from drivesizer.search.columns.candidates import FREE, Candidates, Crossed, Rows
-from drivesizer.search.columns.controllers import Usable, usable_controllers
+from drivesizer.search.columns.controllers import Moving, Usable, powered, usable_controllers
 from drivesizer.search.columns.limits_over_time import Waveform
-from drivesizer.search.columns.powered import Moving, powered
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.spec.mounting import heat_of
 
-Array = NDArray[np.float64]
 _ENOUGH = 100  # rejected candidates, to find the closest among
 _ROWS = 1 << 15  # candidates behind several belts that go on together: as many as stay within the processor's cache
 _MOST = 1 << 16  # of those behind one belt, and of those whose waveforms are long
@@ -65,10 +63,10 @@ def offers(problem: Problem) -> Offers:
 class Amount(NamedTuple):
     """Outcome of several checks together: columns over parts or candidates."""
 
-    failed: NDArray[np.bool_]  # whether any fails
+    failed: Mask  # whether any fails
     unknown: NDArray[np.uint64]  # which are, as bits in the order of ``checks.txt``, shape (rows, words)
-    opened: NDArray[np.int64]  # how many are open, whatever estimates say
-    doublings: NDArray[np.int64]  # of known limits up to the demands, over the checks that are undecided
+    opened: Whole  # how many are open, whatever estimates say
+    doublings: Whole  # of known limits up to the demands, over the checks that are undecided
     margin: Array  # the smallest, -1 where a check fails that has none; infinite where margins are not computed
 
     def plus(self, other: Amount) -> Amount:
@@ -113,11 +111,11 @@ def _least_margin(checks: Sequence[CheckColumn], count: int) -> Array:
 class Drives(NamedTuple):
     """Candidates that came through: columns."""
 
-    rows: NDArray[np.int64]  # which of those that went in these are
+    rows: Whole  # which of those that went in these are
     amount: Amount  # of their checks, where they went in stages
-    encoder: NDArray[np.int64]
-    controller: NDArray[np.int64]
-    brake: NDArray[np.int64]  # -1 none
+    encoder: Whole
+    controller: Whole
+    brake: Whole  # -1 none
     figures: dict[str, Array]  # what objectives count, SI
 
 
@@ -127,7 +125,7 @@ class Examined(NamedTuple):
     drives: Drives
     checks: list[CheckColumn]  # theirs; in stages none are kept
     failed_by: Counter[str]  # in stages, how many of those that went in, as far as they were examined
-    rejected: NDArray[np.int64]  # of those rejected the ones among which the closest are
+    rejected: Whole  # of those rejected the ones among which the closest are
     bound: Array  # their smallest margin is no better than this
 
 
@@ -135,21 +133,15 @@ class _Sieve:
     """Candidates through the stages: those that are left, and what their checks amount to."""
 
     def __init__(
-        self,
-        rows: NDArray[np.int64],
-        amount: Amount,
-        *,
-        margins: bool = False,
-        staged: bool = True,
-        known: bool = False,
+        self, rows: Whole, amount: Amount, *, margins: bool = False, staged: bool = True, known: bool = False
     ) -> None:
         self.rows, self.amount, self.margins, self.staged, self.known = rows, amount, margins, staged, known
         self.checks: list[CheckColumn] = []
-        self.aside: list[tuple[NDArray[np.int64], Array]] = []
+        self.aside: list[tuple[Whole, Array]] = []
         self.failed_by: Counter[str] = Counter()
-        self.rejected: list[tuple[NDArray[np.int64], Array]] = []
+        self.rejected: list[tuple[Whole, Array]] = []
 
-    def on(self, rows: NDArray[np.int64] | slice) -> _Sieve:
+    def on(self, rows: Whole | slice) -> _Sieve:
         """Some of the candidates that are left, of which nothing is counted."""
         kind = {"margins": self.margins, "staged": self.staged, "known": self.known}
         some = _Sieve(self.rows[rows], on(self.amount, rows), **kind)
@@ -164,7 +156,7 @@ class _Sieve:
             some.failed_by, some.rejected = self.failed_by, self.rejected
         return some
 
-    def with_encoders(self, inertia: Array, checks: list[CheckColumn]) -> NDArray[np.int64] | slice:
+    def with_encoders(self, inertia: Array, checks: list[CheckColumn]) -> Whole | slice:
         """The same of candidates with encoders; what fails by the inertia of one alone is set aside for an easier one.
 
         ``inertia``: of these encoders [kg*m^2]; 0 where none is easier.
@@ -184,7 +176,7 @@ class _Sieve:
         self.rows, self.amount, self.checks, checks = on((self.rows, self.amount, self.checks, checks), left)
         return left[self.through(checks)]
 
-    def through(self, checks: Sequence[CheckColumn]) -> NDArray[np.int64] | slice:
+    def through(self, checks: Sequence[CheckColumn]) -> Whole | slice:
         """Keep what does not fail; which of the rows these are. In stages advice does not count."""
         if not self.staged:
             self.checks += checks
@@ -248,7 +240,7 @@ def _by_parts(
         for checks, rows in ((of_motor, len(catalog.motors)), (of_gear, belts * count), (of_load, belts))
     )
     alive = np.flatnonzero(~motor.failed[pairs.motor])
-    left, near = list[NDArray[np.int64]](), list[NDArray[np.int64]]()
+    left, near = list[Whole](), list[Whole]()
     for bad in gear.failed.reshape(belts, -1) | load.failed[:, None]:
         fails = bad[pairs.gearhead[alive]]
         left.append(alive[~fails])
@@ -256,7 +248,7 @@ def _by_parts(
         if len(near[-1]) < _ENOUGH:  # those of a motor that fails too are hardly among the nearest
             near[-1] = np.flatnonzero(bad[pairs.gearhead] | motor.failed[pairs.motor])
 
-    def margin(belt: NDArray[np.int64], row: NDArray[np.int64]) -> Array:
+    def margin(belt: Whole, row: Whole) -> Array:
         at = belt * count + pairs.gearhead[row]
         found: Array = np.minimum(gear.margin[at], motor.margin[pairs.motor[row]])
         return np.minimum(found, load.margin[belt], out=found)
@@ -281,7 +273,7 @@ def _by_parts(
         failed_by, rejected = Counter(), []
 
 
-def _numbers(rows: Sequence[NDArray[np.int64]]) -> list[NDArray[np.int64]]:
+def _numbers(rows: Sequence[Whole]) -> list[Whole]:
     return [np.full(len(some), number) for number, some in enumerate(rows)]
 
 

@@ -11,7 +11,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import PullOuts
 from drivesizer.catalog.view.mounted import STEPPER
@@ -19,7 +18,7 @@ from drivesizer.machine.part_curves import available_torque
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
-from drivesizer.physics.figures import Columns, Figures
+from drivesizer.physics.figures import Array, Columns, Figures, Mask
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.stepper import (
@@ -35,14 +34,12 @@ from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current
 from drivesizer.search.columns.candidates import FREE, Rows
-from drivesizer.search.columns.controllers import Required, Usable, controllers
+from drivesizer.search.columns.controllers import UNDECIDED, Powered, Required, Usable, controllers
 from drivesizer.search.columns.limits import unknown_where_doubtful, worst_of_all
 from drivesizer.search.columns.limits_over_time import bus_limit, cycle_figures
-from drivesizer.search.columns.powered import UNDECIDED, Powered
 from drivesizer.spec.mounting import controller_needed
 from drivesizer.spec.robot import RobotSpec
 
-Array = NDArray[np.float64]
 LEVELS = 64
 _LEVEL = 1e-9  # of the largest acceleration of a cycle, up to which its speed is constant: fits are not exact
 _CURVE = ("pull_out_share", "holding_torque", "nominal_current", "resistance", "inductance", "pole_pairs", STEPPER)
@@ -117,7 +114,7 @@ def stepped(
         return unknown_where_doubtful(found, demand[k].complete)
 
     first = worst_of_all(problem, moving)
-    dead: NDArray[np.bool_] = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
+    dead: Mask = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
     draws = [drawn(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
     printed = catalog.steppers["supply_max"][motor[STEPPER]]
     last = worst_of_all(problem, lambda k: supply_limits(problem.cases[k].spec, draws[k], parts, printed))
@@ -151,7 +148,7 @@ def torque_limits(
         return found + _resolution(spec, cycle, demand, parts)
     torque, speed = map(np.abs, ends_of(cycle, demand))
     at_rest = pull_out.torque(np.zeros((len(torque), 1)), volts)[:, 0]
-    still: NDArray[np.bool_] = np.asarray(~speed.any(axis=2))
+    still: Mask = np.asarray(~speed.any(axis=2))
     if spec.control.idle_current is not None and still.any():
         held = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
         found.append(at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed))
@@ -293,9 +290,7 @@ def _advice(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts) -
 # --- supply
 
 
-def drawn(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: NDArray[np.bool_] | None = None
-) -> Draw:
+def drawn(spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, wanted: Mask | None = None) -> Draw:
     """Energy and power out of the supply of the drives that are wanted, with the standby power of their drivers."""
     count, functions = len(demand.total_ratio), cycle.base.functions
     rows = np.arange(count) if wanted is None else np.flatnonzero(wanted)
