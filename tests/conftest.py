@@ -145,9 +145,9 @@ def canvas() -> Callable[..., Any]:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        from drivesizer.output.report.figures.style import STYLE
+        from drivesizer.output.report.figures.style import house_style
 
-        with matplotlib.rc_context(STYLE):
+        with matplotlib.rc_context(house_style()):
             figure = Figure(figsize=(6.5, 6.5))
             FigureCanvasAgg(figure)
             function(*given).draw(figure)

@@ -20,7 +20,7 @@ from drivesizer.output.report.figures.choice import front
 from drivesizer.output.report.figures.cycle import speed_profile
 from drivesizer.output.report.figures.field import panels, paper_points, torque_speed
 from drivesizer.output.report.figures.picture import on_paper, scatter
-from drivesizer.output.report.figures.style import STYLE, Window, named, thinned
+from drivesizer.output.report.figures.style import Window, house_style, named, thinned
 from drivesizer.results.sizing import SizingResult
 from drivesizer.sizing import size
 from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
@@ -128,7 +128,7 @@ def test_load_cases_have_names_of_their_own_and_plain_text(result, tmp_path):
             ElementTree.fromstring(draw())
     assert {"as specified", "$a_1$ &lt;b> &amp; c", " _under"} <= {said.replace("&gt;", ">") for said in labels(cycles)}
     assert named("x" * 60) == "x" * 26 + "…" and named("short") == "short"
-    assert STYLE["text.parse_math"] is False
+    assert house_style()["text.parse_math"] is False
 
 
 def test_an_unknown_figure_leaves_its_line_out_and_the_rest_stands(result):

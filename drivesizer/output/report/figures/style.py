@@ -13,7 +13,8 @@ import io
 import unicodedata
 import warnings
 from collections.abc import Callable, Sequence
-from functools import wraps
+from functools import cache, wraps
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Concatenate, Literal, NamedTuple, ParamSpec
 
 import numpy as np
@@ -37,40 +38,20 @@ COLOURS = {  # Okabe and Ito
     "orange": "#E69F00", "sky": "#56B4E9",
 }  # fmt: skip
 
-STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
-    "font.size": 7.5,
-    "axes.labelsize": 7.5,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#DDDDDD",
-    "grid.linewidth": 0.4,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "lines.linewidth": 1.1,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "svg.hashsalt": "drivesizer",  # names inside the file come from this and the content, not from chance
-    "axes.formatter.useoffset": False,
-    "axes.titley": 1.0,  # where it is, and not found by measuring what is below it
-    "axes.titlelocation": "left",
-    "axes.titlesize": 7.5,
-    "axes.titlepad": 4.0,
-    "hatch.linewidth": 0.5,
-    "text.parse_math": False,  # a name with dollar signs stays a name
-    "svg.fonttype": "path",  # letters as outlines: the same on every machine
-}
-
 _WIDTH = 6.5  # inches: the text width of the report
 _DOTS = 200  # per inch, of a PNG
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
 
 
 # -- A figure: laid out once for several forms of the same drawing.
+
+
+@cache
+def house_style() -> dict[str, Any]:
+    """matplotlib's parameters of the one style, which is in ``house.mplstyle``."""
+    from matplotlib import rc_params_from_file
+
+    return dict(rc_params_from_file(Path(__file__).with_name("house.mplstyle"), use_default_template=False))
 
 
 class Drawing:
@@ -91,7 +72,7 @@ class Drawing:
         stream = io.BytesIO()
         with matplotlib.rc_context(), warnings.catch_warnings():
             matplotlib.rcdefaults()  # not what the user's matplotlibrc says
-            matplotlib.rcParams.update(STYLE | ({"svg.fonttype": "none"} if form == "typeset" else {}))
+            matplotlib.rcParams.update(house_style() | ({"svg.fonttype": "none"} if form == "typeset" else {}))
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
             kept, self._laid_out = (None, self._laid_out) if kind == "png" else (self._laid_out, None)
             shown = kept or Figure(figsize=(_WIDTH, _WIDTH), dpi=dots)
