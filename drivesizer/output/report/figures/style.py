@@ -47,7 +47,7 @@ _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None, "Creator": None}, "
 
 
 @cache
-def house_style() -> dict[str, Any]:
+def house_style() -> dict[Any, Any]:
     """matplotlib's parameters of the one style, which is in ``house.mplstyle``."""
     from matplotlib import rc_params_from_file
 
