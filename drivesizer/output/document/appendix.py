@@ -67,19 +67,6 @@ def _scalar(value: Any) -> str:
 
 
 _FEW = 4  # catalogues in the table; more are listed in a file of their own
-_MEANING = {
-    "pass, fail, unknown": "a check with an unknown figure is unknown: it neither passes nor fails",
-    "open": "a check that passes at one end of the 5 to 95 % band of estimated figures and fails at the other",
-    "empty cell": "the figure is unknown; never zero",
-    "numbers": "with all their digits, shown with four; the unit is beside or in the head",
-    "SI value": "the same figure in the unit of the SI",
-    "margin": "limit over demand less 1; of a required minimum what there is over what is required less 1",
-    "measured": "identified from a log of the part itself",
-    "quoted": "from the maker's own document",
-    "secondary": "copied by others",
-    "derived": "computed or inferred",
-    "recalled": "from memory: to be checked before anything is built",
-}
 
 
 def repeat(content: Content) -> Iterator[doc.Block]:
@@ -105,7 +92,7 @@ def repeat_blocks(
         yield doc.Fragment("digests", [list(one) for one in catalogs.items()])
         digests = {f"catalogue {name}, digest": digest for name, digest in catalogs.items()}
         yield doc.table("words", "Catalogues", digests.items(), media="book")
-    yield doc.table("words", "Words", _MEANING.items(), media="book")
+    yield doc.table("words", "Words", doc.texts("words"), media="book")
     lines = text.splitlines()
     if lines:
         yield doc.Fragment("file", [file or "spec.yaml", *lines])

@@ -21,22 +21,6 @@ from drivesizer.units import show
 # -- The requirements of the load: the paper's equations with the numbers put in, or the figures of the load cycle.
 
 
-_ABOUT_CYCLE = {
-    "paper": "is the cycle of one drive over time, as the checks by physics use it.",
-    "physics": "shows the load cycle.",
-}
-_SOURCE = (
-    "C. Prados Sesmero, L. R. Buonocore, M. Di Castro, Omnidirectional Robotic Platform for Surveillance of Particle "
-    "Accelerator Environments with Limited Space Areas, Appl. Sci. 2021, 11, 6631"
-)
-_OF_WHEELS = (
-    "The motion of the platform takes a torque at each of its wheels: where there are more torques than the motion "
-    "needs, those of the least sum of squares. Each driven wheel is a load case, and the drive is sized for the worst "
-    "of them; the worst is {wheel} by its RMS torque."
-)
-_OF_CYCLE = "Figures of the load cycle, segment by segment, at the {shaft}."
-
-
 def derivation(content: Content) -> Iterator[doc.Block]:
     """Requirements of the load: equations with their numbers, or figures of the cycle."""
     from drivesizer.output.report.figures.cycle import stretches
@@ -53,7 +37,7 @@ def derivation(content: Content) -> Iterator[doc.Block]:
             yield replace(at_motor, media="terminal")
     else:
         yield doc.Words(
-            _OF_WHEELS.format(wheel=content.wheel) if content.wheel else _OF_CYCLE.format(shaft=content.shaft)
+            doc.said("of_wheels", wheel=content.wheel) if content.wheel else doc.said("of_cycle", shaft=content.shaft)
         )
         yield table
     many = len(content.cases)
@@ -64,7 +48,7 @@ def derivation(content: Content) -> Iterator[doc.Block]:
         first = ", in the first four load cases; the page has the others too" if many > 4 else ""
         said = f"Torque and speed of the {content.shaft} over the cycle, of one drive{first}."
     yield doc.picture("cycle", of=said, cut=_cut(len(stretches(content.cycles))),
-                      about=_ABOUT_CYCLE[content.result.method])  # fmt: skip
+                      about=doc.said(f"cycle_by_{content.result.method}"))  # fmt: skip
 
 
 def _cut(stretches: int) -> str:
@@ -73,8 +57,8 @@ def _cut(stretches: int) -> str:
 
 def _equations(content: Content) -> Iterator[doc.Block]:
     yield doc.Words((
-        f"Equation numbers are those of {_SOURCE}. Where the printed form and the computed one differ, both are shown. "
-        "Numbers are put in in SI units; results follow in customary units. The three factors that the paper calls ",
+        f"Equation numbers are those of {doc.said('paper')}. {doc.said('forms')} "
+        "The three factors that the paper calls ",
         doc.Math("eta", "η"), " are ", doc.Math('eta_"v"', "η_v"), " in (1), ", doc.Math('eta_"R"', "η_R"),
         " in (10) and ",
         doc.Math('eta_"g"', "η_g"),
@@ -98,17 +82,6 @@ def _equations(content: Content) -> Iterator[doc.Block]:
         yield from map(_equation, content.drive.requirements)
 
 
-_COMPARED = (  # title, nominal, maximum and RMS figure, equations
-    ("Force, whole vehicle", "nominal_force", "maximum_force", "", "(3), (10)"),
-    ("Torque, whole vehicle", "nominal_torque", "maximum_torque", "rms_torque", "(2), (10), (13)"),
-    ("Torque per drive", "nominal_torque_per_motor", "maximum_torque_per_motor", "rms_torque_per_motor",
-     "(5), (11), (14)"),
-    ("Power per drive", "nominal_power_per_motor", "maximum_power_per_motor", "rms_power_per_motor",
-     "(7), (15), (16)"),
-    ("Torque at the motor", "", "maximum_torque_at_motor", "rms_torque_at_motor", "(18), (17)"),
-)  # fmt: skip
-
-
 def _compared(content: Content) -> doc.Table:
     """The figures that the paper gives first, in its order: nominal and maximum force, torque and power."""
     of_drive = content.drive.requirements if content.drive else ()
@@ -119,7 +92,7 @@ def _compared(content: Content) -> doc.Table:
     rows = [
         doc.Row({"title": title, "note": note, "nominal": found.get(nominal, ""), "maximum": found[most],
                  "rms": found.get(rms, "")}, name=most.removeprefix("maximum_"))
-        for title, nominal, most, rms, note in _COMPARED if most in found
+        for title, nominal, most, rms, note in doc.texts("paper order") if most in found
     ]  # fmt: skip
     caption = "In the order of the paper's section 3.1; the largest force is the largest torque at the wheels' radius"
     return doc.table("compared", caption, rows)
@@ -146,13 +119,6 @@ def pieces(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 # -- The drive over the load cycle: torque and speed, current and voltage, heat, energy.
 
 
-_VOLTAGE = (
-    "Voltage is what the controller can give at the lowest voltage of the supply, with the winding at its highest "
-    "temperature and at the ambient. Torque is that of the motor's shaft, its rotor's acceleration included; below 0 "
-    "it brakes."
-)
-
-
 def field(content: Content) -> Iterator[doc.Block]:
     """The motor's torque-speed field with the load cycle in it."""
     if content.drive is None:
@@ -165,12 +131,11 @@ def field(content: Content) -> Iterator[doc.Block]:
         more += " The points of the paper are brought to the shaft as in (18), their speeds with the reserve of (1)."
     if "fields" in content.pictures and content.cycles[0][0]:
         more += f" The load cycle is that of {content.cycles[0][0]}; each load case has a diagram of its own below."
-    yield doc.picture("field", voltage=_VOLTAGE, more=more)
+    yield doc.picture("field", more=more)
 
 
 def _unknown(subject: str) -> doc.Words:
-    reason = "the motor's current depends on figures that the catalogue does not know"
-    return doc.Words((f"{subject}: {reason} (", doc.TableLink("unknown"), ")."))
+    return doc.Words((f"{subject}: {doc.said('without_current')} (", doc.TableLink("unknown"), ")."))
 
 
 def cycle(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
@@ -193,7 +158,7 @@ def cycle_pictures(content: Content) -> Iterator[doc.Block]:
     if not best.steps and "demand" not in content.pictures:
         yield _unknown("The motor's current over time is unknown")
     if "fields" in content.pictures:
-        yield doc.picture("fields", voltage=_VOLTAGE)
+        yield doc.picture("fields")
     first = f" The load cycle is that of {content.cycles[0][0]}." if len(content.cycles) > TOGETHER else ""
     yield doc.picture("efficiency", first=first)
     cases = f", in the first {MOST_WHEELS} load cases" if len(content.cases) > MOST_WHEELS else ""
@@ -346,16 +311,12 @@ def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
     if not loops:
         return
     directed, unstable = any(loop.direction for loop in loops), any(not loop.stable for loop in loops)
-    of_power = (", power flowing in the direction that is nearer to instability; margins and bandwidth are the least "
-                "of both directions") if directed else ""  # fmt: skip
-    yield doc.Words(f"The loops in python-control, sampled, without their limits{of_power}. A loop is stable while all "
-                "its poles lie inside 1.")  # fmt: skip
+    yield doc.Words(doc.said("linear", power=doc.said("power_directed") if directed else ""))
     figures = [doc.Column(f.name, f.title, "number", yields=n > 5) for n, f in enumerate(loop_figures(loops[0]))]
     yield doc.table("loops", "The loops by linear analysis, from the inside out; gain margin as a factor",
                     map(_loop_row, loops), more=figures)  # fmt: skip
-    line = " It is longer than the margin that is given where the other direction of power has the lesser one."
     none = " An unstable loop has no margins." if unstable else ""
-    yield doc.picture("bode", line=line if directed else "", none=none)
+    yield doc.picture("bode", line=f" {doc.said('bode_directed')}" if directed else "", none=none)
     yield doc.picture("step")
 
 

@@ -326,8 +326,7 @@ def loads(content: MachineContent) -> Iterator[doc.Block]:
     missed = f" Of {', '.join(lacking)} it is the closest rejected drive." if lacking else ""
     names = [*content.loads]
     for name in names:
-        caption = (f"Torque and speed of the motor of each axis, its rotor's acceleration included; below 0 it brakes. "
-                   f"The shaded field is allowed continuously.{first}{missed}")  # fmt: skip
+        caption = doc.said("axes_fields", first=first, missed=missed)
         about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
         last = caption if name == names[-1] else "Continued below."
         yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about)
@@ -403,8 +402,7 @@ def riding_drives(content: MachineContent) -> Iterator[doc.Block]:
     caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
     turning = any("distance" in row.cells for row in rows)
     yield doc.table("carried", caption, rows, without=() if turning else ["distance"], look="wide carried")
-    yield doc.Words("Controllers stay in the cabinet: they are in no carried mass. An estimated mass counts at the "
-                "upper end of its band.", "note")  # fmt: skip
+    yield doc.Words(doc.said("cabinet"), "note")
 
 
 def closed_loops(content: MachineContent) -> Iterator[doc.Block]:

@@ -361,8 +361,7 @@ def reliability(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     if found.figures:
         yield percentiles_table(f"Figures of {drive.label} over the samples: percentiles", found, "probability-figures")
     if found.drivers:
-        yield _drivers("What its smallest margin depends on most: share of its variance, and the margin with this "
-                       "alone at its 5 % and 95 % quantile", found.drivers[:_MOST_DRIVERS])  # fmt: skip
+        yield _drivers(doc.said("variance"), found.drivers[:_MOST_DRIVERS])
         if found.drivers[_MOST_DRIVERS:]:
             yield _drivers("Other assumptions", found.drivers[_MOST_DRIVERS:], name="", media="wide")
     yield doc.picture("tornado", drive=drive.label)

@@ -167,10 +167,7 @@ def kinematics_and_dynamics(content: Content) -> Iterator[doc.Block]:
     if not spec.platform:
         return
     found = platform_numbers(spec, content.drive)
-    yield doc.Words(
-        "Symbols and numbers of equations are those of the paper, the symbols L, α, β, γ of its Table 1; x points "
-        "forward, y to the left, θ turns counterclockwise. Each table is computed by the equation that it names."
-    )
+    yield doc.Words(doc.said("symbols"))
     yield doc.Heading("Kinematics")
     yield numbers_table(found.wheels)
     kinematics, dynamics = found.matrices[:4], found.matrices[4:]

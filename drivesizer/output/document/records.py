@@ -333,6 +333,17 @@ class Picture:
 
 
 @cache
+def texts(kind: str) -> list[list[str]]:
+    """The rows of a list of ``texts.txt``."""
+    return [cells for head, cells in rows_of_file(__package__, "texts.txt") if head == kind]
+
+
+def said(sentence: str, **words: str) -> str:
+    """A sentence of ``texts.txt`` with words in it."""
+    return next(text for name, text in texts("sentences") if name == sentence).format(**words)
+
+
+@cache
 def _pictures() -> dict[str, list[str]]:
     return {name: cells for _, (name, *cells) in rows_of_file(__package__, "pictures.txt")}
 

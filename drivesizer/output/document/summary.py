@@ -471,8 +471,7 @@ def checks(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     )
     yield check_table(
         (f"All checks of {drive.label}{worst}",
-         doc.Note("The bar is the used share of the limit, the long tick 100 %, a short "
-                                                     "one where the margin begins that the spec requires.")),
+         doc.Note(doc.said("bars"))),
         drive.checks, "checks", grouped=True,
     )  # fmt: skip
 
@@ -481,9 +480,7 @@ def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Figures that no data sheet gives, with their bands, and the checks that hang on them."""
     if not drive.estimated:
         return
-    yield doc.Words("No data sheet gives these figures; they are estimated from parts of the same kind that have them. "
-                "One part in twenty lies below the band, one above. A check passes where it passes at both ends.",
-                "note")  # fmt: skip
+    yield doc.Words(doc.said("estimates"), "note")
     rows = [doc.row("estimates", one, name=f"{one.part}_{one.figure}", note=one.law.removeprefix("; "))
             for one in drive.estimated]  # fmt: skip
     yield doc.table("estimates", "Estimated figures", rows)
@@ -500,8 +497,7 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     other = "physics: the whole load cycle, no factors of the paper" if by_paper else "the paper's equations and rule"
     media: doc.Media = "all" if by_paper else "listed"
     if by_paper:
-        yield doc.Words("The drive was ranked by the method of the paper, and its verdict is that method's. Here the "
-                    "same drive by physics: the whole load cycle, no factors of the paper.")  # fmt: skip
+        yield doc.Words(doc.said("by_paper"))
     checks = check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
     yield replace(checks, media=media)
     rows = [
@@ -536,7 +532,6 @@ def unknown_blocks(content: Content) -> Iterator[doc.Block]:
     yield doc.table("unknown", f"Unknown checks{', and the figures that they lack' if unknown else ': none'}", unknown)
     marked = [(name, value, (doc.Mark(mark),), checks) for name, value, mark, checks in marked_figures(best)]
     if marked:
-        yield doc.table("marked", "Figures that a check rests on and that are not from a document: to be confirmed "
-                        "before anything is built", marked)  # fmt: skip
+        yield doc.table("marked", doc.said("to_confirm"), marked)
     else:
         yield doc.Words("No check rests on a figure that is derived, recalled or estimated.")

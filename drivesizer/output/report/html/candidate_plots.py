@@ -14,6 +14,7 @@ from drivesizer.output.document.candidates import gearhead_words
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import picture as picture_of
+from drivesizer.output.document.records import said as sentence
 from drivesizer.output.json import documents
 from drivesizer.output.report.figures import picture
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
@@ -105,18 +106,6 @@ def _hover_text(one: Choice, front: bool) -> Iterator[str]:
 
 _DIGITS = 7  # of a figure, in Python and in the page: a shorter file, and the same order in both
 _PARTS = "parts"  # number of parts, beside the objectives
-_SOURCE = (
-    "Weighted sum of ratios: R. T. Marler, J. S. Arora, Survey of multi-objective optimization methods for "
-    "engineering, Structural and Multidisciplinary Optimization 26 (2004) 369–395; C.-L. Hwang, K. Yoon, Multiple "
-    "Attribute Decision Making, Springer 1981 (simple additive weighting)."
-)
-_RULE = (
-    "Each figure is divided by the smallest of these drives; of a margin counts the share of the limit that is used, "
-    "1/(1 + margin). The score is the mean of these ratios by the weights: 1 for a drive that is the best in all that "
-    "has a weight, 1.1 for one that is a tenth worse in the mean. Of equal scores the larger margin goes first."
-)
-_NEGATIVE = "Where the smallest energy is not above zero, 1 + its distance from that over the largest amount counts."
-_UNKNOWN = "Drives of which a figure with a weight is unknown go below all others, whatever it would be."
 
 
 class Criterion(NamedTuple):
@@ -217,12 +206,12 @@ def _caption(chosen: Choices, offered: list[Criterion]) -> str:
 
 
 def _rules(offered: list[Criterion]) -> Iterator[str]:
-    yield _RULE
+    yield sentence("weights")
     if any(np.nanmin(one.figures) <= 0.0 for one in offered):
-        yield _NEGATIVE
+        yield sentence("weights_negative")
     if any(isnan(figure) for one in offered for figure in one.figures):
-        yield _UNKNOWN
-    yield _SOURCE
+        yield sentence("weights_unknown")
+    yield sentence("weights_source")
 
 
 def _left_out(every: list[Criterion], offered: list[Criterion]) -> Iterator[str]:
