@@ -181,6 +181,7 @@ def test_temperatures_round_trip_and_scale_alike(value, unit):
 def test_output_in_the_units_of_the_trade():
     assert show(0.0263, "mN*m", "torque") == "26.3 mN·m"
     assert show(298.15, "degC", "temperature") == "25 °C"
+    assert show(-0.0, "rpm", "rotary_speed") == "0 rpm"
     assert show(math.nan, "rpm", "rotary_speed") == "unknown"
     assert show(math.inf, "degC", "temperature") == "unbounded"
     assert label("rpm/(mN*m)") == "rpm/(mN·m)"

@@ -434,10 +434,10 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
         return "unknown"
     if math.isinf(value):
         return "unbounded" if value > 0 else "unbounded below"
-    shown = float(from_si(value, unit, kind))
+    shown = float(from_si(value, unit, kind)) + 0.0  # without a negative zero
     while abs(shown) >= _THOUSAND and unit in _LARGER:
         unit = _LARGER[unit]
-        shown = float(from_si(value, unit, kind))
+        shown = float(from_si(value, unit, kind)) + 0.0
     return f"{digits_of(shown, digits)} {label(unit)}".rstrip()
 
 
