@@ -181,8 +181,7 @@ def offered(spec):
 
 
 def by_enumeration(pulleys, belts, pitch, ratios, wish, tolerance):
-    """The best way for each ratio, one triple after the other, distances by halving the interval: what is asked for
-    in the docstring of ``_best_of_each_ratio``, written again."""
+    """The best way for each ratio, one triple after the other, distances by halving the interval."""
     best = {}
     for z_1, z_2, belt in itertools.product(pulleys, pulleys, belts):
         low, high = (z_1 + z_2) * pitch / (2 * math.pi), belt * pitch

@@ -396,27 +396,18 @@ def test_what_is_unknown_of_gearhead_and_friction_may_fail_a_set_but_not_pass_it
         assert found["motor_speed"].demand == pytest.approx(plain["motor_speed"].demand)
 
 
-def test_a_gearhead_loses_torque_without_load_and_the_rest_in_proportion():
-    """At rated torque both together make the printed efficiency; at half of it the drive takes more than that says."""
-    i, e, T_N, T_0 = 4.0, 0.94, 5.1, 0.05
-    share, idle = gear_loss({name: np.array([value]) for name, value in (
-        ("ratio", i), ("efficiency", e), ("continuous_torque", T_N), ("no_load_torque", T_0))})  # fmt: skip
-    assert T_N / (i * share[0]) + idle[0] == pytest.approx(T_N / (i * e), rel=1e-12)
-    half = T_N / 2 / (i * share[0]) + idle[0]
-    assert half == pytest.approx(T_N / 2 / (i * e) + T_0 / 2, rel=1e-12)
-
-
-def test_a_no_load_torque_beyond_the_printed_loss_leaves_no_other():
-    """Wittenstein NPS 015: the page's efficiency at full load does not contain its no-load torque."""
-    given = {"ratio": 100.0, "efficiency": 0.92, "continuous_torque": 15.0, "no_load_torque": 0.05}
-    share, idle = gear_loss({name: np.array([value]) for name, value in given.items()})
-    assert (share[0], idle[0]) == (1.0, 0.05)
-
-
-def test_without_a_no_load_torque_the_efficiency_is_all():
-    given = {"ratio": 27.0, "efficiency": 0.8, "continuous_torque": 1.2, "no_load_torque": np.nan}
-    share, idle = gear_loss({name: np.array([value]) for name, value in given.items()})
-    assert (share[0], idle[0]) == (0.8, 0.0)
+@pytest.mark.parametrize(
+    ("i", "e", "T_N", "T_0", "share", "idle"),
+    [
+        (4.0, 0.94, 5.1, 0.05, 1 / (1 / 0.94 - 4.0 * 0.05 / 5.1), 0.05),  # at rated torque both make what is printed
+        (100.0, 0.92, 15.0, 0.05, 1.0, 0.05),  # Wittenstein NPS 015: its no-load torque is more than all of the loss
+        (27.0, 0.8, 1.2, nan, 0.8, 0.0),
+    ],
+)
+def test_a_gearhead_loses_torque_without_load_and_the_rest_in_proportion(i, e, T_N, T_0, share, idle):
+    given = {"ratio": i, "efficiency": e, "continuous_torque": T_N, "no_load_torque": T_0}
+    found = gear_loss({name: np.array([value]) for name, value in given.items()})
+    assert [x.item() for x in found] == pytest.approx([share, idle], rel=1e-12)
 
 
 @pytest.mark.parametrize(("ambient", "open_end"), [(25.0, "pass"), (47.0, "unknown")])
