@@ -72,6 +72,7 @@ name: reel
 load: {kind: wire_winder, tension: 23 N, reel_diameter: 70 mm}
 motion: {profile: trapezoid, speed: 0.4 m/s, acceleration_time: 0.5 s, cruise_time: 6 s, rest_time: 2 s}
 supply: {nominal: 24 V}
+select: {catalogs: [maxon]}
 """
 SECTION = """
 from drivesizer.output.document.records import Column, Quantity, Row, Table, Words
