@@ -211,7 +211,11 @@ class RobotSpec(fields.Section, OfFile):
 
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
         """
-        stages = _stages(self.supply.nominal, self.power_stage, self.select.estimates == "on")
+        given = self.supply.nominal, self.power_stage, self.select.estimates == "on"
+        try:
+            stages = _stages(*given)
+        except TypeError:  # figures over samples, which are not kept
+            stages = _stages.__wrapped__(*given)
         return self._fed(stages(controller), brake)
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
