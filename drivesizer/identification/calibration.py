@@ -18,7 +18,7 @@ import numpy as np
 from drivesizer.errors import InputError
 from drivesizer.files.text import read_bytes
 from drivesizer.identification.fit import BAND, spreads
-from drivesizer.identification.log import LARGEST
+from drivesizer.identification.log import LARGEST, in_its_form
 from drivesizer.results.identification import Identification, IdentifiedFigure, Inseparable, LogFinding, Trace
 
 _CONTRADICT = 0.1  # of two figures of one file
@@ -57,7 +57,7 @@ def calibration(path: Path) -> Identification | None:
         data = json.loads(raw)
     except (ValueError, RecursionError):
         return None
-    try:
+    with in_its_form(path, "a calibration as its program wrote it"):
         if isinstance(data.get("raw"), dict) and isinstance(data.get("params"), dict):
             return _sweep(data, path)
         if "v_per_hz" in data and "calibration" in data:
@@ -65,12 +65,6 @@ def calibration(path: Path) -> Identification | None:
         flat = dict(_flat(data))
         if any(name.endswith("phase_resistance") for name in flat):
             return _odrive(flat, path)
-    except (TypeError, ValueError, KeyError, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{path}: {' '.join(str(error).split())[:80]}; expected a calibration as its program wrote it"
-        ) from None
     return None
 
 
@@ -157,7 +151,5 @@ def _odrive(flat: Mapping[str, float], path: Path) -> Identification:
 def _made(
     path: Path, figures: Any, findings: Any, samples: int, time: Any, traces: Any, tied: Inseparable
 ) -> Identification:
-    return Identification(
-        log=path.name, label="", columns={}, samples=samples, duration=nan, driven="none", figures=tuple(figures),
-        inseparable=(tied,), findings=tuple(findings), condition=nan, time=time, traces=traces, remarks=(),
-    )  # fmt: skip
+    return Identification(log=path.name, samples=samples, figures=figures, inseparable=(tied,),
+                          findings=tuple(findings), time=time, traces=traces)  # fmt: skip

@@ -34,7 +34,8 @@ from drivesizer.units import KINDS, from_si
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 
-_KINDS = {"mass", "inertia", "force", "torque", "dimensionless"}  # of figures of a load that may explain a torque
+# kinds of figures of a load that may explain a torque, with a first step from nothing on [SI]
+_KINDS = {"dimensionless": 1e-3, "force": 0.1, "torque": 1e-3, "mass": 1e-2, "inertia": 1e-6}
 _EXPLAINS, _MOST = 0.1, 4  # share of the difference from which on a figure is listed; how many
 _STEP, _ROUNDS = 0.01, 4  # of a figure, for its slope
 _FAST = 0.03  # of the top speed, above which friction has its direction
@@ -165,13 +166,13 @@ def _left_out(proof: Validation, columns: Columns) -> Iterator[str]:
 def _moves(log: Log, columns: Columns, k_t: float) -> Moves:
     time = columns["time"]
     parts = []
-    for k, end in zip(log.starts, [*log.starts[1:], len(time)], strict=True):
-        t = time[k:end]
+    for move in log.moves:
+        t = time[move]
         if len(t) < 5:
             continue
         window = _SMOOTHED * float(np.median(np.diff(t)))
-        w, dw = local_parabola(t, columns["speed"][k:end], window)
-        i = local_parabola(t, columns["current"][k:end], window)[0]
+        w, dw = local_parabola(t, columns["speed"][move], window)
+        i = local_parabola(t, columns["current"][move], window)[0]
         parts.append(np.array([t, w, dw, k_t * i]))
     if not parts:
         raise InputError(f"{log.name}: no move of 5 rows or more; expected one without gaps")
@@ -205,7 +206,7 @@ def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tu
         x = start = float(getattr(spec.load, name) or 0.0)
         required, best = first, left(first)
         for _ in range(_ROUNDS):
-            step = _STEP * abs(x) or _first_step(quantity.kind)
+            step = _STEP * abs(x) or _KINDS[quantity.kind]
             try:
                 slope = (required_torque(_with(spec, name, x + step), drive, moves) - required) / step
                 power = float((slope[some] ** 2).sum())
@@ -225,11 +226,6 @@ def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tu
             before = _as_entered(start, quantity.kind, None) if entered is None else str(entered)
             found.append(Explanation(f"load.{name}", before, _as_entered(x, quantity.kind, entered), share))
     return first, tuple(sorted(found, key=lambda one: -one.share)[:_MOST])
-
-
-def _first_step(kind: str) -> float:
-    """A small figure of a kind, from nothing on [SI]."""
-    return {"dimensionless": 1e-3, "force": 0.1, "torque": 1e-3, "mass": 1e-2, "inertia": 1e-6}[kind]
 
 
 def _with(spec: RobotSpec, name: str, value: float) -> RobotSpec:

@@ -148,13 +148,9 @@ def at_motor(log: Log, of: Reference) -> dict[str, Array]:
     if "speed" not in columns and "position" in columns and not log.steady:
         columns["speed"] = np.concatenate([
             local_parabola(t, x, 5.0 * float(np.median(np.diff(t))))[1] if len(t) > 3 else np.zeros(len(t))
-            for t, x in zip(_moves(log, columns["time"]), _moves(log, columns["position"]), strict=True)
+            for t, x in ((columns["time"][move], columns["position"][move]) for move in log.moves)
         ])  # fmt: skip
     return columns
-
-
-def _moves(log: Log, column: Array) -> list[Array]:
-    return np.split(column, [k for k in log.starts if k])
 
 
 def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Record, Array]:
@@ -163,28 +159,24 @@ def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Recor
     time = columns["time"]
     apart = np.diff(time)
     usual = float(np.median(apart[apart > 0.0]))
-    moves = [t for t in _moves(log, time) if len(t) > 5]
-    total = sum(float(t[-1] - t[0]) for t in moves)
+    moves = [move for move in log.moves if len(time[move]) > 5]
+    total = sum(float(t[-1] - t[0]) for t in (time[move] for move in moves))
     h = max(usual, total / _MOST)
     torque = columns.get("gearhead_torque", columns.get("torque")) if log.weight is None else log.weight
     ratio = of.gear_ratio if "gearhead_torque" in columns and of.gear_ratio > 0.0 else of.ratio
     warms: list[Array] | None = [] if driven == "voltage" and {"current", "winding"} <= set(columns) else None
     inputs, loads, starts, outputs, grid = [], [], [], {name: list[Array]() for name in ("current", "speed")}, []
-    for k in np.unique([0, *log.starts]):
-        end = next((n for n in log.starts if n > k), len(time))
-        t = time[k:end]
-        if len(t) <= 5:
-            continue
+    for move in moves:
+        t = time[move]
         even = t[0] + h * np.arange(int((t[-1] - t[0]) / h * (1 + 1e-9)) + 1)
-        given = columns[driven][k:end]
+        given = columns[driven][move]
         between = given[:-1] if driven == "voltage" else (given[:-1] + given[1:]) / 2.0  # held, or on a line
         held = np.append(0.0, np.cumsum(np.diff(t) * between))
         beyond = held[-1] + given[-1] * h
         edges = np.interp(np.append(even, even[-1] + h), np.append(t, t[-1] + h), np.append(held, beyond))
         inputs.append(np.diff(edges) / h)
-        loads.append(np.full(len(even), of.weight) if torque is None else np.interp(even, t, torque[k:end]))
-        w = columns["speed"][k:end]
-        smooth = local_parabola(t, w, _START * h)[0] if len(t) > 5 else w
+        loads.append(np.full(len(even), of.weight) if torque is None else np.interp(even, t, torque[move]))
+        smooth = local_parabola(t, columns["speed"][move], _START * h)[0]
         first = np.full(len(even), nan)
         step = len(even) if driven == "voltage" else max(_SHORTEST, total / h / _RESTARTS)
         places = np.arange(0, max(len(even) - 10, 1), int(step))
@@ -192,11 +184,11 @@ def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Recor
         starts.append(first)
         for name in outputs:
             if name in columns and not (name == "current" and driven == "current"):
-                outputs[name].append(np.interp(even, t, columns[name][k:end]))
+                outputs[name].append(np.interp(even, t, columns[name][move]))
         if warms is not None:
-            warms.append(COPPER * (np.interp(even, t, columns["winding"][k:end]) - DATA_TEMPERATURE))
+            warms.append(COPPER * (np.interp(even, t, columns["winding"][move]) - DATA_TEMPERATURE))
         grid.append(even)
-    if not grid:
+    if not moves:
         raise InputError(f"{log.name}: no move of more than 5 rows; expected one without gaps")
     load = np.concatenate(loads)
     rotor = of.figures.get("J", nan) if torque is None else nan

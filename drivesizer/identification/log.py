@@ -9,7 +9,8 @@ from __future__ import annotations
 import json
 import struct
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from math import nan
 from pathlib import Path
@@ -127,6 +128,20 @@ class Log(NamedTuple):
         """Whether the rows are points at rest or at constant speed, not moments."""
         return "time" not in self.columns
 
+    @property
+    def moves(self) -> list[slice]:
+        """The rows of each move."""
+        ends = (*self.starts[1:], len(next(iter(self.columns.values()))))
+        return [slice(first, end) for first, end in zip(self.starts, ends, strict=True)]
+
+    def kept(self, rows: NDArray[np.bool_]) -> Log:
+        """The log with some of its rows."""
+        return self._replace(
+            columns={name: column[rows] for name, column in self.columns.items()},
+            starts=tuple(sorted({int(rows[:k].sum()) for k in self.starts})),
+            weight=None if self.weight is None else self.weight[rows],
+        )
+
 
 QUANTITIES = "time supply voltage duty current speed load_speed reference error position torque winding housing power"
 # quantity | kinds of its unit | heads, the most usual first; of several columns that mean one the first is taken
@@ -185,45 +200,40 @@ def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({})) -> Log
 
 def _checked(log: Log, path: Path) -> Log:
     """A log whose numbers are finite, whose time rises, and in which something changes."""
-    columns, count = log.columns, len(next(iter(log.columns.values())))
+    count = len(next(iter(log.columns.values())))
     if count < _FEWEST and not log.steady:
         raise InputError(f"{path}: {count} rows; expected at least {_FEWEST}")
     if count > _MOST:
         raise InputError(f"{path}: {count} rows; expected at most {_MOST}: log less often, or a part of it")
     lost = np.zeros(count, bool)
-    for name, column in columns.items():
+    for name, column in log.columns.items():
         bad = ~np.isfinite(column)
         if bad.mean() > 0.2:
             raise InputError(
                 f"{path}: {log.heads[name]}: {int(bad.sum())} of {count} rows are no numbers; expected figures"
             )
         lost |= bad
-    remarks, starts = list(log.remarks), log.starts
+    remarks = list(log.remarks)
     if lost.any():
         remarks.append(f"{int(lost.sum())} of {count} rows with a cell that is no number are left out")
-        starts = tuple(sorted({int((~lost[:k]).sum()) for k in starts}))
-        columns = {name: column[~lost] for name, column in columns.items()}
-        log = log._replace(weight=None if log.weight is None else log.weight[~lost])
-    if "time" in columns:
-        time = columns["time"]
-        apart = np.diff(time)
+        log = log.kept(~lost)
+    if not log.steady:
+        apart = np.diff(log.columns["time"])
         inner = np.ones(len(apart), bool)
-        inner[[k - 1 for k in starts if 0 < k <= len(apart)]] = False
+        inner[[k - 1 for k in log.starts if 0 < k <= len(apart)]] = False
         if not (apart[inner] > 0.0).mean() > 0.9:
             raise InputError(f"{path}: {log.heads['time']}: does not rise; expected the time of each row")
         if not (apart[inner] > 0.0).all():  # a row written twice
-            kept = np.append(True, (apart > 0.0) | ~inner)
-            starts = tuple(sorted({int(kept[:k].sum()) for k in starts}))
-            columns = {name: column[kept] for name, column in columns.items()}
-            remarks.append(f"{int((~kept).sum())} rows with the time of the row before are left out")
-            log = log._replace(weight=None if log.weight is None else log.weight[kept])
-            apart = np.diff(columns["time"])
-        usual = float(np.median(apart[apart > 0.0]))
-        starts = tuple(sorted({*starts, *(np.flatnonzero((apart > _GAP * usual) | (apart <= 0.0)) + 1).tolist()}))
-    moved = [n for n, c in columns.items() if n != "time" and np.ptp(c) > _UNMOVED * (np.abs(c).max() or 1.0)]
+            rows = np.append(True, (apart > 0.0) | ~inner)
+            remarks.append(f"{int((~rows).sum())} rows with the time of the row before are left out")
+            log = log.kept(rows)
+            apart = np.diff(log.columns["time"])
+        gaps = np.flatnonzero((apart > _GAP * float(np.median(apart[apart > 0.0]))) | (apart <= 0.0)) + 1
+        log = log._replace(starts=tuple(sorted({*log.starts, *gaps.tolist()})))
+    moved = [n for n, c in log.columns.items() if n != "time" and np.ptp(c) > _UNMOVED * (np.abs(c).max() or 1.0)]
     if not moved:
         raise InputError(f"{path}: nothing changes in {', '.join(log.heads.values())}; expected a move")
-    return log._replace(columns=columns, starts=starts, remarks=tuple(remarks))
+    return log._replace(remarks=tuple(remarks))
 
 
 # -- Tables.
@@ -248,7 +258,7 @@ def _table(path: Path, named: Mapping[str, str]) -> Log:
     below = rows[place + 1][1] if place + 1 < len(rows) else []
     own = [unit_of(cell.replace("rad.s", "rad/s").replace("Deg C", "degC")) for cell in below]
     has_units = any(own) and not any(
-        cell and not unit and _is_number(cell) for cell, unit in zip(below, own, strict=True)
+        not unit and cell.lstrip("+-")[:1].isdigit() for cell, unit in zip(below, own, strict=True)
     )
     numbers = rows[place + 1 + has_units :]
     decimal = decimal_sign([cell for _, some in numbers[:500] for cell in some], table.separator)
@@ -259,10 +269,6 @@ def _table(path: Path, named: Mapping[str, str]) -> Log:
         cells = [_number(some[k] if k < len(some) else "", decimal) for _, some in numbers]
         columns[name] = np.array(cells, float) * factor + offset
     return Log(path.name, columns, {name: heads[k] for name, k in at.items()}, (0,), tuple(remarks))
-
-
-def _is_number(cell: str) -> bool:
-    return cell.lstrip("+-")[:1].isdigit()
 
 
 def _number(cell: str, decimal: str) -> float:
@@ -280,15 +286,12 @@ def _meant(cells: Sequence[str], named: Mapping[str, str]) -> dict[str, int]:
     for name, (kinds, words) in _QUANTITIES.items():
         if name in found:
             continue
-        fits = [k for k in range(len(cells)) if k not in found.values() and (not units[k] or _fits(units[k], kinds))]
+        free = [k for k in range(len(cells)) if k not in found.values()]
+        fits = [k for k in free if not units[k] or any(_scaled(units[k], kind) for kind in kinds)]
         place = next((k for word in words for k in fits if heads[k] == word), None)
         if place is not None and not (name in ("load_speed", "reference") and not units[place]):
             found[name] = place
     return found
-
-
-def _fits(unit: str, kinds: Iterable[str]) -> bool:
-    return any(_scaled(unit, kind) is not None for kind in kinds)
 
 
 def _scaled(unit: str, kind: str) -> tuple[float, float] | None:
@@ -322,24 +325,29 @@ _TURNS = {"Rotations": 2.0 * np.pi, "Radians": 1.0, "Degrees": np.pi / 180.0}
 _XL330_FULL = 885.0  # of its duty register
 
 
+@contextmanager
+def in_its_form(path: Path, what: str) -> Iterator[None]:
+    """Refuse what does not read as the program wrote it whose file this seems to be."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (TypeError, ValueError, KeyError, AttributeError, OverflowError) as error:
+        raise InputError(f"{path}: {' '.join(str(error).split())[:80]}; expected {what}") from None
+
+
 def _json(text: str, path: Path) -> Log:
     try:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({error})") from None
-    try:
+    with in_its_form(path, "a log in the form of its program"):
         if isinstance(data, dict) and any(name in data for name in _SYSID):
             return _sysid(data, path)
         if isinstance(data, dict) and isinstance(data.get("entries"), list) and "mass" in data:
             return _pendulum(data, path)
         if isinstance(data, list) and data and isinstance(data[0], dict):
             return _table(path, {})
-    except (TypeError, ValueError, KeyError, OverflowError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"{path}: {' '.join(str(error).split())[:80]}; expected a log in the form of its program"
-        ) from None
     raise InputError(f"{path}: expected tests slow-forward ... of SysId, or mass, length and entries of a pendulum rig")
 
 
@@ -386,14 +394,10 @@ def _pendulum(data: Mapping[str, Any], path: Path) -> Log:
     on = np.array([bool(one.get("torque_enable", True)) for one in entries_])
     weight = (mass + arm / 2.0) * length * _GRAVITY * np.sin(angle)
     starts = (0, *(np.flatnonzero(np.diff(on.astype(int)) != 0) + 1).tolist())
-    if not on.all():
-        remarks.append("stretches with the torque off are left out")
-        kept_starts = tuple(sorted({int(on[:k].sum()) for k in starts if on[:k].sum() < on.sum()}))
-        columns = {name: values[on] for name, values in columns.items()}
-        weight, starts = weight[on], kept_starts
+    remarks += ["stretches with the torque off are left out"] * (not on.all())
     inertia = (mass + arm / 3.0) * length**2
     heads = {name: name for name in columns}
-    return Log(path.name, columns, heads, starts, tuple(remarks), inertia, weight)
+    return Log(path.name, columns, heads, starts, tuple(remarks), inertia, weight).kept(on)
 
 
 # -- Binary data logs.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import nan
 from typing import NamedTuple
 
@@ -57,18 +57,18 @@ class Identification:
     """A drive as its log has it."""
 
     log: str  # name of the file
-    label: str  # of the motor that it is held against; empty without one
-    columns: dict[str, str]  # quantity -> head in the file
+    label: str = ""  # of the motor that it is held against; empty without one
+    columns: dict[str, str] = field(default_factory=dict)  # quantity -> head in the file
     samples: int
-    duration: float  # s
-    driven: str  # by which column the model is driven: voltage, current, or none of a table of steady points
+    duration: float = nan  # s
+    driven: str = "none"  # by which column the model is driven: voltage, current, or none of a table of steady points
     figures: tuple[IdentifiedFigure, ...]
     inseparable: tuple[Inseparable, ...]
     findings: tuple[LogFinding, ...]
-    condition: float  # of the scaled Jacobian of what is fitted
+    condition: float = nan  # of the scaled Jacobian of what is fitted
     time: Array  # s, of the traces
     traces: tuple[Trace, ...]
-    remarks: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
     def figure(self, name: str) -> IdentifiedFigure:
         """A figure by its name.
