@@ -549,6 +549,17 @@ def to_robot(theta: Any, xi_dot: Any) -> Array:
     return found
 
 
+def seen_by_robot(theta: Any, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
+    """Velocity and its rate of change in the robot's frame, of those in the world: dη/dt = R ξ̈ + Ṙ ξ̇.
+
+    What the robot's own axes see of the acceleration changes as they turn.
+    """
+    eta, rate = to_robot(theta, velocity), to_robot(theta, acceleration)
+    rate[0] += velocity[2] * eta[1]
+    rate[1] -= velocity[2] * eta[0]
+    return eta, rate
+
+
 def to_world(theta: Any, eta: Any) -> Array:
     """Velocity in the world, (31); the other way round of ``to_robot``.
 

@@ -315,9 +315,7 @@ def read_track(
     if not 0.0 <= smoothing <= span / _FEWEST:
         most = f"{span / _FEWEST:.4g} s, a quarter of the time of {file}"
         raise InputError(f"{where}: {smoothing:g} s; expected between 0 and {most}")
-    _no_jumps(file, time, made, limits, thinned(time, smoothing))
-    _no_outliers(file, time, made, limits, thinned(time, smoothing))
-    _refuse_moving_ends(file, time, made, thinned(time, smoothing))
+    _refuse_no_motion(file, time, made, limits, thinned(time, smoothing))
     if smoothing == 0.0:
         step = float(np.median(np.diff(time)))
         gain = np.abs(np.diff(np.diff(made, axis=1) / np.diff(time), axis=1) / step)
@@ -359,13 +357,13 @@ def _waypoints(sheet: CsvFile, header: list[str], factors: list[float]) -> list[
 # --- what is no motion of a platform ----------------------------------------------------------------------------------
 
 
-def _no_jumps(path: Path, time: Array, posture: Array, limits: Limits | None, kept: Any) -> None:
-    """Refuse a track with jumps of place or heading, or of their speeds."""
-    time, posture = time[kept], posture[:, kept]
-    step = np.diff(time)
-    speed = np.diff(posture, axis=1) / step
+def _refuse_no_motion(path: Path, time: Array, posture: Array, limits: Limits | None, kept: Any) -> None:
+    """Refuse a track that jumps in place, heading or their speeds, has rows far off its path, or ends that move."""
+    moment, knots, every = time[kept], posture[:, kept], _most(limits)
+    step = np.diff(moment)
+    speed = np.diff(knots, axis=1) / step
     gain = 2.0 * np.diff(speed, axis=1) / (step[1:] + step[:-1])
-    for column, (rows, most) in _most(limits).items():
+    for column, (rows, most) in every.items():
         size = [np.hypot.reduce(c[rows], axis=0) for c in (speed, gain)]
         for values, bound, unit in zip(size, most, _UNITS[column], strict=True):
             if not (values <= bound).all():
@@ -374,17 +372,20 @@ def _no_jumps(path: Path, time: Array, posture: Array, limits: Limits | None, ke
                 raise InputError(
                     f"{path}:{kept[at + 1] + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most"
                 )
-
-
-def _no_outliers(path: Path, time: Array, posture: Array, limits: Limits | None, kept: Any) -> None:
-    """Refuse rows between the knots that are farther from the path than a platform gets between two of them."""
-    off = posture - np.array([np.interp(time, time[kept], row[kept]) for row in posture])
-    for column, (rows, (fastest, _)) in _most(limits).items():
-        size, bound = np.hypot.reduce(off[rows], axis=0), fastest * float(np.diff(time[kept]).max())
-        if not (size <= bound).all():
-            at, unit = int(np.argmin(size <= bound)), _UNITS[column][0].removesuffix("/s")
-            word = f"a jump, {size[at]:.4g} {unit} off the path between its neighbours"
+    off = posture - np.array([np.interp(time, moment, row) for row in knots])  # of the rows between knots
+    for column, (rows, (fastest, _)) in every.items():
+        far, bound = np.hypot.reduce(off[rows], axis=0), fastest * float(step.max())
+        if not (far <= bound).all():
+            at, unit = int(np.argmin(far <= bound)), _UNITS[column][0].removesuffix("/s")
+            word = f"a jump, {far[at]:.4g} {unit} off the path between its neighbours"
             raise InputError(f"{path}:{at + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most")
+    for last, word in ((0, "starts"), (-1, "ends")):
+        for column, (rows, _) in every.items():
+            if along := speed_at_end(moment, knots[rows], last):
+                raise InputError(
+                    f"{path}:{_ABOVE + int(kept[last])}: {column}: the track {word} at {along:.3g} {_UNITS[column][0]};"
+                    " expected rest, as the cycle repeats: add rows of a ramp, or take a longer part"
+                )
 
 
 def _most(limits: Limits | None) -> dict[str, tuple[slice, tuple[float, float]]]:
@@ -395,16 +396,3 @@ def _most(limits: Limits | None) -> dict[str, tuple[slice, tuple[float, float]]]
         if limits.turning_speed is not None and limits.turning_acceleration is not None:
             turning = (_FAR * limits.turning_speed, _FAR * limits.turning_acceleration)
     return {"x, y": (slice(0, 2), driving), "heading": (slice(2, 3), turning)}
-
-
-def _refuse_moving_ends(path: Path, time: Array, posture: Array, kept: Any) -> None:
-    """Refuse a track that does not start and end at rest."""
-    time, posture = time[kept], posture[:, kept]
-    for last, word in ((0, "starts"), (-1, "ends")):
-        for column, rows in (("x, y", slice(0, 2)), ("heading", slice(2, 3))):
-            speed = speed_at_end(time, posture[rows], last)
-            if speed:
-                raise InputError(
-                    f"{path}:{_ABOVE + int(kept[last])}: {column}: the track {word} at {speed:.3g} {_UNITS[column][0]};"
-                    " expected rest, as the cycle repeats: add rows of a ramp, or take a longer part"
-                )

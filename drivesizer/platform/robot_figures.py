@@ -277,9 +277,8 @@ def wheel_table(d: Dynamics) -> Numbers:
     known = figures(d, Instant(np.zeros(3), np.zeros(3), np.zeros(3)))
     columns = {"L": "mm", "alpha": "rad", "beta": "rad", "gamma": "rad", "phi": "rad", "delta": "rad", "r": "mm",
                "I_phiy": "kg*m^2"}  # fmt: skip
-    factors = {"mm": 1000.0, "rad": 1.0, "kg*m^2": 1.0}
     known["r"] = known["r_i"]
-    values = np.array([known[name] * factors[unit] for name, unit in columns.items()]).T
+    values = np.array([known[name] * (1000.0 if unit == "mm" else 1.0) for name, unit in columns.items()]).T
     turns = [unit == "rad" for unit in columns.values()]
     values[:, turns] = np.pi - (np.pi - values[:, turns]) % (2.0 * np.pi)
     rows = [f"wheel {i + 1}" for i in range(len(values))]

@@ -14,7 +14,7 @@ from drivesizer.errors import InputError
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.platform.equations import Array
-from drivesizer.platform.kinematics import to_robot
+from drivesizer.platform.kinematics import seen_by_robot
 
 # -- Motion of a platform through the world, as pieces of time.
 
@@ -48,14 +48,18 @@ class Trajectory:
 
         Before the start and after the end it is the first and the last one.
         """
-        edges = np.concatenate([[0.0], np.cumsum(self.duration)])
-        moment = np.clip(np.asarray(time, dtype=float), 0.0, edges[-1])
-        i = np.clip(np.searchsorted(edges, moment, side="right") - 1, 0, len(self.duration) - 1)
+        i, u = self.places(time)
         T = self.duration[i]
-        u = (moment - edges[i]) / T
         (p_0, p_1), (v_0, v_1) = np.moveaxis(self.posture[:, i], -1, 0), np.moveaxis(self.velocity[:, i], -1, 0)
         inner = T * (v_0 * (1.0 - u) - v_1 * u) + (p_1 - p_0) * (2.0 * u - 1.0)
         return np.asarray(p_0 + (p_1 - p_0) * u + u * (1.0 - u) * inner)
+
+    def places(self, time: Any) -> tuple[Any, Array]:
+        """The piece of each of some times, and the share of it that is over; no less than 0, no more than all."""
+        edges = np.concatenate([[0.0], np.cumsum(self.duration)])
+        moment = np.clip(np.asarray(time, dtype=float), 0.0, edges[-1])
+        piece = np.clip(np.searchsorted(edges, moment, side="right") - 1, 0, len(self.duration) - 1)
+        return piece, (moment - edges[piece]) / self.duration[piece]
 
     @property
     def length(self) -> float:
@@ -63,16 +67,8 @@ class Trajectory:
         return float(np.hypot(*self.velocity[:2]).mean(axis=1) @ self.duration)
 
     def in_robot(self) -> tuple[Array, Array]:
-        """Velocity and its rate of change in the robot's frame, η and dη/dt: shape (3, n, 2) both.
-
-        dη/dt = R ξ̈ + Ṙ ξ̇: what the robot's own axes see of the acceleration changes as they turn.
-        """
-        theta = self.posture[2]
-        eta, seen = to_robot(theta, self.velocity), to_robot(theta, self.acceleration)
-        turning = self.velocity[2]
-        seen[0] += turning * eta[1]
-        seen[1] -= turning * eta[0]
-        return eta, seen
+        """Velocity and its rate of change in the robot's frame, η and dη/dt: shape (3, n, 2) both."""
+        return seen_by_robot(self.posture[2], self.velocity, self.acceleration)
 
 
 def rest(posture: Array, time: float) -> Trajectory:

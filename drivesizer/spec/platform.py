@@ -10,7 +10,7 @@ from pydantic import Field
 
 from drivesizer.files import fields
 from drivesizer.platform.envelope import Passage, Size
-from drivesizer.platform.kinematics import Misjudged, Payload, Wheel, table_wheel
+from drivesizer.platform.kinematics import Misjudged, Payload, Wheel, kinematics, table_wheel
 from drivesizer.platform.kinematics import Platform as Record
 
 # -- Section of a spec on the wheels of a platform: one by one, or by a layout.
@@ -366,8 +366,6 @@ class Platform(fields.Section):
             yield needed
         yield from fields.apart(self.passages, "passages")
         yield from fields.apart(self.payloads, "payloads")
-        from drivesizer.platform.kinematics import kinematics  # a spec without a platform does not wait for it
-
         # two wheels in one place, and wheels that do not hold the robot, are known before its mass is
         wheels = tuple(place.record(0.1) for place in self.places)
         casters = tuple(WheelPlace.model_construct(kind="omni", x=c.x, y=c.y).record(0.1) for c in self.casters)

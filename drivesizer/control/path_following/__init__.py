@@ -38,7 +38,7 @@ from drivesizer.platform.kinematics import (
     columns,
     map_columns,
     per_wheel,
-    to_robot,
+    seen_by_robot,
 )
 from drivesizer.platform.stability import least_margin
 from drivesizer.platform.trajectory import Trajectory
@@ -245,10 +245,7 @@ class Planned:
 
     def in_robot(self) -> tuple[Array, Array]:
         """Velocity and its rate of change in the robot's frame, (3, k) both."""
-        eta, seen = to_robot(self.posture[2], self.velocity), to_robot(self.posture[2], self.acceleration)
-        seen[0] += self.velocity[2] * eta[1]
-        seen[1] -= self.velocity[2] * eta[0]
-        return eta, seen
+        return seen_by_robot(self.posture[2], self.velocity, self.acceleration)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -281,16 +278,13 @@ def sampled(trajectory: Trajectory, time: Any) -> Planned:
 
     Velocity and acceleration are linear within a piece, the posture a cubic by its ends and their velocities.
     """
-    ends = np.concatenate([[0.0], np.cumsum(trajectory.duration)])
-    t = np.clip(np.asarray(time, dtype=float), 0.0, ends[-1])
-    n = np.clip(np.searchsorted(ends, t, side="right") - 1, 0, len(trajectory.duration) - 1)
-    q = np.clip((t - ends[n]) / trajectory.duration[n], 0.0, 1.0)
-    v, w = np.moveaxis(trajectory.velocity[:, n], -1, 0)
-    inside = (np.asarray(time) <= ends[-1]) & (np.asarray(time) >= 0.0)
-    rates = [v + q * (w - v), (1.0 - q) * trajectory.acceleration[:, n, 0] + q * trajectory.acceleration[:, n, 1]]
-    velocity, acceleration = (np.asarray(np.where(inside, rate, 0.0), dtype=float) for rate in rates)
     instants: Array = np.asarray(time, dtype=np.float64)
-    return Planned(instants, trajectory.at(instants), velocity, acceleration)
+    n, q = trajectory.places(instants)
+    q = np.clip(q, 0.0, 1.0)
+    v, w = np.moveaxis(trajectory.velocity[:, n], -1, 0)
+    inside = (instants <= trajectory.time[-1, 1]) & (instants >= 0.0)
+    rates = [v + q * (w - v), (1.0 - q) * trajectory.acceleration[:, n, 0] + q * trajectory.acceleration[:, n, 1]]
+    return Planned(instants, trajectory.at(instants), *(np.where(inside, rate, 0.0) for rate in rates))
 
 
 def follow(
