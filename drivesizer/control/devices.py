@@ -245,25 +245,7 @@ def _version(text: str) -> tuple[int, ...]:
 
 
 def loops_of(device: Device, spec: RobotSpec, drive: DriveSet) -> Control:
-    """The loops of a controller: those that the spec requires, refused where it cannot express them.
-
-    Parameters
-    ----------
-    device
-        The controller.
-    spec, drive
-        The machine and the drive.
-
-    Returns
-    -------
-    Control
-        The spec's own section for that controller.
-
-    Raises
-    ------
-    InputError
-        When the spec requires what the controller has no place for.
-    """
+    """The loops of a controller: those that the spec requires, refused where it cannot express them."""
     own = spec.control
     if (device.structure == "steps") != drive.steps:
         which, other = ("servo motors", "is one that steps") if drive.steps else ("steppers", "runs in a closed loop")
@@ -392,20 +374,7 @@ def figures(proof: Validation, device: Device, settings: Mapping[str, float]) ->
 
 
 def written(device: Device, values: Mapping[str, float]) -> Writing:
-    """Every parameter with its value as it is written; and those that are not written, with the reason.
-
-    Parameters
-    ----------
-    device
-        The controller.
-    values
-        Figures by the names of the table's head.
-
-    Returns
-    -------
-    Writing
-        A later parameter may be made of those before it, as they are written.
-    """
+    """Every parameter with its value as it is written; and those that are not written, with the reason."""
     found, known = Writing([], [], []), dict(values)
     reasons = dict[str, list[str]]()
     for parameter in device.parameters:

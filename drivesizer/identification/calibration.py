@@ -31,23 +31,7 @@ _RESULTS = Inseparable(
 
 
 def calibration(path: Path) -> Identification | None:
-    """A calibration file's figures with cross-checks.
-
-    Parameters
-    ----------
-    path
-        A JSON file.
-
-    Returns
-    -------
-    Identification or None
-        None where it is another kind of file.
-
-    Raises
-    ------
-    InputError
-        When it is one and lacks figures.
-    """
+    """A calibration file's figures with cross-checks."""
     if path.suffix not in (".json", ".log"):
         return None
     raw = read_bytes(path, LARGEST)

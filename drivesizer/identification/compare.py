@@ -79,25 +79,7 @@ class Moves(NamedTuple):
 
 
 def compare(log: Log, proof: Validation) -> Comparison:
-    """Hold a log against the sizing of its machine.
-
-    Parameters
-    ----------
-    log
-        The machine's log.
-    proof
-        Its drive in closed loop: its checks are what was promised.
-
-    Returns
-    -------
-    Comparison
-        Checks by the measured figures, and what would explain the difference.
-
-    Raises
-    ------
-    InputError
-        When the log has nothing that a check is of.
-    """
+    """Hold a log against the sizing of its machine."""
     spec, drive = proof.spec, proof.drive_set
     of = of_drive(spec, drive)
     columns = at_motor(log, of)
@@ -251,20 +233,7 @@ def _as_entered(value: float, kind: str, entered: Any) -> str:
 
 
 def corrected(spec: RobotSpec, one: Explanation) -> bytes:
-    """The spec's text with the figure that explains its log; all else, comments too, as it was.
-
-    Parameters
-    ----------
-    spec
-        The axis.
-    one
-        Of a comparison's explanations.
-
-    Returns
-    -------
-    bytes
-        The whole file.
-    """
+    """The spec's text with the figure that explains its log; all else, comments too, as it was."""
     source = spec.source
     above = source.at if isinstance(source, YamlOverlay) else ()
     place = (*above, *one.field.split("."))

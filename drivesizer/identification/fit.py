@@ -329,22 +329,7 @@ _FALLEN = {"b": 0.0, "L": 0.0}  # where such a figure is neither fitted nor know
 
 
 def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
-    """Fit what a record separates.
-
-    Parameters
-    ----------
-    one
-        The log on an even grid.
-    known
-        Figures of a data sheet or of conditions, SI; those that are not fitted have them.
-    free
-        What is to be fitted, of ``model.FIGURES``.
-
-    Returns
-    -------
-    Fit
-        With what could not be separated.
-    """
+    """Fit what a record separates."""
     start = regression(one, known)
     problem = _Problem(one, start, known)
     problem.free = tuple(free)
@@ -410,20 +395,7 @@ def _inseparable(problem: _Problem) -> str | None:
 
 
 def spreads(J: Array, r: Array) -> Array:
-    """Three standard deviations of each figure: formal, by blocks drawn anew, by parts.
-
-    Parameters
-    ----------
-    J
-        Slopes of what is left, by output, moment and figure.
-    r
-        What is left, by output and moment, in its own standard deviations.
-
-    Returns
-    -------
-    array
-        A row of each kind.
-    """
+    """Three standard deviations of each figure: formal, by blocks drawn anew, by parts."""
     n = r.shape[1]
     blocks = np.array_split(np.arange(n), min(_BLOCKS, n))
     normal = np.array([np.einsum("oti,otj->ij", J[:, some], J[:, some]) for some in blocks])

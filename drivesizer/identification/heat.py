@@ -46,22 +46,7 @@ class Heat(NamedTuple):
 
 
 def heated(log: Log, current: Array | None, R_25: float) -> Heat:
-    """Fit the two bodies to a log's temperatures.
-
-    Parameters
-    ----------
-    log
-        With ``winding``, ``housing`` or both.
-    current
-        Of the motor [A]; None where unknown.
-    R_25
-        Of the winding at 25 degC [ohm]; NaN unknown.
-
-    Returns
-    -------
-    Heat
-        Empty where no temperature rises.
-    """
+    """Fit the two bodies to a log's temperatures."""
     names = [name for name in ("winding", "housing") if name in log.columns]
     rises = [name for name in names if float(np.ptp(log.columns[name])) > _LEAST_RISE]
     if "winding" not in rises or log.steady:

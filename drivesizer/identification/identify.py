@@ -376,20 +376,7 @@ _PERIOD = 1e-3  # s, of the controller: of a train whose inductance is unknown
 
 
 def of_motor(hit: Hit, ratio: float = 1.0) -> Reference:
-    """A motor by its data sheet.
-
-    Parameters
-    ----------
-    hit
-        The motor.
-    ratio
-        Of gears before a torque that was logged.
-
-    Returns
-    -------
-    Reference
-        Its printed figures.
-    """
+    """A motor by its data sheet."""
     columns: Figures = {name: hit.table[name][hit.row : hit.row + 1] for name in hit.table.columns}
     return Reference(label=hit.part, ratio=ratio, figures={
         "R": hit["resistance"], "L": hit["inductance"], "k_t": hit["torque_constant"],
@@ -398,23 +385,7 @@ def of_motor(hit: Hit, ratio: float = 1.0) -> Reference:
 
 
 def of_drive(spec: RobotSpec, drive: DriveSet) -> Reference:
-    """A spec with its drive: figures of the motor, gears, and the weight that pulls at rest.
-
-    Parameters
-    ----------
-    spec, drive
-        The machine and its drive.
-
-    Returns
-    -------
-    Reference
-        The load's inertia and friction are not in it: they are to be found.
-
-    Raises
-    ------
-    NoLoopError
-        When the catalogue lacks a figure without which nothing can be simulated.
-    """
+    """A spec with its drive: figures of the motor, gears, and the weight that pulls at rest."""
     train, _ = drive_train(spec, drive, _PERIOD)
     rigid, _ = mechanics(spec, drive)
     return Reference(
@@ -485,17 +456,7 @@ def log_findings(log: Log, *, pulled: bool) -> Iterator[LogFinding]:
 
 
 def unit_findings(of: str, column: str, found: float, printed: float, ratio: float) -> Iterator[LogFinding]:
-    """A factor that would make a constant that of the data sheet, where it is far from it.
-
-    Parameters
-    ----------
-    of, column
-        The constant in words, and the column that it is blamed on.
-    found, printed
-        The constant by the log, and on the data sheet [SI].
-    ratio
-        Of the gears: a speed may be that of the other side.
-    """
+    """A factor that would make a constant that of the data sheet, where it is far from it."""
     if isnan(printed) or not found > 0.0 or not printed > 0.0:
         return
     off = found / printed

@@ -40,25 +40,7 @@ _NUMBERS = {"double": "<d", "float": "<f", "int64": "<q", "boolean": "<?"}
 
 
 def entries(raw: bytes, path: Path) -> dict[str, tuple[Array, Array]]:
-    """Times [s] and values of each numeric entry by its name.
-
-    Parameters
-    ----------
-    raw
-        The file's bytes.
-    path
-        Its name, for messages.
-
-    Returns
-    -------
-    dict
-        Entries with two values or more, times as they were written.
-
-    Raises
-    ------
-    InputError
-        When the file is none of version 1.0, or has more entries than a robot.
-    """
+    """Times [s] and values of each numeric entry by its name."""
     if len(raw) < 12 or raw[6:8] != b"\x00\x01":
         raise InputError(f"{path}: is no data log of version 1.0")
     at = 12 + int.from_bytes(raw[8:12], "little")

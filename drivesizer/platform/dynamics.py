@@ -73,41 +73,13 @@ def _downhill(theta: Any, ground: Ground) -> tuple[Array, Array]:
 
 
 def weight_along(platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
-    """Force and moment of the weight along the floor [N, N, N*m], in the robot's axes.
-
-    Parameters
-    ----------
-    platform
-        Its mass and where it is.
-    theta
-        Heading in the world [rad]; one, or one per sample.
-    ground
-        The floor.
-
-    Returns
-    -------
-    Array
-        Shape (3, ...); (3,) where it is the same for all samples.
-    """
+    """Force and moment of the weight along the floor [N, N, N*m], in the robot's axes."""
     x, y = (platform.mass * g for g in _downhill(theta, ground))
     return np.array(np.broadcast_arrays(x, y, platform.x * y - platform.y * x))
 
 
 def centre_acceleration(platform: Platform, m: Moving) -> Array:
-    """Acceleration of the centre of mass, in the robot's axes [m/s^2]; shape (2, ...).
-
-    Parameters
-    ----------
-    platform
-        Where its centre of mass is.
-    m
-        Its motion; the axes turn, so the velocity counts.
-
-    Returns
-    -------
-    array
-        Along and across the robot [m/s^2], shape (2, ...).
-    """
+    """Acceleration of the centre of mass, in the robot's axes [m/s^2]; shape (2, ...)."""
     (forward, aside, turn), (gain_x, gain_y, spin) = m.eta, m.eta_dot
     x, y = platform.x, platform.y
     return np.stack([
@@ -201,23 +173,7 @@ class Dynamics:
 
 
 def dynamics(platform: Platform) -> Dynamics:
-    """The matrices of a platform.
-
-    Parameters
-    ----------
-    platform
-        Wheels and mass.
-
-    Returns
-    -------
-    Dynamics
-        Platform, kinematics, and the matrices of (41) and (59).
-
-    Raises
-    ------
-    InputError
-        When the wheels are singular (see ``kinematics``).
-    """
+    """The matrices of a platform."""
     k, p = kinematics(platform.wheels), platform
     M_R = eq.mass_matrix(p.mass, p.inertia + p.mass * (p.x**2 + p.y**2), p.x, p.y)
     M_phi = eq.wheel_inertias(np.array([w.inertia + w.rotor_inertia for w in p.wheels]))
@@ -226,22 +182,7 @@ def dynamics(platform: Platform) -> Dynamics:
 
 
 def signs(rows: Array, eta: Array, reach: float) -> Array:
-    """Signs of rows times velocities; 0 where that is nothing beside what so fast a motion makes in other directions.
-
-    Parameters
-    ----------
-    rows
-        Speeds of wheels or rollers over velocity, shape (n, 3).
-    eta
-        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
-    reach
-        Of the platform [m].
-
-    Returns
-    -------
-    array
-        -1, 0 or 1, shape (n, ...).
-    """
+    """Signs of rows times velocities; 0 where that is nothing beside what so fast a motion makes."""
     flat = eta.reshape(3, -1)
     value, least = rows @ flat, np.outer(_ROUNDING * row_sizes(rows, reach), _speed(flat, reach))
     value[np.abs(value) <= least] = 0.0
@@ -254,20 +195,7 @@ def _speed(eta: Array, reach: float) -> Array:
 
 
 def own_rolling(d: Dynamics, loads: Array) -> Array:
-    """Torque that each wheel itself takes to roll on, about its own axis [N*m], shape (wheels, ...).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    loads
-        What wheels, then casters, carry [N], shape (wheels and casters, ...).
-
-    Returns
-    -------
-    array
-        Torques [N*m], shape (wheels, ...).
-    """
+    """Torque that each wheel itself takes to roll on, about its own axis [N*m], shape (wheels, ...)."""
     wheels = d.platform.wheels
     C_rr, r, friction = np.array([(w.rolling_resistance, w.radius, w.friction) for w in wheels]).T
     across = (slice(None),) + (None,) * (loads.ndim - 1)
@@ -275,22 +203,7 @@ def own_rolling(d: Dynamics, loads: Array) -> Array:
 
 
 def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = LEVEL) -> Array:
-    """Force and moment that wheels, rollers and casters need to roll on [N, N, N*m]; shape (3, ...).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    towards
-        Velocity whose direction counts [m/s, m/s, rad/s], shape (3, ...).
-    theta, ground
-        Heading in the world [rad], and the floor. A wheel that would lift off carries nothing and resists nothing.
-
-    Returns
-    -------
-    array
-        Along, across and about the vertical [N, N, N*m], shape (3, ...).
-    """
+    """Force and moment that wheels, rollers and casters need to roll on [N, N, N*m]; shape (3, ...)."""
     wheels, casters, k = d.platform.wheels, d.platform.casters, d.kinematics
     C_rr, C_roller, friction = np.array([(w.rolling_resistance, w.roller_resistance, w.friction) for w in wheels]).T
     crawl = np.array([c.rolling_resistance for c in casters])
@@ -312,25 +225,7 @@ def resistance(d: Dynamics, towards: Array, theta: Any = 0.0, ground: Ground = L
 
 
 def required_force(d: Dynamics, m: Moving) -> Array:
-    """Force and moment that the driven wheels must make for a motion [N, N, N*m], in the robot's axes; shape (3, ...).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    m
-        Its motion.
-
-    Returns
-    -------
-    array
-        Along, across and about the vertical [N, N, N*m], shape (3, ...).
-
-    Raises
-    ------
-    InputError
-        When the wheels do not allow the motion.
-    """
+    """Force and moment that the driven wheels must make for a motion [N, N, N*m], in the robot's axes; (3, ...)."""
     check_allowed(d.kinematics, m.eta, "velocity of the platform")
     check_allowed(d.kinematics, m.eta_dot, "acceleration of the platform", "m/s^2")
     rate, turned = np.broadcast_arrays(m.eta_dot, m.eta[2] * m.eta)  # C is of 1 rad/s
@@ -341,28 +236,7 @@ def required_force(d: Dynamics, m: Moving) -> Array:
 
 
 def wheel_torques(d: Dynamics, m: Moving, *, rotors: bool = True) -> Array:
-    """Torques of the driven wheels that make a motion [N*m], shape (n, ...).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    m
-        Its motion.
-    rotors
-        Whether what turns the driven wheels' own rotors is in. Without it the torques are those of a load cycle, to
-        which the drive model adds its rotor.
-
-    Returns
-    -------
-    array
-        Torques [N*m], shape (n, ...).
-
-    Raises
-    ------
-    InputError
-        When the wheels do not allow the motion.
-    """
+    """Torques of the driven wheels that make a motion [N*m], shape (n, ...)."""
     torque = map_columns(d.distribution, required_force(d, m))
     if rotors:
         return torque
@@ -372,20 +246,7 @@ def wheel_torques(d: Dynamics, m: Moving, *, rotors: bool = True) -> Array:
 
 
 def energy(d: Dynamics, eta: Any) -> Array:
-    """Kinetic energy of platform, wheels and rotors, (41) [J]; shape (...).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    eta
-        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
-
-    Returns
-    -------
-    array
-        Kinetic energy [J], shape (...).
-    """
+    """Kinetic energy of platform, wheels and rotors, (41) [J]; shape (...)."""
     eta, p = columns(eta, 3, "velocity of the platform"), d.platform
     inertias = np.array([w.inertia + w.rotor_inertia for w in p.wheels]).reshape(-1, *[1] * (eta.ndim - 1))
     x, y = eta[0] - p.y * eta[2], eta[1] + p.x * eta[2]  # of the centre of mass
@@ -425,27 +286,7 @@ class Motion(Moving):
 
 
 def motion(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Motion:
-    """Motion of a platform on a trajectory, for ``dynamics`` to make torques of.
-
-    Parameters
-    ----------
-    d
-        The platform.
-    trajectory
-        Its motion in the world.
-    ground
-        The floor; where its slope is a column, at both ends of each piece, shape (n, 2).
-
-    Returns
-    -------
-    Motion
-        Velocity and acceleration in the robot's frame, piece by piece.
-
-    Raises
-    ------
-    InputError
-        When the wheels do not allow the motion.
-    """
+    """Motion of a platform on a trajectory, for ``dynamics`` to make torques of."""
     allowed(d.kinematics, trajectory)
     return seen(d, trajectory, ground, largest(trajectory))
 
@@ -458,20 +299,7 @@ def largest(trajectory: Trajectory) -> Array:
 
 
 def allowed(k: Kinematics, trajectory: Trajectory) -> None:
-    """Refuse a trajectory that slides wheels by more than a share of its largest speed: sampled tracks need some.
-
-    Parameters
-    ----------
-    k
-        The wheels.
-    trajectory
-        In the world.
-
-    Raises
-    ------
-    InputError
-        When it does.
-    """
+    """Refuse a trajectory that slides wheels by more than a share of its largest speed: sampled tracks need some."""
     if not len(k.held):
         return
     along, _, turning = largest(trajectory)
@@ -484,20 +312,7 @@ def allowed(k: Kinematics, trajectory: Trajectory) -> None:
 
 
 def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Motion:
-    """A trajectory in the robot's frame, cut; what the wheels do not allow of it is left out.
-
-    Parameters
-    ----------
-    d, trajectory, ground
-        As in ``motion``.
-    top
-        Its largest speeds, or those of the whole that it is a part of, see ``largest``.
-
-    Returns
-    -------
-    Motion
-        Velocity and acceleration in the robot's frame, piece by piece.
-    """
+    """A trajectory in the robot's frame, cut; what the wheels do not allow of it is left out."""
     k, (eta, eta_dot) = d.kinematics, trajectory.in_robot()
     if len(k.held):
         made = k.K_plus @ k.E[list(k.driven)]  # the motion of wheels that turn as in one that slides
@@ -551,16 +366,6 @@ def blocks(trajectory: Trajectory, ground: Ground) -> Iterator[tuple[Trajectory,
     """So many pieces at a time that their columns stay in the processor's cache.
 
     Parameters are those of ``motion``.
-
-    Parameters
-    ----------
-    trajectory, ground
-        As in ``motion``.
-
-    Returns
-    -------
-    iterator
-        Parts of the trajectory, each with its part of the floor.
     """
     for first in range(0, len(trajectory.duration), _BLOCK):
         here = slice(first, first + _BLOCK)

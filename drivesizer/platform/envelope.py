@@ -289,22 +289,7 @@ def _joined(parts: list[_Pieces]) -> _Pieces:
 
 
 def side_room(posture: Array, size: Size, width: float, depth: float) -> tuple[Array, Array]:
-    """Room to the left and to the right jamb [m]; NaN where nothing of the platform is between them.
-
-    Parameters
-    ----------
-    posture
-        Along the passage and across it to the left, from the passage's middle [m], and heading [rad]; (3, ...).
-    size
-        Of the platform.
-    width, depth
-        Of the passage [m].
-
-    Returns
-    -------
-    tuple of arrays
-        Left and right [m], shape (...).
-    """
+    """Room to the left and to the right jamb [m]; NaN where nothing of the platform is between them."""
     cos, sin = np.cos(posture[2]), np.sin(posture[2])
     x, y = (c.reshape(-1, *[1] * cos.ndim) for c in size.corners)
     s, t = posture[0] + cos * x - sin * y, posture[1] + sin * x + cos * y  # (4, ...)

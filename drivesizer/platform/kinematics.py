@@ -191,27 +191,7 @@ def loaded(platform: Platform, *payloads: Payload) -> Platform:
 
 
 def without_motor(platform: Platform, wheel: int, *, blocked: bool = False) -> Platform:
-    """The platform after a motor has failed: its wheel turns freely with the rotor, or not at all.
-
-    Parameters
-    ----------
-    platform
-        With all motors.
-    wheel
-        Which one, counted from 1 as in Table 1.
-    blocked
-        Whether brake or gear hold the wheel.
-
-    Returns
-    -------
-    Platform
-        With that wheel free or blocked.
-
-    Raises
-    ------
-    InputError
-        When there is no such wheel, or no driven one is left.
-    """
+    """The platform after a motor has failed: its wheel turns freely with the rotor, or not at all."""
     if not 1 <= wheel <= len(platform.wheels):
         raise InputError(f"platform: there is no wheel {wheel}; expected 1 to {len(platform.wheels)}")
     wheels = list(platform.wheels)
@@ -253,27 +233,7 @@ class Misjudged:
 
 
 def per_wheel(value: float | Sequence[float], wheels: int, what: str) -> tuple[float, ...]:
-    """A figure for each wheel; 0 wheels: as many as there are.
-
-    Parameters
-    ----------
-    value
-        One figure for all wheels, or one for each.
-    wheels
-        How many there are; 0 where that is not known.
-    what
-        Name of the figure, for a message.
-
-    Returns
-    -------
-    tuple of float
-        One for each wheel.
-
-    Raises
-    ------
-    InputError
-        When there are as many figures as neither one nor wheels.
-    """
+    """A figure for each wheel; 0 wheels: as many as there are."""
     if isinstance(value, (int, float)):
         return (float(value),) * max(wheels, 1)
     if wheels and len(value) != wheels:
@@ -422,20 +382,7 @@ def _kinematics(wheels: tuple[Wheel, ...]) -> Kinematics:
 
 
 def row_sizes(rows: Array, reach: float) -> Array:
-    """Largest values of rows times velocity, of a motion of 1 m/s in any direction, shape (n,).
-
-    Parameters
-    ----------
-    rows
-        Such as E of a set of wheels, shape (n, 3).
-    reach
-        Of the platform [m]: turning by 1/reach rad/s is a motion of 1 m/s.
-
-    Returns
-    -------
-    array
-        Shape (n,).
-    """
+    """Largest values of rows times velocity, of a motion of 1 m/s in any direction, shape (n,)."""
     return np.asarray(np.hypot(np.hypot(rows[:, 0], rows[:, 1]), rows[:, 2] / reach))
 
 
@@ -479,27 +426,7 @@ def _seen(rolling: Array, motions: Array, scale: Array) -> None:
 
 
 def columns(values: Any, entries: int, what: str) -> Array:
-    """Figures as columns of floats.
-
-    Parameters
-    ----------
-    values
-        One figure or an array per entry.
-    entries
-        Length of the first axis.
-    what
-        Name of the figures, for a message.
-
-    Returns
-    -------
-    array
-        Shape (entries, ...).
-
-    Raises
-    ------
-    InputError
-        When the first axis has another length, or a figure is not finite.
-    """
+    """Figures as columns of floats."""
     found = np.asarray(values, dtype=float)
     if found.ndim == 0 or found.shape[0] != entries:
         raise InputError(f"{what}: expected {entries} rows, got an array of shape {found.shape}")
@@ -511,40 +438,14 @@ def columns(values: Any, entries: int, what: str) -> Array:
 
 
 def map_columns(matrix: Array, values: Array) -> Array:
-    """A matrix times columns with any number of axes of samples.
-
-    Parameters
-    ----------
-    matrix
-        Shape (m, n).
-    values
-        Shape (n, ...).
-
-    Returns
-    -------
-    array
-        Shape (m, ...).
-    """
+    """A matrix times columns with any number of axes of samples."""
     if values.ndim <= 2:
         return matrix @ values
     return (matrix @ values.reshape(len(values), -1)).reshape(-1, *values.shape[1:])
 
 
 def to_robot(theta: Any, xi_dot: Any) -> Array:
-    """Velocity in the robot's frame, (22).
-
-    Parameters
-    ----------
-    theta
-        Heading [rad]; one, or one per sample.
-    xi_dot
-        Velocity in the world [m/s, m/s, rad/s], shape (3, ...).
-
-    Returns
-    -------
-    array
-        [m/s, m/s, rad/s], shape (3, ...).
-    """
+    """Velocity in the robot's frame, (22)."""
     found: Array = eq.robot_velocity(np.asarray(theta, dtype=float), *columns(xi_dot, 3, "velocity in the world"))
     return found
 
@@ -561,66 +462,20 @@ def seen_by_robot(theta: Any, velocity: Array, acceleration: Array) -> tuple[Arr
 
 
 def to_world(theta: Any, eta: Any) -> Array:
-    """Velocity in the world, (31); the other way round of ``to_robot``.
-
-    Parameters
-    ----------
-    theta
-        Heading [rad]; one, or one per sample.
-    eta
-        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
-
-    Returns
-    -------
-    array
-        [m/s, m/s, rad/s], shape (3, ...).
-    """
+    """Velocity in the world, (31); the other way round of ``to_robot``."""
     found: Array = eq.world_velocity(np.asarray(theta, dtype=float), *columns(eta, 3, "velocity of the platform"))
     return found
 
 
 def wheel_speeds(k: Kinematics, eta: Any) -> Array:
-    """Speeds of all wheels [rad/s], (32); shape (N, ...).
-
-    Parameters
-    ----------
-    k
-        The set of wheels.
-    eta
-        Velocity in the robot's frame [m/s, m/s, rad/s], shape (3, ...).
-
-    Returns
-    -------
-    array
-        Speeds [rad/s], shape (N, ...).
-
-    Raises
-    ------
-    InputError
-        When the set does not allow the motion.
-    """
+    """Speeds of all wheels [rad/s], (32); shape (N, ...)."""
     found = columns(eta, 3, "velocity of the platform")
     check_allowed(k, found, "velocity of the platform")
     return map_columns(k.E, found)
 
 
 def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> None:
-    """Refuse a velocity, or an acceleration, that would slide a held wheel or turn a blocked one.
-
-    Parameters
-    ----------
-    k
-        The wheels.
-    eta
-        Velocity or acceleration in the robot's frame, shape (3, ...).
-    what, unit
-        Name and unit of it, for a message.
-
-    Raises
-    ------
-    InputError
-        When the set does not allow it.
-    """
+    """Refuse a velocity, or an acceleration, that would slide a held wheel or turn a blocked one."""
     if not len(k.held):
         return
     off = np.abs(map_columns(k.held, eta)).reshape(len(k.held), -1)
@@ -637,18 +492,5 @@ def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> No
 
 
 def velocity(k: Kinematics, speeds: Any) -> Array:
-    """Velocity of the platform from the speeds of its driven wheels, (54); shape (3, ...).
-
-    Parameters
-    ----------
-    k
-        The set of wheels.
-    speeds
-        Of the driven wheels [rad/s], shape (n, ...).
-
-    Returns
-    -------
-    array
-        [m/s, m/s, rad/s], shape (3, ...).
-    """
+    """Velocity of the platform from the speeds of its driven wheels, (54); shape (3, ...)."""
     return map_columns(k.K_plus, columns(speeds, len(k.driven), "speeds of the driven wheels"))

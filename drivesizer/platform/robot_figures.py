@@ -71,20 +71,7 @@ class Numbers(NamedTuple):
 
 
 def figures(d: Dynamics, at: Instant) -> dict[str, Any]:
-    """Figures of a robot by the names that equations (21)-(59) use; those of a wheel as an array over wheels.
-
-    Parameters
-    ----------
-    d
-        The robot.
-    at
-        The instant of those that change.
-
-    Returns
-    -------
-    dict
-        In SI. K⁺ and D have zeros for wheels without a motor.
-    """
+    """Figures of a robot by the names that equations (21)-(59) use; those of a wheel as an array over wheels."""
     k, p, driven = d.kinematics, d.platform, list(d.kinematics.driven)
     L, alpha, beta, gamma, r, inertia = np.array(
         [(w.L, w.alpha, w.beta, w.roller_angle, w.radius, w.inertia + w.rotor_inertia) for w in k.wheels]
@@ -119,25 +106,7 @@ def figures(d: Dynamics, at: Instant) -> dict[str, Any]:
 
 
 def result_of(e: MatrixEquation, known: Mapping[str, Any]) -> Array:
-    """The result of an equation for a robot; of one that is written for a wheel the first axis counts the wheels.
-
-    Parameters
-    ----------
-    e
-        The equation.
-    known
-        Of ``figures``.
-
-    Returns
-    -------
-    array
-        In SI.
-
-    Raises
-    ------
-    InputError
-        When the equation is written for the paper's robot and does not hold for this one.
-    """
+    """The result of an equation for a robot; of one that is written for a wheel the first axis counts the wheels."""
     terms = {t.name: known[t.name] for t in e.terms if t.name in known}
     one_by_one = [name for name in terms if name in OF_A_WHEEL]
     if len(terms) == len(e.terms):
@@ -156,24 +125,7 @@ def result_of(e: MatrixEquation, known: Mapping[str, Any]) -> Array:
 
 
 def labelled(term: Term, value: Any, *, wheels_first: bool = False, equations: Iterable[int] = ()) -> Numbers:
-    """A figure with labels and units by its declaration.
-
-    Parameters
-    ----------
-    term
-        Its declaration.
-    value
-        In SI: a scalar, a vector or a matrix.
-    wheels_first
-        Whether its first axis counts wheels, with a figure of the declaration for each.
-    equations
-        Numbers of those that it is the result of.
-
-    Returns
-    -------
-    Numbers
-        For people and programs.
-    """
+    """A figure with labels and units by its declaration."""
     over, _, under = term.unit.partition(" per ")
     up, down = ([u.strip() for u in part.split(",")] for part in (over, under))
     array, posture = np.asarray(value, dtype=float), term.name in _POSTURE
@@ -215,22 +167,7 @@ def _numbers(
 
 
 def numbers_of(e: MatrixEquation, known: Mapping[str, Any]) -> list[Numbers]:
-    """Result of an equation for a robot, then its terms.
-
-    Parameters
-    ----------
-    e, known
-        As of ``result_of``.
-
-    Returns
-    -------
-    list of Numbers
-
-    Raises
-    ------
-    InputError
-        When the equation does not hold for this robot.
-    """
+    """Result of an equation for a robot, then its terms."""
     found = [labelled(e.result, result_of(e, known), wheels_first=any(t.name in OF_A_WHEEL for t in e.terms))]
     for t in e.terms:
         one_by_one = t.name in OF_A_WHEEL
@@ -240,18 +177,7 @@ def numbers_of(e: MatrixEquation, known: Mapping[str, Any]) -> list[Numbers]:
 
 
 def matrices(d: Dynamics) -> list[Numbers]:
-    """The matrices of a robot with the equations that they are results of; those of Coriolis at 1 rad/s.
-
-    Parameters
-    ----------
-    d
-        The robot.
-
-    Returns
-    -------
-    list of Numbers
-        From the rolling constraints (28) to the dynamics in the space of the wheels (59).
-    """
+    """The matrices of a robot with the equations that they are results of; those of Coriolis at 1 rad/s."""
     known = figures(d, Instant(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.zeros(3)))
     found, every = [], [PLATFORM[number] for number in sorted(PLATFORM)]
     for name in _MATRICES:
@@ -295,20 +221,7 @@ def mobility(d: Dynamics) -> Numbers:
 
 
 def robot_at_instant(d: Dynamics, at: Instant) -> tuple[Numbers, Numbers]:
-    """A robot at an instant: its course, and force and torques by their causes.
-
-    Parameters
-    ----------
-    d
-        The robot.
-    at
-        The instant.
-
-    Returns
-    -------
-    pair of Numbers
-        Posture, velocity and its rate of change; force and moment on the platform, and the wheels' torques for them.
-    """
+    """A robot at an instant: its course, and force and torques by their causes."""
     known, theta = figures(d, at), at.posture[2]
     terms = [PLATFORM[21].result, PLATFORM[22].result, next(t for t in PLATFORM[47].terms if t.name == "eta_dot")]
     parts = [labelled(t, value) for t, value in zip(terms, (at.posture, known["eta"], known["eta_dot"]), strict=True)]

@@ -54,13 +54,7 @@ class TippingEdge(NamedTuple):
 
 
 def support_polygon(platform: Platform) -> tuple[int, ...]:
-    """The contacts that are the hull of all, counterclockwise; places from 0.
-
-    Raises
-    ------
-    InputError
-        When they lie on one line.
-    """
+    """The contacts that are the hull of all, counterclockwise; places from 0."""
     scale = max(math.dist(a, b) for a in platform.contacts for b in platform.contacts) or 1.0
     places = [(round(x / scale * _GRID), round(y / scale * _GRID)) for x, y in platform.contacts]
     order = sorted(range(len(places)), key=lambda i: places[i])
@@ -97,38 +91,14 @@ def _outward(platform: Platform) -> tuple[tuple[int, ...], Array, Array]:
 
 
 def edge_distances(platform: Platform, point: Any) -> Array:
-    """Distances of a point inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside.
-
-    Parameters
-    ----------
-    platform
-        Its contact points.
-    point
-        In the robot's frame [m], shape (2, ...).
-
-    Returns
-    -------
-    array
-        Distances [m], shape (edges, ...).
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
+    """Distances of a point inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside."""
     _, normal, out = _outward(platform)
     found = np.asarray(point, dtype=float)
     return np.asarray(out.reshape(-1, *[1] * (found.ndim - 1)) - np.tensordot(normal, found, axes=1))
 
 
 def tipping_edges(platform: Platform) -> tuple[TippingEdge, ...]:
-    """The edges about which a platform can tip on a level floor, the nearest first.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
+    """The edges about which a platform can tip on a level floor, the nearest first."""
     hull, normal, _ = _outward(platform)
     distance = edge_distances(platform, (platform.x, platform.y))
     edges = zip(hull, (*hull[1:], hull[0]), distance, normal, strict=True)
@@ -182,16 +152,6 @@ def lift_off_acceleration(platform: Platform, direction: float | None = None, gr
     """Largest acceleration on a level floor before a wheel or caster carries nothing [m/s^2].
 
     On three contacts both are the same.
-
-    Parameters
-    ----------
-    platform, direction, gravity
-        As in ``tipping_acceleration``.
-
-    Returns
-    -------
-    float
-        Acceleration [m/s^2].
     """
     return _largest(*_lifting(platform, gravity), direction)
 
@@ -214,13 +174,7 @@ def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
 
 
 def carrying(at_rest: Array) -> Array:
-    """Whether each contact carries, or each edge of the footing lies outside the centre of mass, and not by rounding.
-
-    Parameters
-    ----------
-    at_rest
-        Loads [N], or distances inside the edges [m], at rest on a level floor.
-    """
+    """Whether each contact carries, or each edge of the footing lies outside the centre of mass, beyond rounding."""
     return np.asarray(at_rest > _FLAT * np.abs(at_rest).max())
 
 
@@ -279,58 +233,19 @@ def _largest(at_rest: Array, change: Array, direction: float | None) -> float:
 
 
 def tipping_slope(platform: Platform, uphill: float | None = None) -> float:
-    """Steepest slope on which a platform at rest does not tip over [rad].
-
-    Parameters
-    ----------
-    platform
-        Contact points and centre of mass.
-    uphill
-        In the robot's frame [rad]; the worst of all directions where it is not given.
-
-    Returns
-    -------
-    float
-        Slope [rad].
-    """
+    """Steepest slope on which a platform at rest does not tip over [rad]."""
     return math.atan(tipping_acceleration(platform, uphill, 1.0))
 
 
 def lift_off_slope(platform: Platform, uphill: float | None = None) -> float:
-    """Steepest slope on which every wheel and caster still carries something [rad].
-
-    Parameters
-    ----------
-    platform, uphill
-        As in ``tipping_slope``.
-
-    Returns
-    -------
-    float
-        Slope [rad].
-    """
+    """Steepest slope on which every wheel and caster still carries something [rad]."""
     return math.atan(lift_off_acceleration(platform, uphill, 1.0))
 
 
 def zero_moment_point(
     platform: Platform, theta: Any = 0.0, ground: Ground = LEVEL, accelerated: Any = (0.0, 0.0)
 ) -> Array:
-    """Point where the floor must push so that the platform does not tip, in the robot's frame [m]; shape (2, ...).
-
-    Parameters
-    ----------
-    platform
-        Mass and centre of mass.
-    theta, ground
-        Heading in the world [rad], and the floor.
-    accelerated
-        Acceleration of the centre of mass in the robot's axes [m/s^2], shape (2, ...).
-
-    Returns
-    -------
-    array
-        Along and across the robot [m], shape (2, ...).
-    """
+    """Point where the floor must push so that the platform does not tip, in the robot's frame [m]; shape (2, ...)."""
     pull = weight_along(platform, theta, ground)[:2]
     lever = platform.height / (platform.mass * ground.gravity * np.cos(ground.slope))
     needed = [platform.mass * np.asarray(a) - p for a, p in zip(accelerated, pull, strict=True)]
@@ -383,25 +298,7 @@ def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVE
 
 
 def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL, *, share: bool = False) -> Moment:
-    """The least distance of the zero moment point from the edge of the support polygon, where, and when.
-
-    Parameters
-    ----------
-    platform, trajectory, ground
-        As in ``least_load``.
-    share
-        Whether as a share of the distance at rest on a level floor; minus infinity where there is none.
-
-    Returns
-    -------
-    Moment
-        Distance [m] or share [1], time [s] and number of the contact where the edge begins.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
+    """The least distance of the zero moment point from the edge of the support polygon, where, and when."""
     fine = finer(trajectory)
     point = zero_moment_point(
         platform, fine.posture[2], ground, centre_acceleration(platform, Moving(*fine.in_robot()))
@@ -442,23 +339,6 @@ def floor_forces(d: Dynamics, m: Moving) -> Array:
     """Force of the floor on each wheel along its roller's axis, and sideways where it is held [N]; shape (2, N, ...).
 
     A positive torque pulls in the positive direction of the axis.
-
-    Parameters
-    ----------
-    d
-        The platform.
-    m
-        Its motion.
-
-    Returns
-    -------
-    array
-        Along the roller's axis, and sideways [N], shape (2, N, ...).
-
-    Raises
-    ------
-    InputError
-        When the wheels do not allow the motion.
     """
     k, wheels, force = d.kinematics, d.kinematics.wheels, dynamics.required_force(d, m)
     driven, torque = list(k.driven), map_columns(d.distribution, force)
@@ -481,27 +361,7 @@ def floor_forces(d: Dynamics, m: Moving) -> Array:
 
 
 def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
-    """The largest coefficient of friction that a trajectory needs, at which wheel, and when.
-
-    Parameters
-    ----------
-    d
-        The platform.
-    trajectory
-        In the world.
-    ground
-        The floor, the same everywhere.
-
-    Returns
-    -------
-    Moment
-        Coefficient [1], time [s] and number of the wheel.
-
-    Raises
-    ------
-    InputError
-        When the wheels do not allow the motion.
-    """
+    """The largest coefficient of friction that a trajectory needs, at which wheel, and when."""
     fine = finer(trajectory)
     m = Moving(*fine.in_robot(), fine.posture[2], ground)
     force = np.hypot(*floor_forces(d, m))
@@ -517,13 +377,7 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
 
 
 def translations(d: Dynamics) -> Array:
-    """Angles in which a platform can move without turning [rad]: all around in steps of 1°, or to and fro.
-
-    Raises
-    ------
-    InputError
-        When it can in none.
-    """
+    """Angles in which a platform can move without turning [rad]: all around in steps of 1°, or to and fro."""
     held = d.kinematics.held[:, :2]
     values, vectors = np.linalg.svd(held, full_matrices=True)[1:] if len(held) else (np.zeros(0), np.eye(2))
     left = vectors[int((values > 1e-6).sum()) :]
@@ -704,13 +558,7 @@ def wheel_cycles(
 
 
 def effective_inertia(d: Dynamics) -> Array:
-    """Torque over acceleration of each driven wheel where all act together, without their rotors [kg*m^2]; shape (n,).
-
-    Parameters
-    ----------
-    d
-        The platform.
-    """
+    """Torque over acceleration of each driven wheel where all act together, without rotors [kg*m^2]; shape (n,)."""
     k, driven = d.kinematics, list(d.kinematics.driven)
     E = k.E[driven]
     M = d.M - E.T @ (np.array([k.wheels[i].rotor_inertia for i in driven])[:, None] * E)

@@ -72,20 +72,7 @@ class Trajectory:
 
 
 def rest(posture: Array, time: float) -> Trajectory:
-    """Rest at a posture, as one piece.
-
-    Parameters
-    ----------
-    posture
-        Where [m, m, rad], shape (3,).
-    time
-        How long [s].
-
-    Returns
-    -------
-    Trajectory
-        One piece.
-    """
+    """Rest at a posture, as one piece."""
     still = np.zeros((3, 1, 2))
     return Trajectory(np.array([time]), still + np.reshape(posture, (3, 1, 1)), still, still.copy())
 
@@ -102,20 +89,7 @@ def joined(parts: Sequence[Trajectory]) -> Trajectory:
 def path_coordinate(
     times: tuple[float, float, float], pieces: Callable[[float, bool, bool], int]
 ) -> tuple[Array, Array, Array, Array]:
-    """Duration of the pieces, the coordinate, its rate and its acceleration at both ends of each.
-
-    Parameters
-    ----------
-    times
-        Of each phase of jerk, of even acceleration, of even speed [s], as ``fastest_ramp`` has them.
-    pieces
-        Number of pieces of a phase, by its time [s], whether its acceleration changes, and whether it cruises.
-
-    Returns
-    -------
-    tuple of arrays
-        Shape (pieces,), then (pieces, 2): coordinate [1], rate [1/s], acceleration [1/s^2].
-    """
+    """Duration of the pieces, the coordinate, its rate and its acceleration at both ends of each."""
     jerk_time, hold, cruise = times
     total = 2.0 * (2.0 * jerk_time + hold) + cruise
     cruise = cruise if cruise > _NO_TIME * total else 0.0
@@ -155,24 +129,6 @@ def refuse_few_digits(where: str, values: Array, factor: float, step: float, mos
 
     A spline through values rounded to q, h apart, is off by up to 6 q/h² in its second derivative. Digits coarser than
     1 mm or 1 mrad are taken as exact: so a track is written by hand.
-
-    Parameters
-    ----------
-    where
-        File and column, for the message.
-    values, factor
-        The column in SI, and what brought it there.
-    step
-        From row to row [s].
-    most
-        Largest acceleration, in the unit per s^2.
-    unit
-        Of the column in SI.
-
-    Raises
-    ------
-    InputError
-        When it has too few.
     """
     digit = last_digit(values / factor) * factor
     noise = 6.0 * digit / step**2
@@ -197,22 +153,7 @@ def last_digit(values: Array) -> float:
 
 
 def speed_at_end(time: Array, rows: Array, end: int) -> float:
-    """Speed along the motion at the first sample (0) or at the last (-1); 0 where that is at rest.
-
-    Parameters
-    ----------
-    time
-        Rising [s], shape (n,).
-    rows
-        What moves together, shape (rows, n).
-    end
-        0 or -1.
-
-    Returns
-    -------
-    float
-        Of a parabola through the three samples there; against the motion it is a bend, and no speed.
-    """
+    """Speed along the motion at the first sample (0) or at the last (-1); 0 where that is at rest."""
     here = slice(None, 3) if end == 0 else slice(-3, None)
     t = time[here]
     top = float(np.hypot.reduce(np.abs(np.diff(rows, axis=1) / np.diff(time)).max(axis=1)))
@@ -279,20 +220,7 @@ def edges_of(resting: NDArray[np.bool_]) -> list[int]:
 
 
 def parts_of(bend: Array, turned: Array) -> NDArray[np.int64]:
-    """Number of pieces of each interval in which a speed bends by a share of the largest, and turns by an angle.
-
-    Parameters
-    ----------
-    bend
-        By which the speed leaves a straight line, of the largest [1].
-    turned
-        Angle [rad].
-
-    Returns
-    -------
-    array
-        One or more.
-    """
+    """Number of pieces of each interval in which a speed bends by a share of the largest, and turns by an angle."""
     return np.ceil(np.maximum(np.sqrt(bend / _BEND), turned / _TURN)).clip(1.0, _MOST_PARTS).astype(np.int64)
 
 
@@ -314,22 +242,7 @@ def _moving(time: Array, posture: Array, top: Array, smoothing: float) -> Trajec
 
 
 def curve_at_rest(time: Array, posture: Array, smoothing: float) -> Callable[[Array, int], Array]:
-    """The curve and its derivatives, of shape (rows, times): a cubic between samples, at rest at both ends.
-
-    Parameters
-    ----------
-    time
-        Rising [s], shape (n,).
-    posture
-        Quantities, a row each, shape (rows, n).
-    smoothing
-        Least time between the knots of the curve [s]; 0 goes through all samples.
-
-    Returns
-    -------
-    callable
-        Of times [s] and the order of the derivative.
-    """
+    """The curve and its derivatives, of shape (rows, times): a cubic between samples, at rest at both ends."""
     from scipy.interpolate import BSpline, CubicSpline
 
     knots = time[thinned(time, smoothing)]
@@ -413,21 +326,7 @@ def halves(points: Array) -> tuple[Array, Array]:
 
 
 def finer(trajectory: Trajectory, turning: float = 0.05) -> Trajectory:
-    """The same trajectory in pieces that turn by less than an angle.
-
-    Parameters
-    ----------
-    trajectory
-        Any.
-    turning
-        Largest change of heading in a piece [rad]; what depends on the heading is then straight over a piece to
-        within an eighth of its square.
-
-    Returns
-    -------
-    Trajectory
-        The same motion; itself where no piece turns by more.
-    """
+    """The same trajectory in pieces that turn by less than an angle."""
     turned = np.ptp(control_points(trajectory)[2], axis=-1)
     parts = np.maximum(np.ceil(turned / turning), 1.0).astype(int)
     if parts.max(initial=1) == 1:
