@@ -348,21 +348,21 @@ class _Response:
 
 def loop_of(name: str, opened: System, direction: str = "") -> Loop:
     """All figures of a loop with unit feedback."""
-    seen, none = _Response(opened), (math.nan, math.nan)
+    seen, found = _Response(opened), dict[str, Any]()
     L, T, stable = seen.opening(seen.w), seen.closing(seen.w), seen.radius < 1.0
-    margins, phase, bandwidth, step = none, none, math.nan, np.empty(0)
     if stable:
         real = [z.real for _, z in seen.crossings(seen.opening, lambda z: z.imag)]
         real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
         factors = [-1.0 / x for x in real if x < 0.0]
-        margins = (min((f for f in factors if f > 1.0), default=math.nan),
-                   max((f for f in factors if f < 1.0), default=math.nan))  # fmt: skip
-        phase, bandwidth = seen.phase_margin(), seen.bandwidth()
+        found["gain_margin"] = min((f for f in factors if f > 1.0), default=math.nan)
+        found["gain_reduction"] = max((f for f in factors if f < 1.0), default=math.nan)
+        found["phase_margin"], found["crossover"] = seen.phase_margin()
+        found["bandwidth"] = seen.bandwidth()
         # until the slowest pole has decayed to 1e-4, or the most samples
         samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(seen.radius, 0.1), 1.0 - 1e-9)))
         time = np.arange(min(samples, _MOST_SAMPLES)) * opened.dt
-        step = np.asarray(control.step_response(seen.whole, time).outputs)
-    rise, over, settling = _answer(step, seen.final, opened.dt)
+        found["step"] = np.asarray(control.step_response(seen.whole, time).outputs)
+        found |= _answer(found["step"], seen.final, opened.dt)
     return Loop(
         name=name,
         direction=direction,
@@ -370,16 +370,7 @@ def loop_of(name: str, opened: System, direction: str = "") -> Loop:
         stable=stable,
         pole_radius=seen.radius,
         poles=seen.poles,
-        gain_margin=margins[0],
-        gain_reduction=margins[1],
-        phase_margin=phase[0],
-        crossover=phase[1],
         sensitivity=float(np.max(1.0 / np.abs(1.0 + L))),
-        bandwidth=bandwidth,
-        rise_time=rise,
-        overshoot=over,
-        settling_time=settling,
-        step=step,
         bode=Bode(
             frequency=seen.w / (2.0 * math.pi),
             open_magnitude=np.abs(L),
@@ -387,6 +378,7 @@ def loop_of(name: str, opened: System, direction: str = "") -> Loop:
             closed_magnitude=np.abs(T),
             closed_phase=np.unwrap(np.angle(T)),
         ),
+        **found,
     )
 
 
@@ -421,13 +413,13 @@ def frequency_response(system: System) -> Callable[[Array], _Values]:
     return response
 
 
-def _answer(step: Array, final: float, period: float) -> tuple[float, float, float]:
+def _answer(step: Array, final: float, period: float) -> dict[str, float]:
     """Rise time [s], overshoot and settling time [s] of a step; NaN where a level is not reached.
 
     Between samples a level is met by a straight line; python-control's ``step_info`` has whole samples.
     """
-    if not len(step) or not (math.isfinite(final) and abs(final) > 1e-9):
-        return (math.nan,) * 3
+    if not (math.isfinite(final) and abs(final) > 1e-9):
+        return {}
     y = step / final
     outside = np.flatnonzero(np.abs(y - 1.0) > _SETTLED)
     settled = int(outside[-1]) + 1 if len(outside) else 0
@@ -438,8 +430,8 @@ def _answer(step: Array, final: float, period: float) -> tuple[float, float, flo
             return math.nan
         return n - float((y[n] - level) / (y[n] - y[n - 1])) if n else 0.0
 
-    rise = (reached(0.9) - reached(0.1)) * period
-    return rise, max(float(y.max()) - 1.0, 0.0), settled * period if settled < len(y) else math.nan
+    rise, settling = (reached(0.9) - reached(0.1)) * period, settled * period if settled < len(y) else math.nan
+    return {"rise_time": rise, "overshoot": max(float(y.max()) - 1.0, 0.0), "settling_time": settling}
 
 
 # -- Designed gains checked on the sampled loop: made slower until every required margin is met, or refused.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import nan
 from typing import NamedTuple
 
@@ -140,16 +140,16 @@ class Loop:
     stable: bool
     pole_radius: float  # largest modulus of the closed loop's poles; below 1 is stable
     poles: tuple[complex, ...]  # z plane
-    gain_margin: float  # factor
-    gain_reduction: float  # factor below 1 down to which the gain may be reduced; NaN: to any
-    phase_margin: float  # rad
-    crossover: float  # Hz, where the phase margin of this direction is
+    gain_margin: float = nan  # factor
+    gain_reduction: float = nan  # factor below 1 down to which the gain may be reduced; NaN: to any
+    phase_margin: float = nan  # rad
+    crossover: float = nan  # Hz, where the phase margin of this direction is
     sensitivity: float  # largest |1/(1 + L)|, the reciprocal of the distance to -1 [1]
-    bandwidth: float  # Hz, -3 dB of the response to the reference
-    rise_time: float  # s, 10-90 %
-    overshoot: float  # share of the step
-    settling_time: float  # s, to 2 %
-    step: NDArray[np.float64]  # the response to a step, sampled; empty where the loop is unstable
+    bandwidth: float = nan  # Hz, -3 dB of the response to the reference
+    rise_time: float = nan  # s, 10-90 %
+    overshoot: float = nan  # share of the step
+    settling_time: float = nan  # s, to 2 %
+    step: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))  # sampled; empty where it is unstable
     bode: Bode
 
 

@@ -23,9 +23,8 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Pairs
 from drivesizer.machine.budgets import riding_mass
-from drivesizer.results.check import GRAVEST, Status
+from drivesizer.results.check import Status
 from drivesizer.results.drive_set import DriveParts, DriveSet
-from drivesizer.results.machine import MachineSizing
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.passing import sifted
@@ -46,7 +45,6 @@ _TRIED = 12  # common kinds that are tried for one kind less
 _OF_A_PAIR = 4  # of them for the same axes
 _FIRST = 200  # kinds of an axis that shares none, among which it chooses where other masses are on it
 _FREE = 4  # of them that enter the choice for the whole
-_MOST = 60  # combinations that are tried where the best of all axes break a limit
 
 
 class Choice(NamedTuple):
@@ -338,29 +336,6 @@ def _restricted(loaded: Loaded, kinds: frozenset[Kind]) -> Loaded:
 
 
 # Other drives for the axes where the best of each together break a limit of the machine.
-
-
-def within_limits(
-    best: MachineSizing,
-    offers: Callable[[], Mapping[str, Sequence[Choice]]],
-    tried: Callable[[Mapping[str, Choice]], MachineSizing | None],
-) -> MachineSizing:
-    """The machine with the drives that keep its own limits at the least cost, of those that are tried."""
-    broken = [check.title for check in best.checks if check.status == "fail"]
-    if not broken or not best.complete:
-        return best
-    count, before = 0, [axis.best.status for axis in best.axes if axis.best]
-    for count, one in enumerate(cheapest_first(offers(), _MOST), 1):
-        result = tried(one)
-        if result is None or any(check.status == "fail" for check in result.checks):
-            continue
-        now = [axis.best.status if axis.best else "fail" for axis in result.axes]
-        if any(GRAVEST.index(a) < GRAVEST.index(b) for a, b in zip(now, before, strict=True)):
-            continue  # an axis has become worse
-        note = f"{broken[0]}: the best drives of all axes break it together; of the next best, choice {count} keeps it"
-        return replace(result, certain=False, notes=(*result.notes, note))
-    note = f"{broken[0]}: none of {count} other choices of drives keeps it"
-    return replace(best, certain=False, notes=(*best.notes, note))
 
 
 def cheapest_first(offers: Mapping[str, Sequence[Choice]], most: int) -> Iterator[dict[str, Choice]]:

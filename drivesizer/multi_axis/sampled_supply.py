@@ -45,6 +45,7 @@ from drivesizer.spec.robot import RobotSpec
 
 
 Values = NDArray[np.float64]
+_PLANNED = ("load", "motion", "platform")  # sections that shape the path of a platform, which stays as it was planned
 
 
 class _UncertainAxis(NamedTuple):
@@ -123,7 +124,8 @@ def uncertain_machine(machine: MachineSpec, shared: RobotSpec, axes: Sequence[Ax
         found.append(_UncertainAxis(
             power=axis,
             paths={n: {path: of_file(place_of(figures, axis.name, spec.toleranced[k].path))
-                       for k, path in case_paths(spec, n - 1 if n else None).items() if not _planned(axis, path)}
+                       for k, path in case_paths(spec, n - 1 if n else None).items()
+                       if not (isinstance(axis.problem.spec.load, WheelLoad) and path[0] in _PLANNED)}
                    for n in range(len(spec.load_cases))},
             start=of_file(starts) if starts in figures else None,
             classes={held: number(held, of_a_class(held)) for held in _classes(axis.problem, axis.one)},
@@ -133,11 +135,6 @@ def uncertain_machine(machine: MachineSpec, shared: RobotSpec, axes: Sequence[Ax
         path: of_file(path) for path in figures if path[0] in OF_THE_SUPPLY and _figure(shared, path) is not None
     }
     return UncertainMachine(tuple(given.values()), shared, of_shared, tuple(found))
-
-
-def _planned(axis: AxisPower, path: Path_) -> bool:
-    """Whether a figure shapes the path of a platform, which stays as it was planned."""
-    return isinstance(axis.problem.spec.load, WheelLoad) and path[0] in ("load", "motion", "platform")
 
 
 def _classes(problem: Problem, one: DriveParts) -> Iterator[Class]:

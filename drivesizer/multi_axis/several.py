@@ -24,6 +24,7 @@ from drivesizer.multi_axis.common_supply import (
     with_choppers,
     without_effect,
 )
+from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum
 from drivesizer.results.problem import Problem
@@ -342,6 +343,7 @@ def carried_mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average
 _ROUNDS = 5  # with drives that are heavier than the links that are said to hold them
+_TRIED = 60  # combinations that are tried where the best of all axes break a limit
 
 
 def sized(machine: MachineSpec, how: Options) -> MachineSizing:
@@ -481,19 +483,25 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
 
 
 def _within_limits(sizings: AxisSizings, found: Combination, best: MachineSizing) -> MachineSizing:
-    """The machine with other drives where the best of all axes break a limit of its own."""
-
-    def offers() -> dict[str, list[Choice]]:
-        chosen = found.chosen
-        return {axis: sizings.offers(axis, sizings.masses(axis, chosen), chosen[axis]) for axis in chosen}
-
-    def tried(chosen: Mapping[str, Choice]) -> MachineSizing | None:
+    """The machine with the drives that keep its own limits at the least cost, of those that are tried."""
+    broken, chosen = [check.title for check in best.checks if check.status == "fail"], found.chosen
+    if not broken:
+        return best
+    offers = {axis: sizings.offers(axis, sizings.masses(axis, chosen), chosen[axis]) for axis in chosen}
+    count, before = 0, [axis.best.status for axis in best.axes if axis.best]
+    for count, others in enumerate(combinations.cheapest_first(offers, _TRIED), 1):
         try:
-            return _machine_with_drives(sizings, found._replace(chosen=dict(chosen)))
+            result = _machine_with_drives(sizings, found._replace(chosen=others))
         except LookupError:  # a drive does not carry what rides on it then
-            return None
-
-    return combinations.within_limits(best, offers, tried)
+            continue
+        now = [axis.best.status if axis.best else "fail" for axis in result.axes]
+        worse = any(GRAVEST.index(a) < GRAVEST.index(b) for a, b in zip(now, before, strict=True))
+        if worse or any(check.status == "fail" for check in result.checks):
+            continue
+        note = f"{broken[0]}: the best drives of all axes break it together; of the next best, choice {count} keeps it"
+        return replace(result, certain=False, notes=(*result.notes, note))
+    note = f"{broken[0]}: none of {count} other choices of drives keeps it"
+    return replace(best, certain=False, notes=(*best.notes, note))
 
 
 def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizing:
