@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -20,31 +21,17 @@ from drivesizer.control.loop_design import edges_of
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Stepping, Validation
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import own_value
+from drivesizer.files.text import listed
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.drive import Control, CurrentLoop, Feedforward, PositionLoop, VelocityLoop
 from drivesizer.spec.robot import RobotSpec
 
 _PHASE = math.sqrt(3.0) / 2.0  # torque constant per amplitude of a phase's current, over that of block commutation
-_WORDS = (  # empty where not given
-    "form", "suffix", "line", "after", "remarks", "load", "first", "source", "note", "root", "match", "family",
-    "firmware", "own_rate", "planned_speed", "prompt", "position", "count_time", "pulses",
-)  # fmt: skip
 _OF_POSITION = frozenset({"K_pos", "kp", "ki", "kd"})
-_OF_LOOPS = {
-    "K_i": "V/A", "K_ii": "V/(A·s)", "T_i": "s", "K_v": "N·m·s/rad", "K_vi": "N·m/rad", "T_n": "s", "A_p": "A·s/rad",
-    "A_i": "A/rad", "volt_p": "V·s/rad", "volt_i": "V/rad", "K_pos": "1/s", "kp": "N·m/rad", "ki": "N·m/(rad·s)",
-    "kd": "N·m·s/rad",
-}  # fmt: skip
-_SI = _OF_LOOPS | {
-    "J": "kg·m²", "b": "N·m·s/rad", "M_c": "N·m", "omega": "rad/s", "alpha": "rad/s²", "M_max": "N·m", "i": "", "p": "",
-    "V": "V", "counts": "", "T_w": "s", "k": "N·m/A", "k_e": "V·s/rad", "R": "Ω", "L": "H", "I_max": "A",
-    "I_cont": "A", "tau_w": "s", "turn": "m or rad", "v": "m/s or rad/s", "a": "m/s² or rad/s²", "full": "",
-    "microsteps": "", "I_rms": "A", "I_hold": "A", "R_s": "Ω",
-}  # fmt: skip
-_UNKNOWN = {
-    "p": "pole pairs", "counts": "counts of an encoder", "I_max": "peak current", "I_cont": "nominal current",
-    "L": "inductance", "R": "resistance", "tau_w": "thermal time constant", "I_rms": "phase current",
-}  # fmt: skip
+_ROWS = [(head, *cells, "")[:4] for head, cells in listed("drivesizer.control", "figures.txt")]
+_OF_LOOPS = {name for head, name, *_ in _ROWS if head == "loops"}
+_SI = {name: unit for _, name, unit, _ in _ROWS}
+_UNKNOWN = {name: words or name for _, name, _, words in _ROWS}
 _FUNCTIONS = {"pi": math.pi, "sqrt": math.sqrt, "log2": math.log2, "round": round, "min": min, "max": max}
 
 
@@ -104,7 +91,7 @@ class Device(NamedTuple):
     rates: tuple[float, float, float]  # Hz, of the current, velocity and position loops
     settings: dict[str, tuple[float, str]]  # figures of the user's board: what is taken (NaN: nothing), and of what
     parameters: tuple[Parameter, ...]
-    words: dict[str, str]  # form, load, first, source ...
+    words: dict[str, str]  # form, load, first, source ...; empty where not given
 
     @property
     def figures(self) -> set[str]:
@@ -158,7 +145,7 @@ def devices() -> dict[str, Device]:
     for entry in yaml.safe_load(text):
         rows = (line.split("|") for line in entry["parameters"].strip().splitlines())
         parameters = tuple(Parameter(*(cell.strip() for cell in cells)) for cells in rows)
-        words = {name: str(entry.get(name, "")) for name in _WORDS}
+        words = defaultdict(str, {name: str(value) for name, value in entry.items()})
         current, velocity, position = map(float, entry.get("rates", (0.0, 0.0, 0.0)))
         settings = {}
         for one in filter(None, entry.get("settings", "").split("; ")):

@@ -2,3 +2,12 @@
 
 May import: control, kernel, load_cases, spec, results, catalog, physics, files, units; not output.
 """
+
+from __future__ import annotations
+
+from drivesizer.files.text import listed
+
+
+def declared(section: str) -> list[list[str]]:
+    """Rows of a section of ``figures.txt``."""
+    return [cells for head, cells in listed("drivesizer.identification", "figures.txt") if head == section]

@@ -22,6 +22,7 @@ from drivesizer.control.drive_train import DriveTrain, columns, discretised
 from drivesizer.control.engine.layout import PARAMETERS, STATE
 from drivesizer.control.engine.start import mechanical, tally
 from drivesizer.files.machine_code import machine_code
+from drivesizer.identification import declared
 from drivesizer.identification.kernel import KERNEL
 from drivesizer.physics.drive_train import through_gears
 from drivesizer.physics.motion_curves import local_parabola
@@ -307,24 +308,7 @@ class _Problem:
             self.sigma[name] *= max(float(np.sqrt((kept**2).mean())), 1e-3)
 
 
-# figure | largest standard deviation, as share of its size, at which it counts as separated | reason | what is needed
-_SEPARATED = {
-    "e_back": (0.15, "gear loss by direction", "it enters lifting and lowering alike with dry friction",
-               "a known load lifted and lowered, and a second load"),
-    "k_t": (0.15, "torque constant apart from inertia and friction",
-            "current per torque and torque itself are known as a product alone",
-            "a measured torque at the output, or a known load lifted and lowered"),
-    "e": (0.15, "gear loss", "it lies within the dry friction", "a known load lifted and lowered"),
-    "L": (0.5, "inductance", "the current follows the voltage faster than the samples", "samples ten times as fast"),
-    "b": (0.15, "viscous friction apart from dry friction", "the speed hardly changes",
-          "moves at several steady speeds, the fastest five times the slowest"),
-    "M_c": (0.15, "dry friction apart from viscous friction", "the direction or the speed never changes",
-            "slow moves in both directions"),
-    "R": (0.3, "resistance apart from the back-EMF", "the current is small against the voltage",
-          "a move under load at low speed, or a stall of some hundred milliseconds"),
-    "J": (0.5, "inertia", "the speed hardly changes", "a step, or ramps of the speed"),
-    "k_e": (0.3, "back-EMF constant", "the speed hardly changes", "a move at half of the full speed or more"),
-}  # fmt: skip
+_SEPARATED = {name: (float(share), words) for name, share, *words in declared("separated")}
 _FALLEN = {"b": 0.0, "L": 0.0}  # where such a figure is neither fitted nor known
 
 
@@ -338,8 +322,7 @@ def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
     problem.weigh()
     tied: list[Inseparable] = []
     while (name := _inseparable(problem)) is not None:
-        _, figures, reason, needs = _SEPARATED[name]
-        tied.append(Inseparable(figures, reason, needs))
+        tied.append(Inseparable(*_SEPARATED[name][1]))
         problem.free = tuple(other for other in problem.free if other != name)
         if name in known or name in _FALLEN:
             problem.values[name] = known.get(name, _FALLEN.get(name, nan))

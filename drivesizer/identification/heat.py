@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from drivesizer.identification import declared
 from drivesizer.identification.fit import BAND, spreads
 from drivesizer.identification.log import Log
 from drivesizer.kernel.heat import added, bodies_of, law_of, spread
@@ -27,12 +28,6 @@ _SIGMA = 0.3  # K, of a sensor
 _LONG = 2.0  # time constants of the housing
 BOUND = "lower bound"
 _CERTAIN = 0.5  # of a figure, standard deviation
-_FIGURES = (
-    ("R_th1", "thermal resistance winding to housing", "thermal_resistance", "K/W"),
-    ("tau_w", "time constant of the winding", "time", "s"),
-    ("R_th2", "thermal resistance housing to ambient", "thermal_resistance", "K/W"),
-    ("tau_h", "time constant of the housing", "time", "s"),
-)
 _NEEDS = "temperatures of winding and housing over two time constants of the housing, while it warms and cools"
 
 
@@ -90,7 +85,7 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
     three = spreads(best.jac.reshape(len(rises), r.shape[1], 4) / size, r / size)
     values, sigma = np.exp(best.x), three.max(axis=0)
     figures, open_ones = [], []
-    for k, (name, title, kind, unit) in enumerate(_FIGURES):
+    for k, (name, title, kind, unit) in enumerate(declared("heat")):
         bound = k >= 2 and (total < _LONG * values[3] or sigma[k] > _CERTAIN)
         if k < 2 and sigma[k] > _CERTAIN:
             open_ones.append(title)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog.query import Hit
 from drivesizer.control.drive_train import drive_train, mechanics
 from drivesizer.errors import InputError, quoted
+from drivesizer.identification import declared
 from drivesizer.identification.calibration import calibration
 from drivesizer.identification.fit import BAND, Fit, Record, fitted
 from drivesizer.identification.heat import Heat, heated
@@ -218,32 +219,12 @@ def _fitted_figures(one: Record, known: dict[str, float]) -> tuple[tuple[str, ..
 
 # -- Figures as they are printed.
 
-_TITLES = {
-    "R": ("resistance", "resistance", "ohm"), "L": ("inductance", "inductance", "mH"),
-    "k_e": ("back-EMF constant", "back_emf_constant", "mV*s/rad"),
-    "k_t": ("torque constant", "torque_constant", "mN*m/A"),
-    "J": ("inertia at the motor", "inertia", "g*cm^2"), "M_c": ("dry friction at the motor", "torque", "mN*m"),
-    "b": ("viscous friction at the motor", "damping", "N*m*s/rad"),
-    "e": ("gear efficiency, driving", "dimensionless", "%"),
-    "e_back": ("gear efficiency, driven by the load", "dimensionless", "%"),
-    "delay": ("delay of the input", "time", "ms"),
-}  # fmt: skip
-_OF_VOLTAGE = {  # without a data sheet, where the model has a resistance of 1 ohm and a constant of 1 N*m/A
-    "L": ("tau_e", "electrical time constant", "time", "ms"),
-    "k_e": ("k_V", "voltage per speed", "back_emf_constant", "mV*s/rad"),
-    "J": ("k_A", "voltage per acceleration", "plain", "V*s^2/rad"),
-    "M_c": ("k_S", "voltage against dry friction", "voltage", "V"),
-}
-_OF_CURRENT = {
-    "J": ("i_A", "current per acceleration", "plain", "A*s^2/rad"),
-    "M_c": ("i_S", "current against dry friction", "current", "A"),
-    "b": ("i_V", "current per speed", "plain", "A*s/rad"),
-}
+_TITLES = {name: (title, kind, unit) for name, title, kind, unit in declared("drive")}
+_OF_VOLTAGE = {name: words for name, *words in declared("of a voltage")}
+_OF_CURRENT = {name: words for name, *words in declared("of a current")}
 
 
-def _normalised(
-    one: Record, fit: Fit, known: Mapping[str, float], of: Reference
-) -> dict[str, tuple[str, str, str, str]]:
+def _normalised(one: Record, fit: Fit, known: Mapping[str, float], of: Reference) -> dict[str, list[str]]:
     """Other names where torques are not known as such."""
     if "k_t" in fit.free or (one.driven == "voltage" and "current" in one.outputs):
         return {}
@@ -269,7 +250,7 @@ def _figures(one: Record, fit: Fit, known: Mapping[str, float], of: Reference, l
             continue
         factor = one.h if name == "delay" else 1.0
         title, kind, unit = _TITLES[name]
-        name_, title, kind, unit = normal.get(name, (name, title, kind, unit))
+        name_, title, kind, unit = normal.get(name, [name, title, kind, unit])
         if name == "k_t" and known.get("R") == 1.0:
             name_, title, kind, unit = "torque_per_volt", "stall torque per voltage", "plain", "N*m/V"
         if log.weight is not None or (not of.label and of.ratio == 1.0):

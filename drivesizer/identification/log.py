@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.sheets import as_text, decimal_sign, plain_head, sheets, split_head, unit_of
 from drivesizer.files.text import read_bytes
+from drivesizer.identification import declared
 from drivesizer.units import KINDS, kind_of_unit, scale
 
 Array = NDArray[np.float64]
@@ -127,27 +128,9 @@ class Log(NamedTuple):
 
 QUANTITIES = "time supply voltage duty current speed load_speed reference error position torque winding housing power"
 # quantity | kinds of its unit | heads, the most usual first; of several columns that mean one the first is taken
-_QUANTITIES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    name: (tuple(kinds.split()), tuple(word.strip() for word in words.split(";")))
-    for name, kinds, words in (
-        ("time", "time", "time; t; timestamp; elapsed time; zeit; seconds"),
-        ("supply", "voltage", "supply voltage; bus voltage; input voltage; vbus; battery voltage; input volts; vin"),
-        ("voltage", "voltage", "motor voltage; applied voltage; output voltage; voltage; volts; u; spannung; v"),
-        ("duty", "dimensionless", "duty cycle; duty; pwm; applied output"),
-        ("current", "current", "motor current; q axis current; current; amps; strom; iq; i; a"),
-        ("speed", "rotary_speed", "motor speed; angular velocity; velocity; speed; omega; vel; w; n; drehzahl"),
-        ("load_speed", "speed rotary_speed", "load speed; speed; velocity"),
-        ("reference", "speed rotary_speed", "speed reference; speed demand; speed set point; output speed set point"),
-        ("error", "speed rotary_speed", "error; speed error; tracking error"),
-        ("position_error", "length angle", "position error"),
-        ("position", "angle", "position; angle; motor position; pos; theta; winkel"),
-        ("torque", "torque", "shaft torque; output torque; torque; load torque; drehmoment; load cell; futek torque"),
-        ("gearhead_torque", "torque", "gearhead torque; gear torque"),
-        ("winding", "temperature", "winding temperature; motor temperature; motor temp; winding; temperature; temp"),
-        ("housing", "temperature", "housing temperature; housing temp; case temperature; housing"),
-        ("power", "power", "supply power; input power; electrical power"),
-    )
-}  # fmt: skip
+_QUANTITIES = {
+    name: (kinds.split(), [word.strip() for word in words.split(";")]) for name, kinds, words in declared("quantities")
+}
 
 
 def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({})) -> Log:

@@ -11,15 +11,11 @@ from drivesizer.catalog.query import Hit, partners
 from drivesizer.catalog.schema import SCHEMA
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.identification import declared
 from drivesizer.identification.heat import BOUND
 from drivesizer.results.identification import Identification
 from drivesizer.units import from_si
 
-_COLUMNS = {  # figure of an identification -> column
-    "R": "resistance", "L": "inductance", "k_t": "torque_constant", "k_e": "back_emf_constant",
-    "M_c": "friction_torque", "b": "viscous_friction", "R_th1": "thermal_resistance_winding",
-    "R_th2": "thermal_resistance_housing", "tau_w": "winding_time_constant", "tau_h": "motor_time_constant",
-}  # fmt: skip
 _DROPPED = {  # of the data sheet: names, and what would contradict
     "part", "order_number", "also_called", "family", "manufacturer", "speed_constant", "no_load_speed",
     "no_load_current",
@@ -62,9 +58,7 @@ def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
         raise InputError(
             f"{found.log}: {', '.join(lacks)} cannot be had from this log alone; expected --motor for the rest of a row"
         )
-    measured = {
-        column: figures[n] for n, column in (_COLUMNS | {"rotor_inertia": "rotor_inertia"}).items() if n in figures
-    }
+    measured = {column: figures[name] for name, column in declared("columns") if name in figures}
     columns = printed("motors")
     stem = name.rsplit(".", 1)[0]
     row: dict[str, str] = {"part": f"{hit.part} measured" if hit else stem, "kind": "brushed"}
