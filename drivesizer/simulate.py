@@ -25,14 +25,13 @@ from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Stepping, Validation
 from drivesizer.errors import InputError
+from drivesizer.files.sentences import sentences
 from drivesizer.load_cases import load_cycle, profile_of
 from drivesizer.load_cases import profile as named
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on
 from drivesizer.load_cases.platform import WheelLoad, motion_of
-from drivesizer.loads.arm import Arm
 from drivesizer.loads.course import Profile
 from drivesizer.loads.motions import SPEED, Move, SCurve, Trapezoid, Triangle
-from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.part_curves import torque_of_drive
 from drivesizer.results.check import GRAVEST, Check, verdict, worst
 from drivesizer.results.drive_set import DriveSet, loss_assumptions
@@ -182,11 +181,6 @@ def slower_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
         yield Change("slower ramps", entry, _with_motion(spec, before, made))
 
 
-_STILL_COLD = (
-    "the winding's resistance is that at 25 °C: a thermal figure is unknown; voltage and supply current pass if they "
-    "pass with the winding at the temperature of its largest current, or at its permitted temperature, and fail if "
-    "they fail with it cold"
-)
 _ALL = 1e-6  # of the duration: a smaller part that was not simulated is not reported
 _OTHERS = 2  # drives that are tried where one fails
 _KEPT = 0.5  # of the RMS current: a smaller current at rest is not reported
@@ -477,55 +471,18 @@ def validate_all(
 
 def _assumptions(case: ClosedLoop) -> list[str]:
     """Assumptions of the model, as sentences."""
-    spec, controller, over = case.spec, case.controller, case.controller.counted_over
-    periods = "each period" if over == 1 else f"{over} periods"
-    measured = f"counted by the encoder, its speed over {periods} of the loop" if over else "measured exactly"
-    turns = "the wheel turns at speed over radius; " if isinstance(spec.load, WheeledVehicle) else ""
-    late = [f"each loop responds to its sample of {COMPUTING:g} period before; a faster controller has more margin"]
-    if isinstance(controller, Cascade) and not controller.computing:
-        late = ["velocity and position loops respond within their sample, the current loop to that of a period before"]
-    if isinstance(controller, Gains):
-        late = [
-            f"the voltage responds to the measurement of {COMPUTING:g} control period before",
-            "the current limit is ideal: the controller's current loop is much faster than its velocity loop",
-        ]
-    assumptions = [
-        f"{turns}all drives share the load equally; one is simulated",
-        "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
-        "friction of a motor is as identified, else dry of a brushed one, dry and viscous of a brushless one; its "
-        f"angle is {measured}",
-        "currents are those of a DC motor between two terminals",
-        *late,
-        "the profile starts in equilibrium at its first speed and at the ambient temperature",
-        *loss_assumptions(case.spec, case.drive_set.controller),
-    ]
-    if math.isnan(case.usable_voltage):
-        assumptions.append("the controller's voltage limit is unknown and taken as the lowest supply voltage")
-    if case.periodic:
-        assumptions.append("friction and iron losses heat the housing")
-    else:
-        assumptions.append(
-            _STILL_COLD if spec.plant.warming else "the winding's resistance is that at 25 °C: plant.warming is off"
-        )
     simulated, lasts = case.figure("time_simulated"), case.figure("time")
-    if simulated < (1.0 - _ALL) * lasts:
-        assumptions.append(f"{simulated:.4g} s of {lasts:.6g} s are simulated; the rest repeats them and is added")
-    if not case.profile.top_speed:
-        assumptions.append(
-            "nothing moves: the load is held at zero speed, and errors have no top speed to be a share of; while "
-            "friction holds as well, the current may fall below that of the load"
-        )
-    if len(case.task.load_time):
-        error = case.figure("load_angle_error")  # rad: an error of the sine of as much at most
-        arm = f": an error of up to {error:.2%} of an arm's largest weight torque" if isinstance(spec.load, Arm) else ""
-        assumptions.append(
-            f"load torque beyond inertia and friction follows the reference's time, not the drive's{arm}"
-        )
-    if case.train.flexible:
-        assumptions.append(
-            f"motor and load are two masses on a shaft of {case.train.stiffness:.4g} N·m/rad, seen at the load"
-        )
-    return assumptions
+    given: dict[str, Any] = {
+        "case": case, "cascade": isinstance(case.controller, Cascade), "over": case.controller.counted_over,
+        "computing": COMPUTING, "unlimited": math.isnan(case.usable_voltage), "simulated": simulated, "lasts": lasts,
+        "repeated": simulated < (1.0 - _ALL) * lasts,
+        "lag": case.figure("load_angle_error"),  # rad: an error of the sine of as much at most
+    }  # fmt: skip
+    return [
+        *sentences("drivesizer.control", "closed loop", **given),
+        *loss_assumptions(case.spec, case.drive_set.controller),
+        *sentences("drivesizer.control", "closed loop, as it was simulated", **given),
+    ]
 
 
 def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:

@@ -18,6 +18,7 @@ from drivesizer.control.open_loop.kernel import Array
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.machine_code import machine_code
+from drivesizer.files.sentences import sentences
 from drivesizer.load_cases.platform import remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.loads.motions import SPEED, TRAVEL
@@ -322,7 +323,10 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
         ),
         series={column: values for column, (values, _) in series.items()},
         series_units={column: unit for column, (_, unit) in series.items()},
-        assumptions=(*case.assumptions, *_assumptions(case)),
+        assumptions=(
+            *case.assumptions,
+            *sentences("drivesizer.control", "stepper", control=case.spec.control, damping=stepper.damping_ratio),
+        ),
         warnings=tuple(_warnings(case, found)),
     )
 
@@ -356,25 +360,6 @@ def _checks(case: OpenLoop, drive_set: DriveSet) -> Iterator[Check]:
         yield made(column, seen["gear_time"], "with the swings of the rotor")
     column = at_most("gearhead_intermittent_speed", seen["speed"], gearhead.intermittent_input_speed)
     yield made(column, seen["speed_time"])
-
-
-def _assumptions(case: OpenLoop) -> list[str]:
-    ratio, control = case.stepper.damping_ratio, case.spec.control
-    damped = "as given"
-    if control.damping_ratio is None:
-        damped = "low, for hybrid steppers are damped by 0.3 to 0.4; control.damping_ratio sets it"
-    current = "its rated current" if control.phase_current is None else "the current that it is set to"
-    rests = "at rest too" if control.idle_current is None else f"and {control.idle_current:.3g} of it at rest"
-    return [
-        "all drives share the load equally; one is simulated",
-        "the motor's torque is its pull-out torque at the speed of the pulses times the sine of the load angle; its "
-        "own friction is in it, detent torque and electrical transients are not: no instability at mid speed",
-        f"swings are damped by {ratio:.3g} of the critical damping, {damped}",
-        f"rotor and load turn as one body, and the driver gives {current} {rests}",
-        "a gear's efficiency is the catalogue's maximum, at any torque and in either direction of power",
-        "pulses follow the profile to the nearest microstep, and start in equilibrium; one cycle is simulated, held "
-        "for some swings after its end where that is at rest",
-    ]
 
 
 def _warnings(case: OpenLoop, found: tuple[Check, ...]) -> Iterator[str]:

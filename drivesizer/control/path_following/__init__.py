@@ -14,6 +14,7 @@ from drivesizer.control.gains import LATE, pole_placement, symmetrical_optimum
 from drivesizer.control.path_following import kernel as at
 from drivesizer.errors import InputError
 from drivesizer.files.machine_code import machine_code
+from drivesizer.files.sentences import sentences
 from drivesizer.load_cases.platform import Driving, dynamics_of, ground_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.platform import equations as eq
@@ -567,20 +568,9 @@ def wheel_drive(given: Following, chosen: DriveSet | None) -> AtWheel:
     )
 
 
-def assumed(found: Driving, chosen: DriveSet | None) -> tuple[str, ...]:
+def assumed(found: Driving, chosen: DriveSet | None) -> list[str]:
     """Assumptions of the runs, as sentences."""
     given = _section(found).following
     wheel = wheel_drive(given, chosen)
-    inertia, torque = show(wheel.inertia, "kg*cm^2", "inertia", 3), show(wheel.torque, "N*m", "torque", 3)
-    period, poses = (show(value, "ms", "time") for value in (given.period, given.pose_period))
-    slip = show(given.slip_speed, "mm/s", "speed") + (
-        f" and {given.creep:g} of the rolling speed" * (given.creep > 0.0)
-    )
-    return (
-        "slip, resistances and the controllers of the wheels are simulated; stiction, roller gaps, noise of encoders "
-        "and poses, the voltage limit and the lag of the current loops are not",
-        f"speed loops of {period} by the symmetrical optimum where no gain is given, poses every {poses}; slip meets "
-        f"the grip at {slip}",
-        f"at a wheel a rotor has {inertia}" + f" and a drive gives {torque} at most" * isfinite(wheel.torque),
-        "the platform differs from its model as platform.misjudged says, and by slip",
-    )
+    limited = isfinite(wheel.torque)
+    return sentences("drivesizer.control", "path following", given=given, wheel=wheel, limited=limited)

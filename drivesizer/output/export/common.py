@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cache
-from importlib import resources
+from functools import partial
 from math import cos, inf, isfinite, isnan, nan, sin, sqrt
 from typing import NamedTuple
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined, Template
 from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT
@@ -21,6 +19,7 @@ from drivesizer.control.loop_design import designed
 from drivesizer.control.open_loop import Stepper, prepared
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.sentences import sentences as remarks_on
 from drivesizer.load_cases import load_springs
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque
@@ -548,21 +547,9 @@ def assumed(of: Export) -> list[str]:
 # Remarks: their texts are in remarks.txt, where figures and names are put in.
 
 
-@cache
-def _templates(subject: str) -> list[Template]:
-    environment = Environment(undefined=StrictUndefined, autoescape=False)  # noqa: S701 - what writes a file escapes it
-    environment.filters |= {"brief": brief, "number": number, "shown": _shown}
-    every = resources.files(__package__).joinpath("remarks.txt").read_text(encoding="utf-8")
-    _, text = every.split(f"\n## {subject}\n")
-    paragraphs = text.split("\n## ")[0].split("\n\n")
-    return [environment.from_string(" ".join(one.split())) for one in paragraphs if one.strip()]
-
-
-def sentences(subject: str, **given: object) -> list[str]:
-    """Remarks on a subject, each a few sentences."""
-    return [line for line in (template.render(given) for template in _templates(subject)) if line]
-
-
 def _shown(limit: Limit, unit: str) -> str:
     unknown = f"; unknown: {', '.join(limit.unknown)}" if limit.unknown else ""
     return f"{brief(limit.value)} {unit} ({limit.by}{unknown})" if limit.by else "unknown"
+
+
+sentences = partial(remarks_on, __package__, filters=(("brief", brief), ("number", number), ("shown", _shown)))
