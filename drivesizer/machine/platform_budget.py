@@ -25,7 +25,7 @@ from drivesizer.platform import envelope, stability
 from drivesizer.platform.dynamics import Dynamics, Ground, Moving, contact_loads, wheel_torques
 from drivesizer.platform.kinematics import map_columns
 from drivesizer.platform.trajectory import Trajectory
-from drivesizer.results.check import Check, Figure, worst_of_cases
+from drivesizer.results.check import Check, Figure, figure, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
@@ -247,7 +247,7 @@ def worst_case_budget(spec: RobotSpec, *, brief: bool = False) -> tuple[tuple[Ch
         given = case.environment.gravity, spec.margins.torque, trajectory, gains
         found.append((name, PlatformOnFloor(case.platform, case.load, dynamics_of(case), *given)))
     checks += worst_of_cases([(name, platform_checks(s)) for name, s in found])
-    return checks, () if brief else platform_figures(found[0][1])
+    return checks, () if brief else tuple(platform_figures(found[0][1]))
 
 
 def platform_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
@@ -342,41 +342,35 @@ def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
     return _noted(columns)
 
 
-def platform_figures(s: PlatformOnFloor) -> tuple[Figure, ...]:
+def platform_figures(s: PlatformOnFloor) -> Iterator[Figure]:
     """Figures of room, footing and grip that have no limit."""
-    section, p, known, found = s.section, s.d.platform, s.section.height_known, list[Figure]()
-
-    def figure(name: str, title: str, value: float, kind: str, unit: str, time: float | None = None) -> None:
-        found.append(Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=time))
-
+    section, p, known = s.section, s.d.platform, s.section.height_known
     if section.size is not None:
         size = section.size.record
-        figure("turning_circle", "Turning circle, diameter", envelope.turning_circle(size), "length", "mm")
+        yield figure("turning_circle", envelope.turning_circle(size))
         for one in section.passages:
             held = envelope.heading_tolerance(size, one.width, one.aside)
             driving = envelope.heading_tolerance_driving(size, one.width, one.depth, one.aside)
-            figure("heading_held", f"Heading error in {one.name}, held", held, "angle", "deg")
-            figure("heading_driving", f"Heading error in {one.name}, driving along it", driving, "angle", "deg")
+            yield figure("heading_held", held, passage=one.name)
+            yield figure("heading_driving", driving, passage=one.name)
     if not s.upright:
-        return tuple(found)
+        return
     distance = stability.tipping_edges(p)[0].distance
     lifts, tips = (f(p) if known else nan for f in (stability.lift_off_slope, stability.tipping_slope))
     brakes = min(stability.lift_off_acceleration(p, way, s.gravity) for way in s.directions) if known else nan
-    figure("tipping_distance", "Centre of mass from the nearest tipping edge", distance, "length", "mm")
-    figure("lift_off_slope", "Slope that lifts a wheel", lifts, "angle", "deg")
-    figure("tipping_slope", "Slope that tips it over", tips, "angle", "deg")
-    figure("lift_off_acceleration", "Braking that lifts a wheel", brakes, "acceleration", "m/s^2")
+    yield figure("tipping_distance", distance)
+    yield figure("lift_off_slope", lifts)
+    yield figure("tipping_slope", tips)
+    yield figure("lift_off_acceleration", brakes)
     if s.trajectory is not None and known:
         load, margin = (f(p, s.trajectory, s.ground) for f in (stability.least_load, stability.least_margin))
-        figure("wheel_load", "Least load of a wheel on the path", load.value, "force", "N", load.time)
-        figure("tipping_margin", "Least way to the tipping edge", margin.value, "length", "mm", margin.time)
+        yield figure("wheel_load", load.value, load.time)
+        yield figure("tipping_margin", margin.value, margin.time)
     if s.load.friction_coefficient is not None:
         slope = gains = nan
         if known:
             friction = s.load.friction_coefficient
             slope = stability.grip_slope(s.d, friction)
             gains = min(stability.grip_acceleration(s.d, friction, way, gravity=s.gravity) for way in s.directions)
-        figure("grip_slope", "Slope that the floor's grip holds, worst direction", slope, "angle", "deg")
-        title = "Acceleration that the floor transmits, level, worst direction"
-        figure("grip_acceleration", title, gains, "acceleration", "m/s^2")
-    return tuple(found)
+        yield figure("grip_slope", slope)
+        yield figure("grip_acceleration", gains)

@@ -25,7 +25,7 @@ from drivesizer.machine.budgets import (
 from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
-from drivesizer.results.check import Check, Figure, worst_of_cases
+from drivesizer.results.check import Check, Figure, figure, worst_of_cases
 from drivesizer.results.check_columns import at_most
 from drivesizer.results.drive_set import BrakingBudget, Consumption, EnergyBudget, loss_assumptions
 from drivesizer.results.machine import AxisSizing, MachinePower
@@ -288,29 +288,20 @@ def _record(
 
 
 def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
-    total, powers = bus.total, bus.axes
+    total, powers, peak = bus.total, bus.axes, float(bus.total.peak.max())
     at = None if bus.phases or isnan(time) else time
-    single = fsum(float(one.peak.max()) for one in powers)
     shared = fsum(float(one.returned @ one.duration) for one in powers) - float(total.returned @ total.duration)
-    cycle = total.total if not bus.phases else max(one.total for one in bus.together)
-    rows = [
-        ("machine_cycle", "Cycle of all axes", cycle, "time", "s", None),
-        ("supply_peak", "Power out of the supply, largest", float(total.peak.max()), "power", "W", at),
-        ("supply_peak_summed", "Sum of the axes' own largest", single, "power", "W", None),
-        ("supply_mean", "Power out of the supply, mean", bus.on_bus.mean_drawn, "power", "W", None),
-        ("energy_left", "Regenerated energy per cycle that no axis draws", bus.on_bus.energy, "energy", "J", None),
-    ]
+    yield figure("machine_cycle", total.total if not bus.phases else max(one.total for one in bus.together))
+    yield figure("supply_peak", peak, at)
+    yield figure("supply_peak_summed", fsum(float(one.peak.max()) for one in powers))
+    yield figure("supply_mean", bus.on_bus.mean_drawn)
+    yield figure("energy_left", bus.on_bus.energy)
     if bus.feed.resistance:
-        least = bus.feed.voltage - bus.feed.resistance * float(total.peak.max()) / bus.feed.voltage
-        rows.append(
-            ("bus_voltage_least", "Voltage at the peak, behind the supply's resistance", least, "voltage", "V", at)
-        )
+        yield figure("bus_voltage_least", bus.feed.voltage - bus.feed.resistance * peak / bus.feed.voltage, at)
     if not bus.phases:
-        rows.append(("exchanged", "Energy per cycle from axis to axis", max(shared, 0.0), "energy", "J", None))
+        yield figure("exchanged", max(shared, 0.0))
     for one in bus.exceeded:
-        title = f"Share of the time above {show(one.limit, 'W', 'power')}, at most"
-        rows.append((f"{one.check}_exceeded", title, one.most, "dimensionless", "%", None))
-    yield from (Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=a) for n, t, v, k, u, a in rows)
+        yield figure(f"{one.check}_exceeded", one.most, limit=show(one.limit, "W", "power"))
 
 
 def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:

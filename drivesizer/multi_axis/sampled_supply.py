@@ -17,7 +17,7 @@ from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.machine.problem import quickest_winding, with_spec
 from drivesizer.multi_axis.common_bus import AxisPower
 from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, common_supply, place_of, supplied_axes, toleranced
-from drivesizer.results.check import Check, FigureSpread
+from drivesizer.results.check import Check, FigureSpread, declared_figure
 from drivesizer.results.check_columns import at_least
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts
@@ -153,11 +153,7 @@ def _classes(problem: Problem, one: DriveParts) -> Iterator[Class]:
 
 _MOST = 256  # samples, each of which takes as long as the nominal machine
 _CYCLE = "machine_cycle"
-_FIGURES = {
-    "supply_peak": ("Power out of the supply, largest", "power", "W", "peak"),
-    "supply_mean": ("Power out of the supply, mean", "power", "W", "mean"),
-    "energy_left": ("Regenerated energy per cycle that no axis draws", "energy", "J", "energy_left"),
-}
+_FIGURES = {"supply_peak": "peak", "supply_mean": "mean", "energy_left": "energy_left"}  # fields of the power
 _NOMINAL = (
     "carried masses, brake resistor, power supply, the paths of platforms and the voltage that the current of all axes "
     "takes of a motor are those of nominal figures"
@@ -179,8 +175,9 @@ def over_tolerances(
     names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in found for name in checks])
     every: dict[str, Over] = {name: over_samples([checks.get(name) for checks, _ in found]) for name in names}
     spreads = []
-    for name, (title, kind, unit, _) in _FIGURES.items():
+    for name in _FIGURES:
         low, middle, high = quantiles(np.array([figures[name] for _, figures in found]))
+        title, kind, unit = declared_figure(name)
         spreads.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
     titles = {name: CHECKS["budget"][name].title for name in names}
     reliability = replace(reduced(every, titles).reliability, figures=tuple(spreads))
@@ -216,4 +213,4 @@ def _sample_checks(
         late = at_least(_CYCLE, 1.0, 0.0).at((), "budget")
         return {_CYCLE: late}, dict.fromkeys(_FIGURES, float("nan"))
     checks = {check.name: check for check in power.checks if not check.advice}
-    return checks, {name: getattr(power, field) for name, (*_, field) in _FIGURES.items()}
+    return checks, {name: getattr(power, field) for name, field in _FIGURES.items()}

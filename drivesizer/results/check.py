@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
+from drivesizer.files.text import listed
 from drivesizer.units import show
 
 Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
@@ -83,6 +84,25 @@ class Figure:
     def text(self) -> str:
         """The value as it is printed."""
         return show(self.value, self.unit, self.kind)
+
+
+_FIGURES = {
+    name: (title, [unit.split() for unit in units.split(",")])
+    for _, (name, title, units) in listed("drivesizer.results", "figures.txt")
+}
+
+
+def declared_figure(name: str, *, rotary: bool = False, **words: str) -> tuple[str, str, str]:
+    """Title, kind of quantity and unit of a figure of ``figures.txt``, of a load along a line or one that turns."""
+    title, units = _FIGURES[name]
+    kind, unit = units[-1 if rotary else 0]
+    return title.format_map(words), kind, unit
+
+
+def figure(name: str, value: float, at_time: float | None = None, *, rotary: bool = False, **words: str) -> Figure:
+    """A figure of ``figures.txt``."""
+    title, kind, unit = declared_figure(name, rotary=rotary, **words)
+    return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at_time)
 
 
 def sentence_case(title: str) -> str:

@@ -23,10 +23,10 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics import thermal
 from drivesizer.physics.battery import current_of_power
 from drivesizer.physics.counted_speed import speed_quantum
-from drivesizer.physics.figures import Alike, Range
+from drivesizer.physics.figures import Range
 from drivesizer.physics.load_cycle import lasting_speeds, rms
 from drivesizer.physics.power_stage import of_the_source
-from drivesizer.results.check import Band, Check, Figure
+from drivesizer.results.check import Band, Check, Figure, figure
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import voltage_assumption
 from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit, unless_printed
@@ -40,18 +40,7 @@ _SHARE, _FACTOR = ("dimensionless", "%"), ("dimensionless", "1")
 _CURRENT, _VOLTAGE, _POWER = ("current", "A"), ("voltage", "V"), ("power", "W")
 _HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy", "W*h")
 _ANGLE, _TIME = ("angle", "deg"), ("time", "s")
-_LOOP_FIGURES: tuple[tuple[str, str, tuple[str, str]], ...] = (  # of the velocity loop, by the names of its record
-    ("bandwidth", "Velocity loop, bandwidth (-3 dB)", _HERTZ),
-    ("phase_margin", "Velocity loop, phase margin", _ANGLE),
-    ("gain_margin", "Velocity loop, gain margin (factor)", _FACTOR),
-    ("overshoot", "Velocity loop, overshoot of a step", _SHARE),
-)
-
-
-def loop_figures(case: ClosedLoop) -> list[Alike]:
-    """Figures of the velocity loop by linear analysis."""
-    return [Figure(name=name, title=title, value=getattr(case.loops.velocity, name), kind=kind, unit=unit)
-            for name, title, (kind, unit) in _LOOP_FIGURES]  # fmt: skip
+LOOP_FIGURES = ("bandwidth", "phase_margin", "gain_margin", "overshoot")  # of the velocity loop
 
 
 def figures(case: ClosedLoop) -> tuple[Figure, ...]:
@@ -60,59 +49,46 @@ def figures(case: ClosedLoop) -> tuple[Figure, ...]:
     Of two masses also the errors of the motor, as at the load: through the total ratio as if the shaft were stiff.
     """
     seen, time, loops, motors = case.figure, case.figure("time"), case.loops, case.spec.load.motors
-    speed, travel, top = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis], case.profile.top_speed
-    radius, per_speed, two = case.train.radius, case.train.motor_per_speed, case.train.flexible
+    top, radius, per_speed = case.profile.top_speed or math.nan, case.train.radius, case.train.motor_per_speed
     distance, encoder, counted = case.profile.distance * case.task.cycles, case.drive_set.encoder, case.controller
     peak, when = seen("load_speed_error") * radius, seen("load_speed_error_time")
-    rms_error, quantum = math.sqrt(seen("load_speed_error_square") / time) * radius, math.nan
+    mean, quantum = math.sqrt(seen("load_speed_error_square") / time) * radius, math.nan
     if encoder:  # smallest step of the counted speed over its counting time
         quantum = speed_quantum(encoder.lines, counted.velocity_period, max(counted.counted_over, 1))
     feed = case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
     standby = float(feed.stage.standby)
-    power = float(of_the_source(seen("power") + standby, feed)) * motors
-    taken = (seen("energy_in") + standby * time) * motors + seen("energy_resisted")
-    made: list[Figure] = []
-
-    def add(name: str, title: str, value: float, unit: tuple[str, str], at_time: float | None = None) -> None:
-        made.append(Figure(name=name, title=title, value=value, kind=unit[0], unit=unit[1], at_time=at_time))
-
-    add("tracking_error_peak", "Tracking error, peak", peak, speed, when)
-    if top:
-        add("tracking_error_peak_share", "Tracking error, peak, of top speed", peak / top, _SHARE, when)
-    add("tracking_error_rms", "Tracking error, RMS", rms_error, speed)
-    if top:
-        add("tracking_error_rms_share", "Tracking error, RMS, of top speed", rms_error / top, _SHARE)
-    add("position_error_peak", "Position error at the load, peak", seen("load_angle_error") * radius, travel,
-        seen("load_angle_error_time"))  # fmt: skip
-    add("distance_error", "Final position error, load", distance - seen("load_angle") * radius, travel)
-    if two:
-        add("motor_tracking_error_peak", "Tracking error of the motor, as at the load, peak",
-            seen("speed_error") / per_speed, speed, seen("speed_error_time"))  # fmt: skip
-        add("motor_tracking_error_rms", "Tracking error of the motor, as at the load, RMS",
-            math.sqrt(seen("speed_error_square") / time) / per_speed, speed)  # fmt: skip
-        add("motor_position_error_peak", "Position error of the motor, as at the load, peak",
-            seen("angle_error") / per_speed, travel, seen("angle_error_time"))  # fmt: skip
-        add("motor_distance_error", "Final position error, motor, as at the load",
-            distance - seen("angle") / per_speed, travel)  # fmt: skip
-    add("voltage_saturation", "Time at the voltage limit", seen("time_at_voltage_limit") / time, _SHARE)
-    add("current_limitation", "Time at the current limit", seen("time_at_current_limit") / time, _SHARE)
-    add("speed_quantum", "One encoder count, at the load", quantum / per_speed, speed)
-    if loops.current:
-        add("current_bandwidth", "Current loop, bandwidth (-3 dB)", loops.current.bandwidth, _HERTZ)
-    made += loop_figures(case)
-    if two:
-        add("resonance", "Resonance of motor and load", loops.resonance, _HERTZ)
-    add("rms_current", "Motor current, RMS", seen("rms_current"), _CURRENT)
-    add("peak_current", "Motor current, peak", seen("current"), _CURRENT, seen("current_time"))
-    if case.periodic:
-        add("winding_end", "Winding at the end, from ambient", seen("winding"), _HEAT)
-    add("bus_lowest", "Supply voltage, lowest", seen("bus_lowest"), _VOLTAGE)
-    add("peak_power", "Electrical power, peak, all drives", power, _POWER, seen("power_time"))
-    add("energy_in", "Electrical energy taken, all drives", taken, _ENERGY)
-    add("energy_returned", "Electrical energy returned, all drives", seen("energy_returned") * motors, _ENERGY)
-    if case.task.cycles > 1:
-        add("mission", "Simulated time", time, ("time", "min"))
-    return tuple(made)
+    found: dict[str, tuple[float, float | None]] = {
+        "tracking_error_peak": (peak, when),
+        "tracking_error_peak_share": (peak / top, when),
+        "tracking_error_rms": (mean, None),
+        "tracking_error_rms_share": (mean / top, None),
+        "position_error_peak": (seen("load_angle_error") * radius, seen("load_angle_error_time")),
+        "distance_error": (distance - seen("load_angle") * radius, None),
+        "motor_tracking_error_peak": (seen("speed_error") / per_speed, seen("speed_error_time")),
+        "motor_tracking_error_rms": (math.sqrt(seen("speed_error_square") / time) / per_speed, None),
+        "motor_position_error_peak": (seen("angle_error") / per_speed, seen("angle_error_time")),
+        "motor_distance_error": (distance - seen("angle") / per_speed, None),
+        "voltage_saturation": (seen("time_at_voltage_limit") / time, None),
+        "current_limitation": (seen("time_at_current_limit") / time, None),
+        "speed_quantum": (quantum / per_speed, None),
+        "current_bandwidth": (loops.current.bandwidth if loops.current else math.nan, None),
+        **{name: (getattr(loops.velocity, name), None) for name in LOOP_FIGURES},
+        "resonance": (loops.resonance, None),
+        "rms_current": (seen("rms_current"), None),
+        "peak_current": (seen("current"), seen("current_time")),
+        "winding_end": (seen("winding"), None),
+        "bus_lowest": (seen("bus_lowest"), None),
+        "peak_power": (float(of_the_source(seen("power") + standby, feed)) * motors, seen("power_time")),
+        "energy_in": ((seen("energy_in") + standby * time) * motors + seen("energy_resisted"), None),
+        "energy_returned": (seen("energy_returned") * motors, None),
+        "mission": (time, None),
+    }
+    needs = dict.fromkeys(("tracking_error_peak_share", "tracking_error_rms_share"), case.profile.top_speed) | {
+        "current_bandwidth": loops.current, "winding_end": case.periodic, "mission": case.task.cycles > 1,
+        **dict.fromkeys([*(name for name in found if name.startswith("motor_")), "resonance"], case.train.flexible),
+    }  # fmt: skip
+    rotary = case.spec.load.shaft_axis == "rotary"
+    return tuple(figure(name, *found[name], rotary=rotary) for name in found if needs.get(name, True))
 
 
 def columns(case: ClosedLoop) -> dict[str, tuple[NDArray[np.float64], tuple[str, str]]]:

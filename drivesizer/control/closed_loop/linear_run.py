@@ -10,7 +10,6 @@ many samples stretches around the engine's peaks.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import control
@@ -18,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.control.closed_loop import ClosedLoop
-from drivesizer.control.closed_loop.checks import loop_figures
+from drivesizer.control.closed_loop.checks import LOOP_FIGURES
 from drivesizer.control.drive_train import Regime, modes
 from drivesizer.control.loop_design import (
     OUTPUTS,
@@ -28,15 +27,14 @@ from drivesizer.control.loop_design import (
     voltage_open_loop,
 )
 from drivesizer.control.validation import Cascade, Gains, LinearFigure, LinearRun
-from drivesizer.loads.motions import SPEED
-from drivesizer.results.check import Figure
+from drivesizer.results.check import figure
 
 Array = NDArray[np.float64]
 
-_PEAKS = {  # title, column of the series, figure of the engine
-    "peak_current": ("Motor current, peak", "current", "current"),
-    "tracking_error_peak": ("Tracking error, peak", "error", "load_speed_error"),
-    "peak_voltage": ("Motor voltage, peak", "voltage", "voltage"),
+_PEAKS = {  # column of the series, figure of the engine
+    "peak_current": ("current", "current"),
+    "tracking_error_peak": ("error", "load_speed_error"),
+    "peak_voltage": ("voltage", "voltage"),
 }
 _SETTLED = 1e-6  # of a transient, after which nothing more of a constant stretch is simulated
 _MOST, _MOST_VALUES = 100_000, 5_000_000  # samples of the velocity loop, and values of all outputs in them
@@ -95,7 +93,7 @@ def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     count = max(math.ceil((kept[-1] - kept[0]) / slow - 1e-9), 1) * round(slow / h)
     stretches = [(0, count)]
     if count > most:
-        peaks = [case.figure(f"{figure}_time") for _, _, figure in _PEAKS.values()]
+        peaks = [case.figure(f"{own}_time") for _, own in _PEAKS.values()]
         places = [(peak - np.interp(peak, corners, gone) - kept[0]) / slow for peak in peaks]
         stretches = _stretches_around(places, count, most // len(peaks), round(slow / h))
 
@@ -216,16 +214,14 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
 
 
 def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearFigure, ...]:
-    units = {"current": ("current", "A"), "error": SPEED[case.spec.load.shaft_axis], "voltage": ("voltage", "V")}
-    found = []
-    for name, (title, column, figure) in _PEAKS.items():
-        value, at, (kind, unit) = math.nan, None, units[column]
+    rotary, found = case.spec.load.shaft_axis == "rotary", list[LinearFigure]()
+    for name, (column, figure_of_engine) in _PEAKS.items():
+        value, at = math.nan, None
         if series:
             size = np.abs(series[column])
             peak = int(np.nanargmax(size))
             value, at = float(size[peak]), float(series["time"][peak])
-        linear = Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at)
-        own = case.figure(figure) * (case.train.radius if column == "error" else 1.0)
-        found.append(LinearFigure(linear, replace(linear, value=own, at_time=case.figure(f"{figure}_time"))))
-    found += [LinearFigure(one) for one in loop_figures(case)]
-    return tuple(found)
+        own = case.figure(figure_of_engine) * (case.train.radius if column == "error" else 1.0)
+        ends = (value, at), (own, case.figure(f"{figure_of_engine}_time"))
+        found.append(LinearFigure(*(figure(name, *one, rotary=rotary) for one in ends)))
+    return *found, *(LinearFigure(figure(name, getattr(case.loops.velocity, name))) for name in LOOP_FIGURES)

@@ -24,7 +24,7 @@ from drivesizer.loads.course import Profile
 from drivesizer.loads.motions import SPEED, TRAVEL
 from drivesizer.physics.figures import Range
 from drivesizer.physics.stepper import natural_frequency
-from drivesizer.results.check import Check, Figure, verdict
+from drivesizer.results.check import Check, figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.ratings import unless_printed
@@ -280,19 +280,17 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     speed, travel = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis]
     per = 1.0 / stepper.motor_per_speed  # m/rad, or 1: travel of the load per angle of the motor
     belt = drive_set.belt_ratio * drive_set.belt_efficiency
-    count, torque = ("dimensionless", "1"), ("torque", "mN*m")
-    figures: tuple[tuple[str, str, float, tuple[str, str], float | None], ...] = (
-        ("lost_steps", "Full steps lost, largest", float(case.out.lost), count, None),
-        ("lost_at_end", "Full steps lost at the end", float(case.out.lost_at_end), count, None),
-        ("load_angle_to_slip", "Load angle left before a step is lost", max(_SLIP - seen["lag"], 0.0),
-         ("angle", "deg"), None),
-        ("position_error_peak", "Position error at the load, peak", seen["error"] * per, travel, seen["error_time"]),
-        ("distance_error", "Final position error, load", seen["end_error"] * per, travel, None),
-        ("microstep", "One microstep, at the load", stepper.microstep * per, travel, None),
-        ("natural_frequency", "Natural frequency with the load, by the pull-out torque at rest",
-         stepper.natural_frequency, ("frequency", "Hz"), None),
-        ("motor_torque_peak", "Motor torque, peak", float(np.abs(rows["motor_torque"]).max()), ("torque", "N*m"), None),
-    )  # fmt: skip
+    figures: dict[str, tuple[float, float | None]] = {
+        "lost_steps": (float(case.out.lost), None),
+        "lost_at_end": (float(case.out.lost_at_end), None),
+        "load_angle_to_slip": (max(_SLIP - seen["lag"], 0.0), None),
+        "position_error_peak": (seen["error"] * per, seen["error_time"]),
+        "distance_error": (seen["end_error"] * per, None),
+        "microstep": (stepper.microstep * per, None),
+        "natural_frequency": (stepper.natural_frequency, None),
+        "motor_torque_peak": (float(np.abs(rows["motor_torque"]).max()), None),
+    }
+    rotary = case.spec.load.shaft_axis == "rotary"
     reference, moved = rows["reference"] * per, rows["motor_speed"] * per
     series = {
         "time": (rows["time"], ("time", "s")),
@@ -302,7 +300,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
         "position_error": (rows["position_error"] * per, travel),
         "load_angle": (rows["load_angle"], ("angle", "deg")),
         "motor_speed": (rows["motor_speed"], ("rotary_speed", "rpm")),
-        "motor_torque": (rows["motor_torque"], torque),
+        "motor_torque": (rows["motor_torque"], ("torque", "mN*m")),
         "gearhead_torque": (rows["gear_torque"] / belt, ("torque", "N*m")),
     }
     rate = float(np.abs(rows["reference"]).max()) / stepper.microstep
@@ -313,7 +311,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
         profile=case.profile.name,
         status=verdict(found),
         checks=found,
-        figures=tuple(Figure(name=n, title=t, value=v, kind=k, unit=u, at_time=at) for n, t, v, (k, u), at in figures),
+        figures=tuple(figure(name, *value, rotary=rotary) for name, value in figures.items()),
         gains=Stepping(
             microsteps=stepper.microsteps,
             pulse_rate=rate,
