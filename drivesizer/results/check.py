@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from drivesizer.files.text import listed
 from drivesizer.units import show
@@ -86,23 +86,31 @@ class Figure:
         return show(self.value, self.unit, self.kind)
 
 
-_FIGURES = {
-    name: (title, [unit.split() for unit in units.split(",")])
-    for _, (name, title, units) in listed("drivesizer.results", "figures.txt")
-}
+_FIGURES: dict[str, dict[str, tuple[str, list[list[str]]]]] = {}  # by section
+for _section, (_name, _title, _units) in listed("drivesizer.results", "figures.txt"):
+    _FIGURES.setdefault(_section, {})[_name] = _title, [unit.split() for unit in _units.split(",")]
 
 
 def declared_figure(name: str, *, rotary: bool = False, **words: str) -> tuple[str, str, str]:
-    """Title, kind of quantity and unit of a figure of ``figures.txt``, of a load along a line or one that turns."""
-    title, units = _FIGURES[name]
+    """Title, kind of quantity and unit of the first figure of a name, of a load along a line or one that turns."""
+    title, units = next(section[name] for section in _FIGURES.values() if name in section)
     kind, unit = units[-1 if rotary else 0]
     return title.format_map(words), kind, unit
 
 
 def figure(name: str, value: float, at_time: float | None = None, *, rotary: bool = False, **words: str) -> Figure:
-    """A figure of ``figures.txt``."""
+    """A figure of ``figures.txt``, the first of that name."""
     title, kind, unit = declared_figure(name, rotary=rotary, **words)
     return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at_time)
+
+
+def figures_of(section: str, values: Mapping[str, Any]) -> tuple[Figure, ...]:
+    """The figures of a section of ``figures.txt`` that have a value."""
+    return tuple(
+        Figure(name=name, title=title, value=float(values[name]), kind=units[0][0], unit=units[0][1])
+        for name, (title, units) in _FIGURES[section].items()
+        if name in values
+    )
 
 
 def sentence_case(title: str) -> str:
