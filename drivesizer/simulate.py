@@ -33,7 +33,7 @@ from drivesizer.load_cases.platform import WheelLoad, motion_of
 from drivesizer.loads.course import Profile
 from drivesizer.loads.motions import SPEED, Move, SCurve, Trapezoid, Triangle
 from drivesizer.machine.part_curves import torque_of_drive
-from drivesizer.results.check import GRAVEST, Check, verdict, worst
+from drivesizer.results.check import GRAVEST, Check, units_of, verdict, worst
 from drivesizer.results.drive_set import DriveSet, loss_assumptions
 from drivesizer.results.problem import SHIFT, for_drive
 from drivesizer.results.sizing import SizingResult
@@ -297,8 +297,8 @@ def validate(
         checks=found,
         figures=figures(case),
         gains=case.controller,
-        series={name: values for name, (values, _) in recorded.items()},
-        series_units={name: unit for name, (_, unit) in recorded.items()},
+        series=recorded,
+        series_units=units_of("series", recorded, rotary=spec.load.shaft_axis == "rotary"),
         assumptions=(*case.assumptions, *_assumptions(case), *more),
         warnings=(*_warnings(case, found), *lacking, *farther),
         controller_gains=own,

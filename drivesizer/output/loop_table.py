@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from math import isnan, nan
 from typing import NamedTuple
 
 from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping
 from drivesizer.files.text import listed
-from drivesizer.results.check import Figure
+from drivesizer.results.check import Figure, figures_of
 from drivesizer.units import show
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
-
-_COLUMNS = (  # attribute of a loop, title, kind, unit
-    ("bandwidth", "bandwidth", "frequency", "Hz"),
-    ("phase_margin", "phase margin", "angle", "deg"),
-    ("gain_margin", "gain margin", "dimensionless", "1"),
-    ("overshoot", "overshoot", "dimensionless", "%"),
-    ("settling_time", "settling time", "time", "ms"),
-    ("pole_radius", "largest pole", "dimensionless", "1"),
-    ("crossover", "crossover", "frequency", "Hz"),
-    ("rise_time", "rise time", "time", "ms"),
-    ("sensitivity", "sensitivity", "dimensionless", "1"),
-    ("period", "period", "time", "ms"),
-)
 
 
 def loop_figures(loop: Loop) -> tuple[Figure, ...]:
@@ -31,10 +19,8 @@ def loop_figures(loop: Loop) -> tuple[Figure, ...]:
 
     The sensitivity of an unstable loop is left NaN: its distance to -1 is no measure of robustness.
     """
-    found = {name: float(getattr(loop, name)) for name, *_ in _COLUMNS}
-    if not loop.stable:
-        found["sensitivity"] = nan
-    return tuple(Figure(name=name, title=title, value=found[name], kind=k, unit=u) for name, title, k, u in _COLUMNS)
+    values = {one.name: getattr(loop, one.name) for one in fields(loop)}
+    return figures_of("loop", values | ({} if loop.stable else {"sensitivity": nan}))
 
 
 def loop_name(loop: Loop) -> str:

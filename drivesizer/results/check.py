@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan
 from typing import Any, Literal, NamedTuple
@@ -111,6 +111,12 @@ def figures_of(section: str, values: Mapping[str, Any]) -> tuple[Figure, ...]:
         for name, (title, units) in _FIGURES[section].items()
         if name in values
     )
+
+
+def units_of(section: str, names: Iterable[str], *, rotary: bool) -> dict[str, tuple[str, str]]:
+    """Kind of quantity and unit of some figures of a section, of a load along a line or one that turns."""
+    kinds = {name: _FIGURES[section][name][1][-1 if rotary else 0] for name in names}
+    return {name: (kind, unit) for name, (kind, unit) in kinds.items()}
 
 
 def sentence_case(title: str) -> str:

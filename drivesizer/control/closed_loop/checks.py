@@ -18,7 +18,6 @@ from drivesizer.control.validation import Gains
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import floor_friction
 from drivesizer.loads.course import Profile, course
-from drivesizer.loads.motions import SPEED, TRAVEL
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics import thermal
 from drivesizer.physics.battery import current_of_power
@@ -36,10 +35,6 @@ from drivesizer.units import show
 # -- Figures and time series of a closed-loop simulation, seen from the load.
 
 
-_SHARE, _FACTOR = ("dimensionless", "%"), ("dimensionless", "1")
-_CURRENT, _VOLTAGE, _POWER = ("current", "A"), ("voltage", "V"), ("power", "W")
-_HERTZ, _HEAT, _ENERGY = ("frequency", "Hz"), ("temperature", "degC"), ("energy", "W*h")
-_ANGLE, _TIME = ("angle", "deg"), ("time", "s")
 LOOP_FIGURES = ("bandwidth", "phase_margin", "gain_margin", "overshoot")  # of the velocity loop
 
 
@@ -91,28 +86,27 @@ def figures(case: ClosedLoop) -> tuple[Figure, ...]:
     return tuple(figure(name, *found[name], rotary=rotary) for name in found if needs.get(name, True))
 
 
-def columns(case: ClosedLoop) -> dict[str, tuple[NDArray[np.float64], tuple[str, str]]]:
-    """Recorded rows of the first cycle, seen from the load and from the supply of all drives; kind and unit of each."""
+def columns(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
+    """Recorded rows of the first cycle, seen from the load and from the supply of all drives."""
     rows: Any = case.out.series
     train, feed = case.train, case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
-    speed, travel = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis]
     reference, moved = rows["reference"] / train.motor_per_speed, rows["load_speed"] * train.radius
     at_stage = rows["voltage"] * rows["current"] + feed.lost(rows["current"]) + feed.stage.standby
     found = {
-        "time": (rows["time"], _TIME),
-        "speed_reference": (reference, speed),
-        "speed": (moved, speed),
-        "error": (reference - moved, speed),
-        "motor_error": (reference - rows["motor_speed"] / train.motor_per_speed, speed),
-        "position_error": (rows["load_position_error"] * train.radius, travel),
-        "motor_position_error": (rows["position_error"] / train.motor_per_speed, travel),
-        "motor_speed": (rows["motor_speed"], ("rotary_speed", "rpm")),
-        "current": (rows["current"], _CURRENT),
-        "voltage": (rows["voltage"], _VOLTAGE),
-        "motor_torque": (train.torque_constant * rows["current"], ("torque", "mN*m")),
-        "gearhead_torque": (rows["gear_torque"], ("torque", "N*m")),
-        "winding_temperature": (rows["winding"], _HEAT),
-        "supply_power": (of_the_source(at_stage, feed) * case.spec.load.motors, _POWER),
+        "time": rows["time"],
+        "speed_reference": reference,
+        "speed": moved,
+        "error": reference - moved,
+        "motor_error": reference - rows["motor_speed"] / train.motor_per_speed,
+        "position_error": rows["load_position_error"] * train.radius,
+        "motor_position_error": rows["position_error"] / train.motor_per_speed,
+        "motor_speed": rows["motor_speed"],
+        "current": rows["current"],
+        "voltage": rows["voltage"],
+        "motor_torque": train.torque_constant * rows["current"],
+        "gearhead_torque": rows["gear_torque"],
+        "winding_temperature": rows["winding"],
+        "supply_power": of_the_source(at_stage, feed) * case.spec.load.motors,
     }
     if not case.periodic:
         del found["winding_temperature"]  # it is held at 25 degC

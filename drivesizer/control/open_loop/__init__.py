@@ -21,10 +21,9 @@ from drivesizer.files.machine_code import machine_code
 from drivesizer.files.sentences import sentences
 from drivesizer.load_cases.platform import remaining_torque
 from drivesizer.loads.course import Profile
-from drivesizer.loads.motions import SPEED, TRAVEL
 from drivesizer.physics.figures import Range
 from drivesizer.physics.stepper import natural_frequency
-from drivesizer.results.check import Check, figure, verdict
+from drivesizer.results.check import Check, figure, units_of, verdict
 from drivesizer.results.check_columns import CheckColumn, at_most, fits
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.ratings import unless_printed
@@ -277,9 +276,7 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     """The simulation of a stepper as a record."""
     found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper, seen, rows = case.stepper, case.out.figures, case.out.series
-    speed, travel = SPEED[case.spec.load.shaft_axis], TRAVEL[case.spec.load.shaft_axis]
     per = 1.0 / stepper.motor_per_speed  # m/rad, or 1: travel of the load per angle of the motor
-    belt = drive_set.belt_ratio * drive_set.belt_efficiency
     figures: dict[str, tuple[float, float | None]] = {
         "lost_steps": (float(case.out.lost), None),
         "lost_at_end": (float(case.out.lost_at_end), None),
@@ -293,15 +290,15 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     rotary = case.spec.load.shaft_axis == "rotary"
     reference, moved = rows["reference"] * per, rows["motor_speed"] * per
     series = {
-        "time": (rows["time"], ("time", "s")),
-        "speed_reference": (reference, speed),
-        "speed": (moved, speed),
-        "error": (reference - moved, speed),
-        "position_error": (rows["position_error"] * per, travel),
-        "load_angle": (rows["load_angle"], ("angle", "deg")),
-        "motor_speed": (rows["motor_speed"], ("rotary_speed", "rpm")),
-        "motor_torque": (rows["motor_torque"], ("torque", "mN*m")),
-        "gearhead_torque": (rows["gear_torque"] / belt, ("torque", "N*m")),
+        "time": rows["time"],
+        "speed_reference": reference,
+        "speed": moved,
+        "error": reference - moved,
+        "position_error": rows["position_error"] * per,
+        "load_angle": rows["load_angle"],
+        "motor_speed": rows["motor_speed"],
+        "motor_torque": rows["motor_torque"],
+        "gearhead_torque": rows["gear_torque"] / (drive_set.belt_ratio * drive_set.belt_efficiency),
     }
     rate = float(np.abs(rows["reference"]).max()) / stepper.microstep
     return Validation(
@@ -319,8 +316,8 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
             rule=_RULE,
             source=_SOURCE,
         ),
-        series={column: values for column, (values, _) in series.items()},
-        series_units={column: unit for column, (_, unit) in series.items()},
+        series=series,
+        series_units=units_of("series", series, rotary=rotary),
         assumptions=(
             *case.assumptions,
             *sentences("drivesizer.control", "stepper", control=case.spec.control, damping=stepper.damping_ratio),
