@@ -1,6 +1,6 @@
 """Logs of drives as people have them, to one record: columns in SI by quantity, and where moves begin.
 
-Tables by the heads of ``_QUANTITIES``; JSON of WPILib SysId and of pendulum rigs (BAM); WPILib's binary data logs.
+Tables by the heads of ``figures.txt``; JSON of WPILib SysId and of pendulum rigs (BAM); WPILib's binary data logs.
 Where a head says no unit that of the SI is taken, with a remark: a speed that is off by 2 pi is found by its figures.
 """
 
