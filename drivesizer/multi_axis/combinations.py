@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.tables import Pairs
 from drivesizer.machine.budgets import riding_mass
-from drivesizer.results.check import Status
-from drivesizer.results.check import GRAVEST
+from drivesizer.results.check import GRAVEST, Status
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
