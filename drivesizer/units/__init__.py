@@ -450,14 +450,14 @@ def digits_of(number: float, digits: int = 4) -> str:
 
 
 def show_band(low: float, high: float, unit: str, kind: str) -> str:
-    """Two SI values as text, their unit once where it is the same.
+    """Two SI values as text, their unit once where it is the same, and one value where both are printed alike.
 
-    >>> show_band(0.58, 0.91, "g", "mass"), show_band(0.58, 1.2, "g", "mass")
-    ('580 to 910 g', '580 g to 1.2 kg')
+    >>> show_band(0.58, 0.91, "g", "mass"), show_band(0.58, 1.2, "g", "mass"), show_band(26.1, 26.2, "kg", "mass")
+    ('580 to 910 g', '580 g to 1.2 kg', '26 kg')
     """
     first, last = show(low, unit, kind, 2), show(high, unit, kind, 2)
     behind = " " + last.rpartition(" ")[2]
-    return f"{first.removesuffix(behind)} to {last}"
+    return last if first == last else f"{first.removesuffix(behind)} to {last}"
 
 
 _LARGER = {"g": "kg", "J": "kJ", "kJ": "MJ", "W": "kW", "mN*m": "N*m", "mA": "A", "mV": "V", "N": "kN"}  # next prefix
