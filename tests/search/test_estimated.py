@@ -210,7 +210,8 @@ def test_of_open_drives_the_more_probable_come_first(maxon, table):
     rows = np.array([pair in open_ for pair in zip(pairs.left.tolist(), pairs.right.tolist(), strict=True)])
     alone = replace(lacking, motor_gearhead=Pairs(*(side[rows] for side in pairs)))
     found = size(table, top=20, catalog=alone).sets
-    tenths = [(-int(10.0 * one.probability), round(one.mass, 9)) for one in found]
+    sampled = [one for one in found if not isnan(one.probability)]  # others are open by what nobody knows more of
+    tenths = [(-int(10.0 * one.probability), round(one.mass, 9)) for one in sampled]
     assert {one.status for one in found} == {"open"} and len({tenth for tenth, _ in tenths}) > 1
     assert tenths == sorted(tenths)
 
