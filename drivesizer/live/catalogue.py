@@ -165,6 +165,7 @@ def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     from drivesizer.output.report.html.plots import movable
 
     hit = hit_of(held, request["catalogue"], request["section"], request["part"])
+    place, families = PLACES.get(hit.section, ((), False))  # where a spec names it, its family too, an axis its own
     figures = {f"part-{name}": movable(plot) for name, plot in part_plots(hit).items()}
     known = {source.document: source for source in origins(hit).values()}
     partners = [words + ", ".join(f"{name or 'no family'} ({n})" for name, n in families.items())
@@ -172,7 +173,8 @@ def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     remarks = [*(Words(one, "note") for one in partners), *sheets.own_remarks(hit)]
     yield {
         "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
-        "head": sheets.head(hit), "role": singular(hit.section), "figures": figures, "use": _use(hit),
+        "head": sheets.head(hit), "role": singular(hit.section), "figures": figures,
+        "use": {"family": families and hit["family"], "axes": place[0] not in _WHOLE} if place else None,
         "sheet": html([replace(sheets.figures_of(hit, sources=True), halves=False), *remarks]),
         "does": html(sheets.behaviour(hit), figures),
         "documents": [[source.document, source.date, source.url] for source in known.values()],
@@ -207,12 +209,6 @@ PLACES: dict[str, tuple[tuple[str, ...], bool]] = {
     "power_supplies": (("supply",), False), "brake_resistors": (("brake_resistor",), True),
 }  # fmt: skip
 _WHOLE = ("battery", "supply", "brake_resistor")
-
-
-def _use(hit: Hit) -> Piece | None:
-    """Whether a spec may name the family of a part too, and for each axis another; None where it names no such part."""
-    place, families = PLACES.get(hit.section, ((), False))
-    return {"family": families and hit["family"], "axes": place[0] not in _WHOLE} if place else None
 
 
 def choose(held: EngineMemory, request: Piece) -> Iterator[Piece]:

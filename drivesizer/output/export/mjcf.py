@@ -76,7 +76,10 @@ def render(of: MachineExport) -> bytes:
     elif alone:
         remark(root, *_axis_remarks(alone))
     else:
-        remark(root, *head(of), *(_robot_remarks(robot) if robot else ()))
+        remark(root, *head(of))
+        kinds = {"steppers" if drive.of.stepper else "motors" for drive in robot.drives} if robot else ()
+        for kind in sorted(kinds):
+            remark(root, *sentences(f"MuJoCo: {kind} of a robot"))
     SubElement(root, "compiler", angle="radian", autolimits="true")
     option = SubElement(root, "option", timestep=number(step), integrator="Euler", gravity=vector(gravity))
     if platform:
@@ -326,13 +329,6 @@ def _joint_motor(
 #
 # A drive is a body of its own at its place, a point mass. The drive whose belt passes other joints acts on a fixed
 # tendon, the sum of their angles.
-
-
-def _robot_remarks(robot: RobotExport) -> list[str]:
-    """Remarks on inputs, gears and controllers."""
-    steppers = sum(drive.of.stepper is not None for drive in robot.drives)
-    said = sentences("MuJoCo: motors of a robot") if steppers < len(robot.drives) else []
-    return [*said, *(sentences("MuJoCo: steppers of a robot") if steppers else [])]
 
 
 def _robot(sections: Sections, robot: RobotExport, step: float) -> None:
