@@ -134,13 +134,6 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
     )  # fmt: skip
 
 
-def resistor_line(resistor: BrakeResistor, catalog: Catalog) -> PartLine:
-    """A brake resistor as a line."""
-    if resistor.part:
-        return line_of("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
-    return PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
-
-
 def price_for(part: Any, quantity: int, catalog: Catalog) -> dict[str, Any]:
     """The price of a part for a quantity, with the number by which its seller knows it."""
     section = section_of(part)
@@ -278,18 +271,22 @@ def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
         behind = ["gearhead"] if spec.gear_before_belt else ["gearhead", "belt", "driven pulley"]
         place = 1 + max((n for n, line in enumerate(lines) if line.role in behind), default=0)
         lines.insert(place, _gear_line(spec.gear, spec.load.motors))
-    return [*lines, *_supply_lines(found, problem)]
-
-
-def _supply_lines(found: DriveSet, problem: Problem) -> Iterator[PartLine]:
-    """Power supply and brake resistor: one each for the whole machine."""
-    unit, catalog = problem.machine.supply.part, problem.catalog
-    if unit is not None:
-        part = catalog.power_supplies.record(catalog.power_supplies.rows[unit])
-        yield line_of("power supply", part, catalog, 1, {"mass": part.mass})
     resistor = found.braking.resistor if found.braking else None
-    if resistor is not None:
-        yield resistor_line(resistor, catalog)
+    return [*lines, *_supply_lines(problem.machine.supply.part, resistor, [problem.catalog])]
+
+
+def _supply_lines(
+    supply: str | None, resistor: BrakeResistor | None, catalogs: Sequence[Catalog]
+) -> Iterator[PartLine]:
+    """Power supply and brake resistor, one each for the machine; a resistor may be described by the spec alone."""
+    for catalog in [one for one in catalogs if supply in one.power_supplies.rows][:1]:
+        unit = catalog.power_supplies.record(catalog.power_supplies.rows[str(supply)])
+        yield line_of("power supply", unit, catalog, 1, {"mass": unit.mass})
+    if resistor is not None and resistor.part:
+        catalog = next((one for one in catalogs if resistor.part in one.brake_resistors.rows), catalogs[0])
+        yield line_of("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
+    elif resistor is not None:
+        yield PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
 
 
 def _gear_line(gear: GearStage, drives: int) -> PartLine:
@@ -327,30 +324,15 @@ def machine_parts_of_axes(sizing: MachineSizing) -> list[SharedLine]:
     for name, lines in parts_by_axis(sizing).items():
         for line in lines:  # NaN is not equal to itself, its text is
             found.setdefault(repr(replace(line, quantity=0)), []).append((name, line))
-    shared = map(_together, found.values())
-    return sorted([*shared, *_common_supply(sizing)], key=lambda one: _place(one.line.role))
-
-
-def _together(equal: Sequence[tuple[str, PartLine]]) -> SharedLine:
-    """Equal lines of several axes as one."""
-    count = sum(line.quantity for _, line in equal)
-    return SharedLine(replace(equal[0][1], quantity=count), tuple(name for name, _ in equal))
-
-
-def _common_supply(sizing: MachineSizing) -> Iterator[SharedLine]:
-    """Power supply and brake resistor of all axes; those of a single one are in its own list."""
-    part = sizing.machine.supply.part
-    on_it = tuple(axis.name for axis in sizing.machine.axes if not axis.own_supply)
-    catalogs = (axis.result.problem.catalog for axis in sizing.axes)
-    listed = next((one for one in catalogs if part in one.power_supplies.rows), None) if len(sizing.axes) > 1 else None
-    if part is not None and listed is not None:
-        unit = listed.power_supplies.record(listed.power_supplies.rows[part])
-        yield SharedLine(line_of("power supply", unit, listed, 1, {"mass": unit.mass}), on_it)
+    shared = [
+        SharedLine(replace(equal[0][1], quantity=sum(line.quantity for _, line in equal)), tuple(n for n, _ in equal))
+        for equal in found.values()
+    ]
+    supply = sizing.machine.supply.part if len(sizing.axes) > 1 else None  # that of a single axis is in its own list
     resistor = sizing.power.braking.resistor if sizing.power and sizing.power.braking else None
-    if resistor is not None:
-        every = [axis.result.problem.catalog for axis in sizing.axes]
-        catalog = next((one for one in every if resistor.part in one.brake_resistors.rows), every[0])
-        yield SharedLine(resistor_line(resistor, catalog), on_it)
+    on_it = tuple(axis.name for axis in sizing.machine.axes if not axis.own_supply)
+    common = _supply_lines(supply, resistor, [axis.result.problem.catalog for axis in sizing.axes])
+    return sorted([*shared, *(SharedLine(line, on_it) for line in common)], key=lambda one: _place(one.line.role))
 
 
 def _place(role: str) -> int:

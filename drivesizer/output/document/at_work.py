@@ -14,7 +14,7 @@ from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, OfLoop, driven_over
 from drivesizer.output.document.rows import check_table, figures_table, requirements_table, tightest_table
 from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain_rows, left_out, loop_figures, loop_name
-from drivesizer.results.check import Figure, sentence_case
+from drivesizer.results.check import sentence_case
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.units import show
 
@@ -215,20 +215,14 @@ def loop(content: Content | OfLoop) -> Iterator[doc.Block]:
             tightest_table(f"In {v.loop}: the tightest of {count} checks", v.checks, "loop-tightest"), media="terminal"
         )
     if v.linear:
-        both = [
-            _both(linear, engine)
-            for linear, engine in v.linear.figures
-            if engine and not isnan(linear.value + engine.value)
-        ]
+        both = []
+        for linear, engine in v.linear.figures:
+            if engine and not isnan(linear.value + engine.value):
+                shown = " and ".join(show(one.value, one.unit, one.kind) for one in (linear, engine))
+                both.append(f"{linear.title[0].lower()}{linear.title[1:]} {shown}")
         yield doc.Words(f"{BESIDE}: {'; '.join(both) or 'no figure that both have'}.", media="terminal")
     if v.tried:
         yield remedies(v)
-
-
-def _both(linear: Figure, engine: Figure) -> str:
-    """A figure of the linear model beside the engine's."""
-    shown = " and ".join(show(one.value, one.unit, one.kind) for one in (linear, engine))
-    return f"{linear.title[0].lower()}{linear.title[1:]} {shown}"
 
 
 def remedies(v: Validation, axis: str = "") -> doc.Table:
@@ -259,7 +253,11 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
     stretches = windows(v.series["time"], v.series["speed_reference"])
     yield doc.picture("loop", loop=v.loop, shown=shown, cut=_cut(len(stretches)))
     rule = f"{v.gains.rule}. Source: {v.gains.source}."
-    gains = [doc.row("gains", one, value=_gain(one.value, one.unit), note=rule) for one in gain_rows(v.gains)]
+    gains = []
+    for one in gain_rows(v.gains):
+        period = one.unit == "s"
+        value = doc.Quantity(one.value, "ms", "time") if period else doc.Quantity(one.value, one.unit, "plain")
+        gains.append(doc.row("gains", one, value=value, note=rule))
     yield doc.Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
                    [doc.table("gains", f"{v.set_up} of the controller", gains),
                     doc.Words(f"Rule of the {v.set_up.lower()}: {rule}", "note")])  # fmt: skip
@@ -279,11 +277,6 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
 
 
 _DRAWN = ("speed_reference", "speed", "current", "load_angle")
-
-
-def _gain(value: float, unit: str) -> doc.Quantity:
-    """A gain in SI; a period in ms."""
-    return doc.Quantity(value, "ms", "time") if unit == "s" else doc.Quantity(value, unit, "plain")
 
 
 def _linear_run(v: Validation) -> Iterator[doc.Block]:

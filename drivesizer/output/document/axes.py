@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf, isnan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,13 +16,7 @@ from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
 from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
 from drivesizer.output.document.content import Content, Reported, all_drives, driven_over
 from drivesizer.output.document.part import datasheets
-from drivesizer.output.document.rows import (
-    check_row,
-    check_table,
-    consumers_table,
-    figures_table,
-    tight_of,
-)
+from drivesizer.output.document.rows import check_row, check_table, consumers_table, figures_table, smallest, tight_of
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.words import likely, moved, number_of
 from drivesizer.results.check import Reliability, gravest, sentence_case, tightest, worst
@@ -246,7 +239,7 @@ def glance(content: MachineContent) -> Iterator[doc.Block]:
     checks += [(c, "all axes") for c in tightest(content.sizing.checks, 1)]
     tiles = []
     if checks:
-        check, name = min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
+        check, name = smallest(checks)
         said = doc.Quantity(check.margin, "%", "margin").text
         tiles.append(("Smallest margin", said or "none", f"{name}: {check.title}"))
     tiles += [summary.summed_tile(content.totals, figure, all_drives(content.drives)) for figure in ("mass", "price")]
