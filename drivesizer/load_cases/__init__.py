@@ -161,6 +161,9 @@ def profile(spec: RobotSpec, name_or_file: str) -> Profile:
     raise InputError(f"profile {quoted(name_or_file)}: the spec's motion is {own}; expected that or a file (.csv)")
 
 
+# -- Load cycles at the driven shaft: by the load's torque law, with springs, belt and gears.
+
+
 _LATEST: dict[str, tuple[RobotSpec, LoadCycle]] = {}  # one, which budgets and battery need again
 
 

@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
-from drivesizer.files.yaml_source import Path_, YamlSource, value_at
+from drivesizer.files.yaml_source import Path_, YamlSource, shipped_data, value_at
 from drivesizer.loads.kinds import MODULES
 from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
@@ -23,19 +23,6 @@ from drivesizer.units import KINDS, noun
 # -- Keys of a spec: those that are known at a place, and which one an unknown key stands for.
 
 
-# What others call a field: the first of these that is known at its place, or elsewhere in the file, is proposed.
-_OTHER_WORDS = {
-    "accel": ("acceleration", "acceleration_time"), "ambient_temperature": ("ambient",),
-    "angle": ("incline", "slope", "distance"), "brake": ("hold_unpowered",), "bus_voltage": ("nominal",),
-    "displacement": ("distance",), "dwell": ("rest_time",), "dwell_time": ("rest_time",),
-    "friction": ("friction_coefficient", "rolling_resistance", "friction_torque"), "gear_ratio": ("ratio",),
-    "inclination": ("incline", "slope"), "max_voltage": ("max",), "min_voltage": ("min",),
-    "moment_of_inertia": ("inertia",), "move": ("distance",), "mu": ("friction_coefficient",),
-    "pause": ("rest_time",), "payload": ("mass",), "pitch": ("lead",),
-    "radius": ("diameter", "wheel_diameter", "pulley_diameter"), "stroke": ("distance",), "temperature": ("ambient",),
-    "travel": ("distance",), "velocity": ("speed",), "voltage": ("nominal", "nominal_voltage"), "weight": ("mass",),
-    "wheels": ("driven_wheels",),
-}  # fmt: skip
 _FEW = 3  # places of a key that are named
 
 
@@ -44,12 +31,12 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
     key = str(path[-1])
     if re.match(r"[0-9]", key):
         return "a comma ends a field between { and }; a number has a decimal point, e.g. 3.6 km/h"
-    known = known_keys(model, path[:-1], data)
-    named = next((word for word in _OTHER_WORDS.get(key, ()) if word in known), None)
+    known, others = known_keys(model, path[:-1], data), shipped_data("drivesizer.spec", "other_words.yaml").get(key, [])
+    named = next((word for word in others if word in known), None)
     if named:
         return f"did you mean {quoted(named)}?"
-    kinds = (_other_kind(model, path, word) for word in (key, *_OTHER_WORDS.get(key, ())))
-    if found := next(filter(None, kinds), "") or _other_group(model, key):
+    kinds = (_other_kind(model, path, word) for word in (key, *others))
+    if found := next(filter(None, kinds), "") or _other_group(model, [key, *others]):
         return found
     close = difflib.get_close_matches(key, known, 1, 0.5)
     return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
@@ -69,11 +56,11 @@ def _other_kind(model: type[BaseModel], path: Path_, word: str) -> str:
     return ""
 
 
-def _other_group(model: type[BaseModel], key: str) -> str:
+def _other_group(model: type[BaseModel], words: list[str]) -> str:
     """The groups of the file that have a key, or what it is called there; empty where none has it, or too many."""
     places = [
         f"{group}.{word}"
-        for word in (key, *_OTHER_WORDS.get(key, ()))
+        for word in words
         for group, field in model.model_fields.items()
         if any(word in one.model_fields for one in models_of(field))
     ]

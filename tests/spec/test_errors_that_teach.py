@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from drivesizer.cli import app
 from drivesizer.errors import InputError
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import YamlSource, shipped_data
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import size
 from drivesizer.spec import messages
@@ -88,9 +88,9 @@ def test_five_at_most_and_the_number_of_the_others():
 def test_other_words_stand_for_keys_that_exist():
     """A field that is renamed must be renamed among the words that propose it."""
     known = {name for one in _sections(RobotSpec) for name in one.model_fields}
-    proposed = {word for words in messages._OTHER_WORDS.values() for word in words}
-    assert proposed <= known
-    assert not any(word in words for word, words in messages._OTHER_WORDS.items())
+    others = shipped_data("drivesizer.spec", "other_words.yaml")
+    assert {word for words in others.values() for word in words} <= known
+    assert not any(word in words for word, words in others.items())
 
 
 def _sections(model, seen=None):
