@@ -11,6 +11,7 @@ import yaml
 from docstrings import as_markdown
 from spec_tables import SCHEMA, SPRINGS, fields_of, reference
 
+from drivesizer.loads import springs, stage_losses
 from drivesizer.loads.kinds import AXES, MODULES
 
 __all__ = ["loads"]
@@ -27,10 +28,10 @@ def loads() -> str:
     kinds = {name: [k for k, at in mapping.items() if at.endswith(f"/{name}")] for name in models}
     for several in kinds.values():
         several.sort(key=list(MODULES).index)
-    shared = [("A stage", "stage_losses"), ("Torques that are no straight lines", "lever")]
+    shared = [("A stage", stage_losses), ("Torques that are no straight lines", springs.Lever)]
     parts = [_load(name, of) for name, of in kinds.items()]
     parts.append(_springs())
-    parts += [f"## {title}\n\n{_docstring(import_module(f'drivesizer.loads.{name}'))}" for title, name in shared]
+    parts += [f"## {title}\n\n{_docstring(subject)}" for title, subject in shared]
     return "\n\n".join(parts)
 
 
@@ -52,7 +53,7 @@ def _load(name: str, kinds: list[str]) -> str:
 
 def _springs() -> str:
     """Springs and counterweights of any load: their law, and the fields of each kind."""
-    parts = ["## Springs and counterweights", _docstring(import_module("drivesizer.loads.springs"))]
+    parts = ["## Springs and counterweights", _docstring(springs)]
     for name in SPRINGS:
         model = SCHEMA["$defs"][name]
         title = f"`kind: {model['properties']['kind']['const']}`" if "kind" in model["properties"] else "`ends`"
@@ -60,9 +61,9 @@ def _springs() -> str:
     return "\n\n".join(parts)
 
 
-def _docstring(module: Any) -> str:
-    """The docstring of a module, with its references as links on the page."""
-    text = as_markdown(inspect.getdoc(module) or "").replace("`stage_losses`", "[stage](#a-stage)")
+def _docstring(subject: Any) -> str:
+    """The docstring of a module or a class, with its references as links on the page."""
+    text = as_markdown(inspect.getdoc(subject) or "").replace("`stage_losses`", "[stage](#a-stage)")
     return text.replace("`lever`", "[pieces](#torques-that-are-no-straight-lines)")
 
 

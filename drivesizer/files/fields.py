@@ -221,7 +221,7 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, validate_default=True, defer_build=True)
 
     def _contradictions(self) -> Iterator[str]:
-        """What its fields say against one another, of which the first is reported."""
+        """Faults of its fields together, of which the first is reported."""
         yield from ()
 
     @model_validator(mode="after")
@@ -232,7 +232,7 @@ class Section(BaseModel):
 
 
 def exactly_one(section: BaseModel, *names: str) -> Iterator[str]:
-    """What is said of a section that gives none or several of some fields."""
+    """Fault of a section that gives none or several of some fields."""
     given = [name for name in names if getattr(section, name) is not None]
     if len(given) != 1:
         found = "neither is given" if not given and len(names) == 2 else "none is given" if not given else (
@@ -242,7 +242,7 @@ def exactly_one(section: BaseModel, *names: str) -> Iterator[str]:
 
 
 def apart(named: Iterable[Any], what: str) -> Iterator[str]:
-    """What is said of sections of which two have the same name."""
+    """Fault of sections of which two have the same name."""
     names = [one.name for one in named]
     if len(set(names)) != len(names):
         yield f"expected {what} with names of their own"

@@ -42,13 +42,7 @@ from drivesizer.physics.figures import Alike, Figure
 from drivesizer.physics.load_cycle import Ends
 from drivesizer.units import show
 
-# -- A mass on a lever about an axis that does not stand upright, and its weight, which is no straight line over time.
-#
-# Weight on a lever: :math:`T = M \cos(φ_0 + φ)`. A chord over the time Δt is off by at most
-# :math:`M (ω^2 + |α|) Δt^2 / 8`; pieces with :math:`\sqrt{ω^2 + |α|} \, Δt \le` half a degree keep that to 1e-5 of M.
-# No cycle is cut into more than some 10 000 pieces: beyond 13 turns they grow longer and the error with their square,
-# to 4e-3 of M at 10 degrees (some 270 turns); a cycle of more turns than that is refused. A lever that turns level to
-# within 1e-5 rad, nearer than files that round 90 degrees to 1.5708 rad, feels no weight.
+# -- Weights on levers.
 
 
 _LEVEL = 1e-5  # of the weight: what gets through a smaller share of it is none; files round 90 degrees to 1.5708 rad
@@ -57,7 +51,14 @@ _STEP, _LONGEST_STEP = math.radians(0.5), math.radians(10.0)
 
 
 class Lever(NamedTuple):
-    """A mass away from the axis that it turns about."""
+    r"""A mass on a lever about an axis that does not stand upright: its weight is no straight line over time.
+
+    Weight on a lever: :math:`T = M \cos(φ_0 + φ)`. A chord over the time Δt is off by at most
+    :math:`M (ω^2 + |α|) Δt^2 / 8`; pieces with :math:`\sqrt{ω^2 + |α|} \, Δt \le` half a degree keep that to 1e-5 of M.
+    No cycle is cut into more than some 10 000 pieces: beyond 13 turns they grow longer and the error with their square,
+    to 4e-3 of M at 10 degrees (some 270 turns); a cycle of more turns than that is refused. A lever that turns level to
+    within 1e-5 rad, nearer than files that round 90 degrees to 1.5708 rad, feels no weight.
+    """
 
     mass: Alike  # kg
     length: Alike  # m, from the axis to its centre
@@ -70,7 +71,24 @@ class Lever(NamedTuple):
 
 
 def too_light(inertia: float, mass: float, length: float, name: str) -> Iterator[str]:
-    """What is said of an inertia below that of all the mass in its centre, 2 % apart for rounded figures."""
+    """Fault of an inertia below that of all the mass in its centre, 2 % apart for rounded figures.
+
+    Parameters
+    ----------
+    inertia
+        About the axis [kg*m^2].
+    mass
+        That turns about it [kg].
+    length
+        From the axis to its centre [m].
+    name
+        Of the field that gives the length.
+
+    Returns
+    -------
+    iterator
+        The fault in words; nothing where there is none.
+    """
     least = mass * length * length
     if inertia < 0.98 * least:
         yield f"inertia must be at least mass times {name} squared, {least:.4g} kg·m²"
@@ -207,7 +225,22 @@ Springs = Annotated[list[Spring], Field(max_length=20)]
 
 
 def unfit_springs(springs: Sequence[AnySpring], *, turns: bool, levels: bool) -> Iterator[str]:
-    """What is said of springs that do not fit an axis that turns, or across which gravity's direction is known."""
+    """Faults of springs that do not fit the axis that they act on, each with the nearest that does.
+
+    Parameters
+    ----------
+    springs
+        Beside one axis.
+    turns
+        Whether the load turns; else it moves along a line.
+    levels
+        Whether gravity's direction across the axis is known, for a counterweight.
+
+    Returns
+    -------
+    iterator
+        Faults in words.
+    """
     for one in springs:
         of_torque = isinstance(one, TorsionSpring) or getattr(one, "torque", None) is not None
         ends = getattr(one, "ends", None)

@@ -57,7 +57,18 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
 
 
 def periodic_parabola(time: Column, value: Column, window: float) -> tuple[Column, Column]:
-    """The same of what repeats from its last sample on, as far above or below the first as the last is."""
+    """The same of what repeats from its last sample on, as far above or below the first as the last is.
+
+    Parameters
+    ----------
+    time, value, window
+        As for :func:`local_parabola`.
+
+    Returns
+    -------
+    tuple
+        Values, and slopes per second.
+    """
     around = [np.append(c[:-1] - c[-1] + c[0], np.append(c, c[1:] + c[-1] - c[0])) for c in (time, value)]
     fit, slope = local_parabola(around[0], around[1], window)
     return fit[len(time) - 1 : 2 * len(time) - 1], slope[len(time) - 1 : 2 * len(time) - 1]

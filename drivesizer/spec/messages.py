@@ -330,7 +330,7 @@ _OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw
 
 
 def contradictions(spec: Any) -> Iterator[str]:
-    """What sections of a ``RobotSpec`` say against one another, each with the name of the field."""
+    """Faults of sections of a ``RobotSpec`` together, each with the name of the field."""
     for rules in (
         _chained, _moved, _motor_kind_conflicts, _wheel_conflicts, _burning, _overhung, _lasting, _equipped,
         _alternating, _paid,
