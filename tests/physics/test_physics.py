@@ -147,7 +147,8 @@ def test_each_check_is_that_of_its_worst_case(catalog):
     """The cases as specs of their own, one after the other, with a controller that leaves no choice."""
     spec = spec_from(LIFT + CASES + ONE)
     sets = candidates(problem(spec, catalog))
-    together = {c.name: c for c in evaluate(problem(spec, catalog), sets).checks}
+    whole = evaluate(problem(spec, catalog), sets)
+    together, sets = {c.name: c for c in whole.checks}, sets._replace(encoder=whole.encoder)
     names, specs = zip(*spec.load_cases, strict=True)
     specs = (spec_from(LIFT + ONE), *specs[1:])  # the first one without the others
     alone = [{c.name: c for c in evaluate(problem(case, catalog), sets).checks} for case in specs]
@@ -266,7 +267,8 @@ def test_margins_move_the_status_exactly_at_the_limit(margin, names, catalog):
     spec = spec_from(plain + chosen)
     sets = candidates(problem(spec, catalog))
     assert len(sets.motor) == 1
-    was = {c.name: c for c in evaluate(problem(spec, catalog), sets).checks}
+    whole = evaluate(problem(spec, catalog), sets)
+    was, sets = {c.name: c for c in whole.checks}, sets._replace(encoder=whole.encoder)
     seen = 0
     for name in names:
         room = float(was[name].margin[0])
