@@ -36,6 +36,11 @@ class Column(NamedTuple):
     remark: str
     least: float
 
+    @property
+    def head(self) -> str:
+        """Name and unit, as a table's head has them."""
+        return self.name if self.kind in ("text", "ratio") or self.unit == "1" else f"{self.name} ({self.unit})"
+
 
 def _declared() -> dict[str, dict[str, Column]]:
     """The fields of every kind of part, by section, in the order of its record."""

@@ -269,7 +269,7 @@ def _priced(catalog: Catalog, section: str, pieces: int) -> Table[Any]:
     for part in {price.part for price in catalog.prices if price.section == section}:
         if (found := price_of(catalog, section, part, pieces)) and found.currency in catalog.rates:
             value[table.rows[part]] = found.amount * catalog.rates[found.currency]
-    return replace(table, columns={**table.columns, "price": value})
+    return table.changed({"price": value})
 
 
 def _of_rows(table: Table[Any], pieces: int) -> Iterator[tuple[NDArray[np.float64], Any]]:

@@ -48,11 +48,10 @@ def table(section: str) -> dict[str, Any]:
     common, heads = group["properties"]["common"], group["properties"]["columns"]
     inside = ("part", "family", "manufacturer", "inside")
     figures = {name: _figure(column) for name, column in columns.items() if name not in inside}
-    names = (name if c.kind in ("text", "ratio") or c.unit == "1" else f"{name} ({c.unit})"
-             for name, c in columns.items())  # fmt: skip
+    listed = "; ".join(one.head for one in columns.values())
     return _with(
         group, common=common | {"properties": figures},
-        columns=heads | {"description": "names of columns with their units: " + "; ".join(names),
+        columns=heads | {"description": f"names of columns with their units: {listed}",
                          "items": {"type": "string", "pattern": rf"^({'|'.join(columns)})( *\(.+\))?$"}},
     )  # fmt: skip
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,6 +136,10 @@ class Table(Generic[Part]):
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.columns[name]
+
+    def changed(self, columns: Mapping[str, NDArray[Any]]) -> Table[Part]:
+        """The table with other figures in some columns."""
+        return replace(self, columns={**self.columns, **columns})
 
     def taken(self, rows: NDArray[np.int64] | slice) -> Table[Part]:
         """Some of the parts, as a table."""
@@ -392,7 +395,7 @@ def as_printed(catalog: Catalog) -> Catalog:
         table = tables.get(note.section) or catalog.table(note.section)
         out = np.isin(table["part"], note.parts)
         unknown = {name: np.where(out, np.nan, table[name]) for name in note.fields}
-        tables[note.section] = replace(table, columns={**table.columns, **unknown})
+        tables[note.section] = table.changed(unknown)
     if not tables:
         return catalog
     return replace(catalog, **tables, notes=tuple(note for note in catalog.notes if not note.derived))
@@ -407,9 +410,6 @@ def as_printed(catalog: Catalog) -> Catalog:
 # other; when the folder cannot be written, the program works without it.
 
 
-_OTHERWISE = (  # of a file that is not as this program writes it
-    ValueError, KeyError, TypeError, IndexError, AttributeError, EOFError, NotImplementedError, OSError, BadZipFile,
-)  # fmt: skip
 _PRINTED: dict[str, tuple[str, Any]] = {  # entries of tables of parts: their section, and those of a catalogue without
     "discharges": ("batteries", parts.NO_DISCHARGES), "pull_outs": ("steppers", parts.NO_PULL_OUTS),
 }  # fmt: skip
@@ -420,8 +420,8 @@ def recall(path: Path) -> Catalog | None:
     body = cached_bytes(path)
     try:
         return None if body is None else _unpacked(body)
-    except _OTHERWISE:
-        return None  # an intact file of another layout: compiled again
+    except Exception:  # an intact file of another layout: compiled again
+        return None
 
 
 def store(path: Path, catalog: Catalog) -> None:

@@ -182,13 +182,9 @@ def with_typed(catalog: Catalog, typed: Sequence[Typed], named: Named) -> Catalo
         pairs = with_pairs(known, np.repeat(left, len(fitting)), np.tile(fitting, len(left)), source)
         if len(pairs.left) > len(known.left):
             catalog = catalog.with_tables({}, {relation: pairs})
-            which = [_few(some) or "any" for some in (others, motors)]
+            which = [", ".join(n for names in some.values() for n in names) or "any" for some in (others, motors)]
             said.append(f"{singular(right)} {which[0]} on motor {which[1]}: assumed to fit")
     return replace(catalog, replaced=(*catalog.replaced, *said))
-
-
-def _few(named: Mapping[str, Sequence[str]]) -> str:
-    return ", ".join(name for names in named.values() for name in names)
 
 
 def _words(catalog: Catalog, one: Typed) -> Iterator[str]:

@@ -79,7 +79,6 @@ def _rounded(value: float, column: Column) -> str:
 
 def _text(found: Identification, hit: Hit | None, row: dict[str, str], measured: list[str], name: str) -> str:
     columns = printed("motors")
-    heads = [f"{n} ({columns[n].unit})" if columns[n].kind != "text" and columns[n].unit != "1" else n for n in row]
     cells = [quoted(x) if columns[n].kind == "text" else x for n, x in row.items()]
     family = quoted(f"{hit['family'] or hit.part} measured" if hit else row["part"])
     source, sheet = f"identified from {found.log}", hit.catalog.sources[hit.table.source[hit.row]] if hit else None
@@ -87,8 +86,9 @@ def _text(found: Identification, hit: Hit | None, row: dict[str, str], measured:
              "sources:", f"  log: {{document: {quoted(source)}, confidence: measured}}"]  # fmt: skip
     if sheet is not None:
         lines.append(f"  sheet: {{document: {quoted(sheet.document, 200)}, confidence: {sheet.confidence}}}")
+    heads = ", ".join(columns[n].head for n in row)
     lines += ["motors:", f"- family: {family}", f"  source: {'sheet' if sheet else 'log'}",
-              f"  columns: [{', '.join(heads)}]", "  rows:", f"  - [{', '.join(cells)}]"]  # fmt: skip
+              f"  columns: [{heads}]", "  rows:", f"  - [{', '.join(cells)}]"]  # fmt: skip
     if sheet is not None:
         lines += [
             "  notes:",

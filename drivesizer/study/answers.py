@@ -22,9 +22,12 @@ INFLUENCE = (
 )  # fmt: skip
 
 
-def answers(plan: Plan, rows: Callable[[], Iterable[Row]]) -> list[tuple[str, Sequence[Column], list[Row]]]:
-    """Tables that a study wants: name of the file, columns, rows."""
-    wanted, columns, found = plan.answers, columns_of(plan), list[tuple[str, Sequence[Column], list[Row]]]()
+Table = tuple[str, Sequence[Column], list[Row]]  # name of the file, columns, rows
+
+
+def answers(plan: Plan, rows: Callable[[], Iterable[Row]]) -> list[Table]:
+    """Tables that a study wants."""
+    wanted, columns, found = plan.answers, columns_of(plan), list[Table]()
     if wanted.by is not None:
         found.append(("best.csv", columns, _best(plan, rows(), wanted.over, wanted.by)))
     if wanted.front:

@@ -9,9 +9,10 @@ was stopped goes on with the same points.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,9 +24,9 @@ from drivesizer.files.yaml_source import source_of, written
 from drivesizer.results.sizing import frame_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
-from drivesizer.study.answers import answers
+from drivesizer.study.answers import Table, answers
 from drivesizer.study.plan import Places, Plan, planned
-from drivesizer.study.rows import Row, columns_of, forget_files, rows_of
+from drivesizer.study.rows import Column, Row, columns_of, forget_files, rows_of
 from drivesizer.study.workers import Progress, Workers, computed, cores, workers
 
 _TASKS = 128  # at least, where there are as many points
@@ -41,6 +42,9 @@ class Outcome:
     variants: Counter[str] = field(default_factory=Counter)  # by the status of the best drive
     examined: int = 0  # drives
     notes: list[str] = field(default_factory=list)
+    columns: Sequence[Column] = ()
+    every_row: Callable[[], Iterator[Row]] = lambda: iter(())
+    answers: list[Table] = field(default_factory=list)
 
 
 def carry_out(
@@ -72,21 +76,23 @@ def carry_out(
             plan = finer
             _compute(plan, store, on, progress)
         columns, (as_csv, as_parquet) = columns_of(plan), store.results
-        folders.write_csv(as_csv, columns, _counted(plan, store.every_row(plan.every_point), outcome))
+        outcome.columns, outcome.every_row = columns, partial(store.every_row, plan.every_point)
+        folders.write_csv(as_csv, columns, _counted(outcome))
         outcome.written.append(as_csv)
         if folders.has_parquet():
-            folders.write_parquet(as_parquet, columns, store.every_row(plan.every_point))
+            folders.write_parquet(as_parquet, columns, outcome.every_row())
             outcome.written.append(as_parquet)
         else:
             remove_files([as_parquet])
             outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
-        for name, heads, rows in answers(plan, lambda: store.every_row(plan.every_point)):
+        outcome.answers = answers(plan, outcome.every_row)
+        for name, heads, rows in outcome.answers:
             folders.write_csv(folder / name, heads, rows)
             outcome.written.append(folder / name)
         if over is not None:
             from drivesizer.study.maps import draw_maps
 
-            written, notes = draw_maps(plan, store.every_row(plan.every_point), over, folder / "maps")
+            written, notes = draw_maps(plan, outcome.every_row(), over, folder / "maps")
             outcome.written += written
             outcome.notes += notes
     return outcome
@@ -162,11 +168,11 @@ def refined(plan: Plan, rows: Iterable[Row]) -> Plan | None:
     return replace(plan, rounds=(*plan.rounds, len(points)), added=(*plan.added, *points)) if points else None
 
 
-def _counted(plan: Plan, rows: Iterable[Row], outcome: Outcome) -> Iterator[Row]:
+def _counted(outcome: Outcome) -> Iterator[Row]:
     """All rows; variants are counted meanwhile."""
-    heads = [column.head for column in columns_of(plan)]
+    heads = [column.head for column in outcome.columns]
     status, rank, examined = (heads.index(name) for name in ("status", "rank", "sets_examined"))
-    for row in rows:
+    for row in outcome.every_row():
         if row[rank] in (None, 1):
             outcome.variants[row[status]] += 1
             outcome.examined += row[examined] or 0
@@ -235,15 +241,9 @@ def size_variants(
     plan = planned(written({"spec": "spec", "vary": dict(vary), **more}, "study"), Path(), {"spec": source})
     with TemporaryDirectory() if folder is None else nullcontext(str(folder)) as place:
         kept = Path(place) / "study" if folder is None else Path(place)
-        carry_out(plan, kept, processes=processes, maps=None)
-        store = folders.Store(kept, plan, folders.made_of(plan))
-        while finer := refined(plan, store.every_row(plan.every_point)):
-            plan = finer
-        made = answers(plan, lambda: store.every_row(plan.every_point))
-        return Variants(
-            tuple(column.head for column in columns_of(plan)), list(store.every_row(plan.every_point)),
-            {
-                name.removesuffix(".csv"): [dict(zip((one.head for one in heads), row, strict=True)) for row in rows]
-                for name, heads, rows in made
-            },
-        )  # fmt: skip
+        done = carry_out(plan, kept, processes=processes, maps=None)
+        made = {
+            name.removesuffix(".csv"): [dict(zip((one.head for one in heads), row, strict=True)) for row in rows]
+            for name, heads, rows in done.answers
+        }
+        return Variants(tuple(column.head for column in done.columns), list(done.every_row()), made)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterator
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib import resources
@@ -312,7 +311,7 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
             parts.complete(figure, one)
     rated = table
     if "resistance" in found:  # what a rated current brings about is judged with the middle of those
-        rated = replace(table, columns={**table.columns, "resistance": _filled(table, found, "resistance")[0]})
+        rated = table.changed({"resistance": _filled(table, found, "resistance")[0]})
     return peak_torque_estimates(table, estimates_by_rated_current(rated, found))
 
 

@@ -63,9 +63,9 @@ def _with_housing(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catal
     if brushes:  # may set the rating, where heat would permit more
         gain = np.where(motors["kind"] == "brushed", np.minimum(gain, 1.0), gain)
     factors = {"motor_time_constant": mounted / printed, "nominal_current": gain, "nominal_torque": gain}
-    columns = dict(motors.columns) | {name: motors[name] * factor for name, factor in factors.items()}
+    columns = {name: motors[name] * factor for name, factor in factors.items()}
     columns |= {"thermal_resistance_housing": mounted, "mounted_gain": at_most}
-    return replace(catalog, motors=replace(motors, columns=columns), mounted=True)
+    return replace(catalog, motors=motors.changed(columns), mounted=True)
 
 
 def rating_gain(motor: Figures, mounted: Array) -> Array:
@@ -104,9 +104,8 @@ def with_current_limit(catalog: Catalog, current: float) -> Catalog:
     """The catalogue with controllers that are set to a current of the motor [A], where they could give more."""
 
     def limited(view: Catalog) -> Catalog:
-        table: Table[Any] = view.controllers
-        columns = dict(table.columns) | {"peak_current": np.minimum(table["peak_current"], current)}
-        return replace(view, controllers=replace(table, columns=columns))
+        peak = np.minimum(view.controllers["peak_current"], current)
+        return replace(view, controllers=view.controllers.changed({"peak_current": peak}))
 
     estimated = {section: dict(figures) for section, figures in catalog.estimates.items()}
     own = estimated.get("controllers", {})

@@ -43,19 +43,15 @@ def completed(catalog: Catalog, end: End) -> dict[str, Any]:
 
 
 def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Table[Any]:
-    columns = dict(table.columns)
+    columns = {name: table[name].copy() for name in figures}
     for name, found in figures.items():
-        columns[name] = columns[name].copy()
-        columns[name][found.rows] = found.value if end == MIDDLE else _at_band_end(table, found, name, end)
-    return Table(table.section, columns, table.source, table.excluded)
-
-
-def _at_band_end(table: Table[Any], found: Estimates, name: str, end: End) -> NDArray[np.float64]:
-    kind = _HARDER_WHEN_LOW.get(name)
-    harder_when_low = (table["kind"][found.rows] == kind) if kind else np.full(len(found.rows), kind is not None)
-    if name == "max_winding_temperature":  # without a rating it goes with nothing
-        harder_when_low |= found.fit == UNRATED
-    return np.where(harder_when_low == (end == "unfavourable"), found.low, found.high)
+        kind = _HARDER_WHEN_LOW.get(name)
+        harder_when_low = (table["kind"][found.rows] == kind) if kind else np.full(len(found.rows), kind is not None)
+        if name == "max_winding_temperature":  # without a rating it goes with nothing
+            harder_when_low |= found.fit == UNRATED
+        at_end = np.where(harder_when_low == (end == "unfavourable"), found.low, found.high)
+        columns[name][found.rows] = found.value if end == MIDDLE else at_end
+    return table.changed(columns)
 
 
 # -- The catalogue as the search takes it: actuators split into their parts, clamping hubs paired, direct drive added.
@@ -91,11 +87,10 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
     if catalog.ends:
         return catalog
     if not estimates:
-        columns = dict(catalog.actuators.columns)  # without figures that are a rule of thumb
-        for name in ("nominal_torque", "nominal_current"):
-            columns[name] = columns[name].copy()
-            columns[name][catalog.by_rule("actuators", name)] = np.nan
-        return _viewed(replace(catalog, actuators=replace(catalog.actuators, columns=columns)))
+        columns = {name: catalog.actuators[name].copy() for name in ("nominal_torque", "nominal_current")}
+        for name, values in columns.items():  # without figures that are a rule of thumb
+            values[catalog.by_rule("actuators", name)] = np.nan
+        return _viewed(replace(catalog, actuators=catalog.actuators.changed(columns)))
     found = replace(catalog, estimates=estimates_of_catalog(catalog))
     if not found.estimates:
         return _viewed(catalog)
@@ -166,7 +161,7 @@ def _on_printed_points(table: Table[Any]) -> Table[Any]:
     of_stall = np.isclose(i * e * k_t * I_s, M_s, rtol=_PRINTED) | np.isclose(i * e * k_t * stalled, M_s, rtol=_PRINTED)
     moved = of_speed & (constant > 0.0)
     of_both = np.isnan(i) & np.isclose(table["torque_constant"] * stalled, M_s, rtol=_PRINTED)  # the ratio is unknown
-    return replace(table, columns=dict(table.columns) | {
+    return table.changed({
         "motor_torque_constant": np.where(moved, constant, k_t),
         "torque_constant": np.where(of_both, M_s / (I_s - dry * I_0), table["torque_constant"]),
         "efficiency": np.where(moved & of_stall & (share > 0.0) & (share <= 1.0), share, e),

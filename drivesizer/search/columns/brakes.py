@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,7 +63,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
         known = ~np.isnan(table["max_speed"] + by_frequency)
         fastest = np.nan_to_num(np.fmin(table["max_speed"], by_frequency), nan=np.inf)
         inertia = np.nan_to_num(table["inertia"])
-        worth = summed_share(spec, replace(table, columns={**table.columns, "inertia": inertia}), catalog)
+        worth = summed_share(spec, table.changed({"inertia": inertia}), catalog)
         least = float(max(needed or 0, choice.min_counts or 0))
         counts = np.append(counted, np.nan)[row]
         return EncoderOffers(

@@ -42,7 +42,7 @@ def at_ends(problem: Problem) -> tuple[Problem, Problem]:
 
     def weighed(end: Catalog, name: str) -> Table[Any]:
         table = end.table(name)
-        return replace(table, columns={**table.columns, "mass": middle.table(name)["mass"]})
+        return table.changed({"mass": middle.table(name)["mass"]})
 
     favourable, unfavourable = middle.once("both ends", ends)
     return (
