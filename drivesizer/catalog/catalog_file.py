@@ -36,7 +36,7 @@ _HEADER = re.compile(r"(\w+)(?:\s*\((.+)\))?")
 
 def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     """A catalogue from its YAML."""
-    reader = _Reader(source)
+    reader = Reader(source)
     data = reader.fields(source.data, (), schema.TOP)
     if data["catalog"] != schema.SCHEMA or data["catalog"] is True:
         raise reader.fail(("catalog",), f"schema {quoted(data['catalog'])} is not known; expected {schema.SCHEMA}")
@@ -71,7 +71,7 @@ def parse(source: YamlSource, name: str, digest: str) -> Catalog:
     )
 
 
-class _Reader:
+class Reader:
     """A catalogue file with its sources and notes while it is read; errors name file, line and field."""
 
     def __init__(self, source: YamlSource) -> None:
@@ -95,6 +95,11 @@ class _Reader:
             if key not in value:
                 raise self.fail(path, f"{quoted(key)} is missing")
         return value
+
+    def mapping(self, value: Any, path: Path_, example: str) -> dict[str, Any]:
+        """A group of fields by names of the user's, which may be left out."""
+        named = {"properties": value if isinstance(value, dict) else (example,)}
+        return {} if value is None else self.fields(value, path, named)
 
     def sequence(self, value: Any, path: Path_) -> list[Any]:
         """A list."""
@@ -155,18 +160,17 @@ def _did_you_mean(key: str, allowed: Iterable[str]) -> str:
     return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"
 
 
-def _read_sources(reader: _Reader, given: Any) -> None:
+def _read_sources(reader: Reader, given: Any) -> None:
     if not given:
         raise reader.fail(("sources",), "expected at least one, e.g. sheet: {document: ..., confidence: quoted}")
-    named = {"properties": given if isinstance(given, dict) else ("sheet",)}
-    for key, entry in reader.fields(given, ("sources",), named).items():
+    for key, entry in reader.mapping(given, ("sources",), "sheet").items():
         path: Path_ = ("sources", key)
         entry = reader.fields(entry, path, schema.SOURCE)
         _known_confidence(reader, entry["confidence"], path)
         reader.sources[key] = Source(**{k: reader.plain_text(v, (*path, k)) for k, v in entry.items()})
 
 
-def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
+def _known_confidence(reader: Reader, value: Any, path: Path_) -> None:
     if value not in tables.CONFIDENCE:
         raise reader.fail(path, f"confidence {quoted(value)} is not one of {', '.join(tables.CONFIDENCE)}")
 
@@ -174,7 +178,7 @@ def _known_confidence(reader: _Reader, value: Any, path: Path_) -> None:
 # -- Tables of parts
 
 
-def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any]:
+def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
     shape, found_tables = schema.table(section), [tables.empty(section)]
     places = list[Path_]()  # of every row, for messages
@@ -198,7 +202,7 @@ def _section(reader: _Reader, section: str, given: Any, maker: str) -> Table[Any
     return Table(section, whole, np.concatenate([one.source for one in found_tables]), excluded)
 
 
-def _at_several_voltages(reader: _Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:
+def _at_several_voltages(reader: Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:
     """Refuse two rows of an order number at one voltage, or at none: no supply says which of them counts."""
     found: dict[tuple[str, float], str] = {}
     for row, order in enumerate(columns["order_number"].tolist() if "order_number" in columns else ()):
@@ -216,7 +220,7 @@ def _at_several_voltages(reader: _Reader, columns: dict[str, NDArray[Any]], plac
             )
 
 
-def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
+def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> dict[str, NDArray[Any]]:
     """The columns of one table in SI, its common figures repeated for every row."""
     columns = columns_of(section)
     headers = _headers(reader, section, entry["columns"], (*path, "columns"))
@@ -244,7 +248,7 @@ def _table(reader: _Reader, section: str, entry: dict[str, Any], path: Path_) ->
     return found
 
 
-def _headers(reader: _Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
+def _headers(reader: Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
     """The columns that a table names, each with the factor and offset of its unit."""
     columns, headers = columns_of(section), list[tuple[Column, float, float]]()
     for index, text in enumerate(reader.sequence(given, path)):
@@ -285,7 +289,7 @@ def _impossible(column: Column, values: NDArray[Any]) -> tuple[int, str] | None:
     return None
 
 
-def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
+def _cell(reader: Reader, column: Column, cell: Any, path: Path_) -> float:
     if cell is None:
         return np.nan
     if isinstance(cell, int | float) and not isinstance(cell, bool):
@@ -295,7 +299,7 @@ def _cell(reader: _Reader, column: Column, cell: Any, path: Path_) -> float:
     raise reader.fail(path, f"{column.name}: {quoted(cell)} is not a number; unknown is written ~")
 
 
-def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
+def _figure(reader: Reader, column: Column, value: Any, path: Path_) -> Any:
     """A figure with its unit, as `common` gives it."""
     if column.kind == "text":
         return reader.plain_text(value, path)
@@ -309,7 +313,7 @@ def _figure(reader: _Reader, column: Column, value: Any, path: Path_) -> Any:
     return figure
 
 
-def _read_notes(reader: _Reader, section: str, entry: dict[str, Any], path: Path_, columns: Mapping[str, Any]) -> None:
+def _read_notes(reader: Reader, section: str, entry: dict[str, Any], path: Path_, columns: Mapping[str, Any]) -> None:
     here = {str(part) for part in columns["part"]}
     for note, at in reader.entries(entry.get("notes"), (*path, "notes"), schema.NOTE):
         numbers = tuple(str(p) for p in reader.sequence(note.get("parts") or sorted(here), (*at, "parts")))
@@ -339,7 +343,7 @@ def _read_notes(reader: _Reader, section: str, entry: dict[str, Any], path: Path
 # loaded together.
 
 
-def _pairs(reader: _Reader, whole: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
+def _pairs(reader: Reader, whole: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
     """The pairs of each relation, and under ``across`` what names another catalogue."""
     members = {section: table.members for section, table in whole.items()}
     found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {relation: [] for relation in parts.RELATIONS}
@@ -375,7 +379,7 @@ def _pairs(reader: _Reader, whole: Mapping[str, Table[Any]], given: Any) -> dict
     return pairs
 
 
-def _rows(reader: _Reader, members: Mapping[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
+def _rows(reader: Reader, members: Mapping[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
     found = [np.zeros(0, np.int64)]
     for index, name in enumerate(reader.sequence(given, path)):
         _check_member(reader, members, name, (*path, index))
@@ -383,13 +387,13 @@ def _rows(reader: _Reader, members: Mapping[str, NDArray[Any]], given: Any, path
     return np.unique(np.concatenate(found))
 
 
-def _check_member(reader: _Reader, members: Mapping[str, Any], name: Any, path: Path_) -> None:
+def _check_member(reader: Reader, members: Mapping[str, Any], name: Any, path: Path_) -> None:
     if str(name) not in members:
         hint = nearest(str(name), members, 1)
         raise reader.fail(path, f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
 
 
-def _names(reader: _Reader, members: Mapping[str, Any], given: Any, path: Path_) -> tuple[tuple[str, str], ...]:
+def _names(reader: Reader, members: Mapping[str, Any], given: Any, path: Path_) -> tuple[tuple[str, str], ...]:
     """One side of a list that names parts of other catalogues: catalogue, empty for this one, and family or part."""
     names: list[tuple[str, str]] = []
     for index, name in enumerate(given):
@@ -407,7 +411,7 @@ def _names(reader: _Reader, members: Mapping[str, Any], given: Any, path: Path_)
 # -- Discharge tables, as makers print them: rows are end voltages, columns times
 
 
-def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> parts.Discharges:
+def _discharges(reader: Reader, given: Any, batteries: dict[str, int]) -> parts.Discharges:
     seen: dict[tuple[int, str, float, float], Path_] = {}
     rows: list[tuple[float, ...]] = []
     for entry, path in reader.entries(given, (parts.DISCHARGES,), schema.DISCHARGE):
@@ -438,7 +442,7 @@ def _discharges(reader: _Reader, given: Any, batteries: dict[str, int]) -> parts
     return found
 
 
-def _row(reader: _Reader, entry: dict[str, Any], what: str, rows: dict[str, int], path: Path_) -> int:
+def _row(reader: Reader, entry: dict[str, Any], what: str, rows: dict[str, int], path: Path_) -> int:
     """The row of the part that a table is of."""
     part = reader.part_number(entry[what], (*path, what))
     if part not in rows:
@@ -452,7 +456,7 @@ def _head(text: Any) -> tuple[str, str]:
     return (match[1], match[2] or "") if match else (str(text), "")
 
 
-def _discharge_head(reader: _Reader, given: Any, path: Path_) -> tuple[float, list[float]]:
+def _discharge_head(reader: Reader, given: Any, path: Path_) -> tuple[float, list[float]]:
     """Factor of the end voltages' unit, and the times [s]: ``[cutoff_voltage (V), 5 min, 1 h]``."""
     first, *others = reader.sequence(given, path) or [""]
     name, unit = _head(first)
@@ -466,7 +470,7 @@ def _discharge_head(reader: _Reader, given: Any, path: Path_) -> tuple[float, li
     return reader.read((*path, 0), scale, unit, "voltage")[0], times
 
 
-def _above_zero(reader: _Reader, cell: Any, path: Path_) -> float:
+def _above_zero(reader: Reader, cell: Any, path: Path_) -> float:
     if isinstance(cell, bool) or not isinstance(cell, int | float) or not cell > 0:
         raise reader.fail(path, f"{quoted(cell)} is not a number above 0; unknown is written ~")
     return float(cell)
@@ -475,7 +479,7 @@ def _above_zero(reader: _Reader, cell: Any, path: Path_) -> float:
 # -- Pull-out curves of steppers: rows are speeds and torques at a supply voltage
 
 
-def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> parts.PullOuts:
+def _pull_outs(reader: Reader, given: Any, steppers: dict[str, int]) -> parts.PullOuts:
     points: list[tuple[Any, ...]] = []
     for number, (entry, path) in enumerate(reader.entries(given, (parts.PULL_OUTS,), schema.PULL_OUT)):
         stepper = _row(reader, entry, "stepper", steppers, path)
@@ -492,7 +496,7 @@ def _pull_outs(reader: _Reader, given: Any, steppers: dict[str, int]) -> parts.P
     return found
 
 
-def _points(reader: _Reader, entry: dict[str, Any], path: Path_) -> list[list[float]]:
+def _points(reader: Reader, entry: dict[str, Any], path: Path_) -> list[list[float]]:
     """Speed [rad/s] and torque [N*m] of each row."""
     heads, kinds = reader.sequence(entry["columns"], (*path, "columns")), schema.CURVE_COLUMNS
     if [name for name, _ in map(_head, heads)] != list(kinds):
@@ -518,7 +522,7 @@ def _points(reader: _Reader, entry: dict[str, Any], path: Path_) -> list[list[fl
 # -- Prices of parts, of this file or any other
 
 
-def _prices(reader: _Reader, given: Any, name: str) -> Iterator[tables.Price]:
+def _prices(reader: Reader, given: Any, name: str) -> Iterator[tables.Price]:
     for entry, path in reader.entries(given, ("prices",), schema.PRICES):
         source = list(reader.sources.values())[reader.source_number(entry["source"], (*path, "source"))]
         heads = [str(head) for head in reader.sequence(entry["columns"], (*path, "columns"))]
@@ -541,7 +545,7 @@ def _prices(reader: _Reader, given: Any, name: str) -> Iterator[tables.Price]:
 
 
 def _maker_tolerances(
-    reader: _Reader, given: Any, maker: str, families: Mapping[str, set[str]]
+    reader: Reader, given: Any, maker: str, families: Mapping[str, set[str]]
 ) -> tuple[MakerTolerance, ...]:
     found: list[MakerTolerance] = []
     for entry, path in reader.entries(given, (TOLERANCES,), schema.TOLERANCE):
@@ -567,7 +571,7 @@ def _maker_tolerances(
     return tuple(found)
 
 
-def _families(reader: _Reader, entry: dict[str, Any], at: Path_, known: set[str], part: str) -> tuple[str, ...]:
+def _families(reader: Reader, entry: dict[str, Any], at: Path_, known: set[str], part: str) -> tuple[str, ...]:
     """The families of an entry; none where it is of all."""
     if "families" not in entry:
         return ()
@@ -581,7 +585,7 @@ def _families(reader: _Reader, entry: dict[str, Any], at: Path_, known: set[str]
     return tuple(dict.fromkeys(names))
 
 
-def _refuse_second(reader: _Reader, one: MakerTolerance, found: Sequence[MakerTolerance], path: Path_) -> None:
+def _refuse_second(reader: Reader, one: MakerTolerance, found: Sequence[MakerTolerance], path: Path_) -> None:
     """Refuse a second tolerance of the same figure and family, or of the same figure for all families."""
     for other in (other for other in found if one[:2] == other[:2]):
         both = set(one.families) & set(other.families)

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from drivesizer.catalog.catalog_file import RATIO, parse
+from drivesizer.catalog.catalog_file import RATIO, Reader, parse
 from drivesizer.catalog.exporting import plain
 from drivesizer.catalog.parts import PARTS, RELATIONS, Column, columns_of
 from drivesizer.catalog.query import needed
@@ -24,7 +24,7 @@ from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.sheets import Sheet, currency_of, decimal_sign, figure, plain_head, split_head, unit_of
-from drivesizer.files.yaml_source import Path_, YamlSource, read, shipped_data
+from drivesizer.files.yaml_source import YamlSource, read, shipped_data
 from drivesizer.units import scale
 
 _KEYS = ("manufacturer", "family", "source", "unknown", "common", "units", "columns")
@@ -93,15 +93,16 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None], com
     if section and section not in PARTS:
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
     file = read(path) if path else YamlSource("{}", "")
-    given = _mapping(file, file.data, (), _KEYS)
-    source = _mapping(file, given.get("source"), ("source",), _SOURCE)
-    stated = {key: _text(file, source.get(key), ("source", key)) for key in _SOURCE}
-    stated |= {key: _text(file, given.get(key), (key,)) for key in ("manufacturer", "family")}
+    reader = Reader(file)
+    given = reader.fields({} if file.data is None else file.data, (), {"properties": _KEYS})
+    source = reader.fields(given.get("source") or {}, ("source",), {"properties": _SOURCE})
+    stated = {key: reader.plain_text(source.get(key), ("source", key)) for key in _SOURCE}
+    stated |= {key: reader.plain_text(given.get(key), (key,)) for key in ("manufacturer", "family")}
     stated |= {key: value for key, value in options.items() if value}
     if stated["confidence"] and stated["confidence"] not in CONFIDENCE:
         raise InputError(f"--confidence: {quoted(stated['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
     known = columns_of(section) if section else _COLUMNS
-    columns = _mapping(file, given["columns"], ("columns",)) if "columns" in given else None
+    columns = reader.mapping(given["columns"], ("columns",), "Order no.: part") if "columns" in given else None
     for theirs, ours in (columns or {}).items():
         if ours is not None and (not isinstance(ours, str) or ours not in known):
             hint = nearest(str(ours), known) or f"; expected one such as {', '.join(list(known)[:4])}"
@@ -110,7 +111,7 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None], com
     unknown = given.get("unknown")
     if unknown is not None and not isinstance(unknown, list):
         raise InputError(f'{file.where(("unknown",))}: expected a list, e.g. ["-", n/a]')
-    shared = _mapping(file, given.get("common"), ("common",))
+    shared = dict(reader.mapping(given.get("common"), ("common",), "kind: brushed"))
     for entry in common:
         name, sign, text = entry.partition("=")
         if not sign or name.strip() not in known:
@@ -121,37 +122,18 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None], com
             raise InputError(f"{file.where(('common', name))}: not a figure that parts have in common")
         if isinstance(value, dict | list | bool):
             raise InputError(f"{file.where(('common', name))}: expected a figure with its unit, or text")
-    units = _mapping(file, given.get("units"), ("units",))
+    units = reader.mapping(given.get("units"), ("units",), "Weight: g")
     return Plan(
         section=section,
         columns=columns,
-        units={theirs: _text(file, unit, ("units", theirs)) for theirs, unit in units.items()},
+        units={theirs: reader.plain_text(unit, ("units", theirs)) for theirs, unit in units.items()},
         manufacturer=stated["manufacturer"],
         family=stated["family"],
         source_name=stated["name"],
         source={key: stated[key] for key in ("document", "date", "confidence", "url")},
-        unknown=tuple(_text(file, cell, ("unknown", place)) for place, cell in enumerate(unknown or [])),
+        unknown=tuple(reader.plain_text(cell, ("unknown", place)) for place, cell in enumerate(unknown or [])),
         common=shared,
     )
-
-
-def _mapping(file: YamlSource, value: Any, path: Path_, allowed: tuple[str, ...] = ()) -> dict[str, Any]:
-    if value is None:
-        return {}
-    if not isinstance(value, dict):
-        raise InputError(f"{file.where(path)}: expected fields such as {', '.join(allowed or ('Order no.: part',))}")
-    for key in value if allowed else ():
-        if key not in allowed:
-            raise InputError(f"{file.where((*path, key))}: unknown key {quoted(key)}; expected {', '.join(allowed)}")
-    return value
-
-
-def _text(file: YamlSource, value: Any, path: Path_) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool) or not isinstance(value, str | int | float):
-        raise InputError(f"{file.where(path)}: expected text")
-    return str(value)
 
 
 # -- How a table lies: a part in each row below a header, or a part in each column beside its figures' names.
