@@ -21,8 +21,7 @@ from drivesizer.spec.drive import OBJECTIVES, Select
 from drivesizer.spec.machine import is_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.sections import EXPRESSION, FREE, Design, open_figures
-from drivesizer.study.fields import kind_of
-from drivesizer.study.figures import NAMED, SpecFigures, columns_for, derived_fields
+from drivesizer.study.figures import NAMED, SpecFigures, columns_for, derived_fields, kind_of
 from drivesizer.study.plan import Axis, Expressions, Job, Place, Plan, StudyFile, axis_of, machine_job
 from drivesizer.study.rows import columns_of, result_columns
 from drivesizer.units import scale, to_si

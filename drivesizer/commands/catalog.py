@@ -279,8 +279,8 @@ def listed(
 ) -> None:
     """List the parts that meet conditions, or all families."""
     from drivesizer.catalog import columns_of
-    from drivesizer.catalog.conditions import name_of
     from drivesizer.catalog.exporting import as_document
+    from drivesizer.catalog.query import name_of
     from drivesizer.output.terminal import catalog as terminal_catalog
 
     shelf = open_named(catalog)
@@ -310,8 +310,7 @@ def _selected(
 ) -> dict[str, Selection]:
     """Parts that meet the conditions, by section: the named one, or all that have the figures."""
     from drivesizer.catalog import PARTS
-    from drivesizer.catalog.conditions import conditions, has
-    from drivesizer.catalog.query import select
+    from drivesizer.catalog.query import conditions, has, select
 
     names = [known_section(section)] if section else [s for s in PARTS if has(s, where, how["sort"])] or list(PARTS)
     required = {name: conditions(name, options, where) for name in names}

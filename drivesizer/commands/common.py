@@ -196,7 +196,7 @@ def with_fields(source: YamlSource, words: list[str]) -> YamlSource:
     """
     from drivesizer.files.yaml_edit import Edit, edited
     from drivesizer.files.yaml_source import YamlSource
-    from drivesizer.study.fields import path_of, unknown_field
+    from drivesizer.study.figures import path_of, unknown_field
 
     edits, axes = [], source.data.get("axes") if isinstance(source.data, dict) else None
     for word in words:

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, columns_of, load, shipped, singular
-from drivesizer.catalog.conditions import OPTIONS, Condition, option, where
 from drivesizer.catalog.importing import Plan, import_table
 from drivesizer.catalog.law_check import check as findings
 from drivesizer.catalog.parts import printed
-from drivesizer.catalog.query import Hit, origins, select, side_by_side
+from drivesizer.catalog.query import OPTIONS, Condition, Hit, option, origins, select, side_by_side, where
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.sheets import tables_of
 from drivesizer.files.yaml_source import YamlSource

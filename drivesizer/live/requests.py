@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from drivesizer.catalog import PARTS
-from drivesizer.catalog.conditions import OPTIONS
+from drivesizer.catalog.query import OPTIONS
 from drivesizer.errors import InputError
 from drivesizer.live.engine import Piece
 

@@ -25,8 +25,15 @@ from drivesizer.search.ranking import objective_of, title_of
 from drivesizer.spec.machine import is_machine, read_machine
 from drivesizer.spec.messages import explained
 from drivesizer.spec.tolerances import has_tolerance, tolerance
-from drivesizer.study.fields import kind_of, path_of, unknown_field
-from drivesizer.study.figures import Derived, SpecFigures, derived_fields, kind_of_figure
+from drivesizer.study.figures import (
+    Derived,
+    SpecFigures,
+    derived_fields,
+    kind_of,
+    kind_of_figure,
+    path_of,
+    unknown_field,
+)
 from drivesizer.units import number, scale, to_si
 
 # -- The schema of study.yaml.

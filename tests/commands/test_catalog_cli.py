@@ -12,8 +12,7 @@ import pytest
 from catalog_texts import MAP, SHEET
 
 from drivesizer.catalog import PARTS, columns_of, load, query, shipped
-from drivesizer.catalog.conditions import where
-from drivesizer.catalog.query import find, open_catalogs, select, side_by_side
+from drivesizer.catalog.query import find, open_catalogs, select, side_by_side, where
 
 SMALL = """\
 catalog: 1

@@ -17,7 +17,7 @@ from drivesizer.results.check import worst
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
-from drivesizer.study.fields import path_of
+from drivesizer.study.figures import path_of
 from drivesizer.study.plan import MOST, read_study
 from drivesizer.study.rows import best, columns_of, document_of, rows_of, spec_of
 from drivesizer.study.run import refuse_if_all_invalid

@@ -15,7 +15,7 @@ from studies import ROOT
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.study.fields import kind_of, path_of
+from drivesizer.study.figures import kind_of, path_of
 from drivesizer.study.plan import Plan, read_study
 from drivesizer.study.rows import columns_of, document_of, rows_of
 from drivesizer.study.store import made_of

@@ -15,11 +15,10 @@ from rich.table import Table
 from rich.text import Text
 
 from drivesizer.catalog import PARTS, Catalog, columns_of, singular
-from drivesizer.catalog.conditions import OPTIONS
 from drivesizer.catalog.importing import Imported, lacking
 from drivesizer.catalog.law_check import Finding
 from drivesizer.catalog.parts import Column, printed
-from drivesizer.catalog.query import Coverage, Hit, Row, Selection, coverage, families, pairs_of
+from drivesizer.catalog.query import OPTIONS, Coverage, Hit, Row, Selection, coverage, families, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE
 from drivesizer.errors import printable
 from drivesizer.output import part_curves
