@@ -66,7 +66,7 @@ SAID: dict[str, Callable[[Any], str]] = {
     "power supply": _figures_of("nominal_voltage", "continuous_current"),
     "brake resistor": _figures_of("resistance", "power"),
 }
-"""What a part is, by its role."""
+"""Noun of a part, by its role."""
 
 
 # -- A line of a parts list: one part of a catalogue, as it is ordered, with its mass and price.

@@ -168,7 +168,7 @@ class Pen:
 
 
 SKETCHES: dict[str, list[dict[str, list[Any]]]] = shipped_data("drivesizer.output", "sketches.yaml")
-"""How each kind of load is drawn: strokes of the pen by their names."""
+"""Drawing of each kind of load: strokes of the pen by their names."""
 
 
 def _drawn(kind: str, entered: Mapping[str, object] | None) -> Pen:

@@ -204,7 +204,7 @@ _LISTED = {name: cells for head, (name, *cells) in listed("drivesizer.output", "
 
 
 def first_columns(section: str) -> tuple[str, list[tuple[str, Column]]]:
-    """What the heads of a list of parts leave out, and its columns, each with its head, the most wanted first."""
+    """Figures that heads of a list of parts leave out, and its columns, each with its head, the most wanted first."""
     schema, (note, *columns) = columns_of(section), _LISTED[section]
     return note, [(head, schema[name]) for head, _, name in (one.rpartition(" ") for one in columns)]
 

@@ -25,7 +25,7 @@ _TITLES = {
 
 
 def bench_blocks(found: Prediction | Identification | Comparison) -> tuple[str, Iterator[doc.Block]]:
-    """What was predicted of a set or found in a log: its title, tables and sentences."""
+    """Prediction of a set, or figures of a log: its title, tables and sentences."""
     if isinstance(found, Prediction):
         return found.label, _prediction(found)
     if isinstance(found, Identification):

@@ -247,7 +247,7 @@ def row(
 
 
 def attribute(record: Any, path: str) -> Any:
-    """What a record has at a path; None where it has nothing there."""
+    """Value of a record at a path; None where it has nothing there."""
     try:
         return attrgetter(path)(record)
     except AttributeError:  # a cell that this row has not

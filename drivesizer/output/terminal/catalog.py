@@ -320,7 +320,7 @@ def imported(found: Imported, *, guessed: bool = False) -> None:
 
 
 def import_words(found: Imported) -> list[str]:
-    """What an import took by its own name, assumed, left out and skipped, a line each."""
+    """Names that an import took by itself, assumed, left out and skipped, a line each."""
     same = [head.theirs for head in found.heads if head.column == head.theirs != ""]
     left = [f"{head.theirs} ({head.lacks})" if head.lacks else head.theirs
             for head in found.heads if head.theirs and not head.column]  # fmt: skip

@@ -70,7 +70,7 @@ class Ranks(NamedTuple):
         return found
 
     def before(self, reached: Array, most: Array | float) -> Mask:
-        """Which controllers may go before what was reached: in the columns of :meth:`best`, infinite where it fails."""
+        """Controllers that may go before what was reached, in the columns of :meth:`best`, infinite where it fails."""
         unknown, place = np.minimum(self.lacking + self.hanging, LOST), np.arange(len(self.lacking))[:, None]
         less = place < reached[3]
         for figure, limit in ((self.unprinted, reached[2]), (self.worth(most), reached[1]), (unknown, reached[0])):

@@ -42,7 +42,7 @@ _SOME = 1e-100  # s, more than nothing, of a time that is not known yet
 
 
 class InCase(NamedTuple):
-    """What a load case demands of candidates: columns."""
+    """Demands of a load case on candidates, as columns."""
 
     spec: RobotSpec
     cycle: AtGearhead
