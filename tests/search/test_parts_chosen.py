@@ -127,6 +127,14 @@ def test_the_lightest_encoder_with_which_the_drive_passes(fan, inertia, ramp, en
     assert [(s.encoder.part, s.status) for s in found.sets] == ([(encoder, status)] if status == "pass" else [])
 
 
+def test_an_encoder_that_prints_its_mass_goes_before_one_of_which_it_is_assumed(fan):
+    """An encoder of unknown mass is taken as 8 to 50 g, 20 g in the middle: no reason to leave one of 35 g."""
+    parts = PARTS.replace("max_frequency (kHz)]", "max_frequency (kHz), mass (g)]")
+    rows = "- [a silent one, 500, 6000, 100, null]\n      - [printed, 500, 6000, 100, 35]\n"
+    parts = re.sub(r"- \[coarse unknown.*?(?=controllers)", rows, parts, flags=re.S)
+    assert size(fan(needs="encoder_counts: 450", catalog=parts)).sets[0].encoder.part == "printed"
+
+
 def test_an_encoder_that_nobody_asked_for_decides_nothing(fan):
     """The light motor has one of unknown speed, or one that is too slow, or none: it is still the lighter."""
     for light in ("coarse unknown", "slow"):
