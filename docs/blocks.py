@@ -203,12 +203,13 @@ def renewed(block: str, output: str) -> str:
     """A text block as it is now: each chunk from the line most like its first to that most like its last."""
     lines, at, made = output.rstrip().splitlines(), 0, []
     cut = [line.strip() == _CUT for line in block.splitlines()]
-    for n, part in enumerate(_chunks(block)):
+    chunks = _chunks(block)
+    for n, part in enumerate(chunks):
         if not part:
             continue
         first = _most_like(part[0], lines, at, at) if n else 0
         last = _most_like(part[-1], lines, first, first + len(part) - 1) if len(part) > 1 else first
-        if n == 0 and not any(cut):
+        if n == len(chunks) - 1 and not cut[-1]:  # a page that cuts nothing at the end shows all to the end
             last = len(lines) - 1
         if n:
             made.append(_CUT)
