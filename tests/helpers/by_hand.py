@@ -667,9 +667,8 @@ def voltage_ends(spec: Any, controller: Any) -> tuple[float, float]:
 
 
 def encoders_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> list[Any | None]:
-    """Of those with counts enough one that is known to bear the speed, else one that may; of them one of known
-    inertia, of most worth, of the fewest counts. Behind it those to try where the drive fails with it: each is easier
-    to turn.
+    """Of those with counts enough one that is known to bear the speed, else one that may; of them that of most worth,
+    then the fewest counts. Behind it those to try where the drive fails with it: each is easier to turn.
     """
     required = max(spec.needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
     ordered = sorted(fitting, key=lambda c: (math.isnan(c.counts_per_turn), c.counts_per_turn, c.part))
@@ -704,7 +703,7 @@ def encoders_for(spec: Any, fitting: list[Any], speed: float, reduction: float) 
 
     alike, found = [c for c in enough if standing(c) == min(map(standing, enough))], list[Any]()
     while alike:
-        found.append(min(alike, key=lambda c: (math.isnan(c.inertia), worth(c), enough.index(c))))
+        found.append(min(alike, key=lambda c: (worth(c), enough.index(c))))
         alike = [c for c in alike if inertia(c) < inertia(found[-1])]
     return found
 
