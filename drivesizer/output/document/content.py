@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -48,13 +49,13 @@ class OfLoop:
     validation: Validation | None
 
 
-class Reported:
+class Reported(ABC):
     """Facts of a spec or of a machine's file for the head of a document."""
 
     @property
+    @abstractmethod
     def given(self) -> RobotSpec | MachineSpec:
         """The spec, or the machine's file."""
-        raise NotImplementedError
 
     @property
     def name(self) -> str:
