@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.text import read_bytes
 from drivesizer.identification.fit import BAND, spreads
-from drivesizer.identification.log import LARGEST, in_its_form
+from drivesizer.identification.log import in_its_form
 from drivesizer.results.identification import Identification, IdentifiedFigure, Inseparable, LogFinding, Trace
 
 _CONTRADICT = 0.1  # of two figures of one file
@@ -30,11 +29,10 @@ _RESULTS = Inseparable(
 )
 
 
-def calibration(path: Path) -> Identification | None:
-    """A calibration file's figures with cross-checks."""
+def calibration(path: Path, raw: bytes) -> Identification | None:
+    """Figures of a calibration file with cross-checks; None of any other file."""
     if path.suffix not in (".json", ".log"):
         return None
-    raw = read_bytes(path, LARGEST)
     if raw.lstrip()[:1] != b"{":
         return None
     try:

@@ -19,11 +19,12 @@ from numpy.typing import NDArray
 from drivesizer.catalog.query import Hit
 from drivesizer.control.drive_train import drive_train, mechanics
 from drivesizer.errors import InputError, quoted
+from drivesizer.files.text import read_bytes
 from drivesizer.identification import declared
 from drivesizer.identification.calibration import calibration
 from drivesizer.identification.fit import BAND, Fit, Record, fitted
 from drivesizer.identification.heat import Heat, heated
-from drivesizer.identification.log import Log, read_log
+from drivesizer.identification.log import LARGEST, Log, read_log
 from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.figures import Figures
 from drivesizer.physics.motion_curves import local_parabola
@@ -59,7 +60,7 @@ NOTHING = Reference()
 
 
 def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float] | None = None,
-             named: Mapping[str, str] | None = None) -> Identification:  # fmt: skip
+             named: Mapping[str, str] | None = None, content: bytes | None = None) -> Identification:  # fmt: skip
     """Identify a drive by its log.
 
     Parameters
@@ -72,6 +73,8 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
         Factors of columns, by quantity.
     named
         Heads of a table's columns, by quantity, where they are not found by themselves.
+    content
+        Of the log, where that is known: the path is its name then, and no file is read.
 
     Returns
     -------
@@ -83,10 +86,11 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
     InputError
         When the file is no log, or lacks speed and position.
     """
-    found = calibration(path)
+    content = read_bytes(path, LARGEST) if content is None else content
+    found = calibration(path, content)
     if found is not None:
         return found
-    log = scaled(read_log(path, named or {}), scales or {})
+    log = scaled(read_log(path, named or {}, content), scales or {})
     columns = at_motor(log, of)
     current, R_25 = columns.get("current"), of.figures.get("R", nan)
     if "speed" not in columns and (heat := heated(log, current, R_25)).figures:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.sheets import as_text, decimal_sign, plain_head, sheets, split_head, unit_of
+from drivesizer.files.sheets import as_text, decimal_sign, plain_head, split_head, tables_of, unit_of
 from drivesizer.files.text import read_bytes
 from drivesizer.identification import declared
 from drivesizer.units import KINDS, kind_of_unit, scale
@@ -133,7 +133,7 @@ _QUANTITIES = {
 }
 
 
-def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({})) -> Log:
+def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({}), content: bytes | None = None) -> Log:
     """Read a log.
 
     Parameters
@@ -142,6 +142,8 @@ def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({})) -> Log
         CSV, TSV or XLSX with heads; SysId or pendulum JSON; ``.wpilog``.
     named
         Heads of a table by quantity, where they are not those that are known.
+    content
+        Of the file, where that is known; else it is read.
 
     Returns
     -------
@@ -153,14 +155,14 @@ def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({})) -> Log
     InputError
         When the file is too large, is no log, or nothing changes in it.
     """
-    raw = read_bytes(path, LARGEST)
+    raw = read_bytes(path, LARGEST) if content is None else content
     if not raw.strip(b" \r\n\t\0"):
         raise InputError(f"{path}: is empty; expected a header and rows of time, voltage, current, speed")
     if raw.startswith(SIGNATURE):
         return _checked(_data_log(raw, path), path)
     if path.suffix == ".json" or raw.lstrip()[:1] == b"{":
-        return _checked(_json(as_text(raw, path), path), path)
-    return _checked(_table(path, named), path)
+        return _checked(_json(raw, path), path)
+    return _checked(_table(raw, path, named), path)
 
 
 def _checked(log: Log, path: Path) -> Log:
@@ -204,8 +206,8 @@ def _checked(log: Log, path: Path) -> Log:
 # -- Tables.
 
 
-def _table(path: Path, named: Mapping[str, str]) -> Log:
-    table = max(sheets(path, LARGEST), key=lambda one: len(one.rows))
+def _table(raw: bytes, path: Path, named: Mapping[str, str]) -> Log:
+    table = max(tables_of(raw, path), key=lambda one: len(one.rows))
     rows = [(line, cells) for line, cells in table.rows if any(cells)]
     rows = [(line, cells) for line, cells in rows if not cells[0].startswith("#")]
     wanted = set(named.values())
@@ -301,9 +303,9 @@ def in_its_form(path: Path, what: str) -> Iterator[None]:
         raise InputError(f"{path}: {' '.join(str(error).split())[:80]}; expected {what}") from None
 
 
-def _json(text: str, path: Path) -> Log:
+def _json(raw: bytes, path: Path) -> Log:
     try:
-        data = json.loads(text)
+        data = json.loads(as_text(raw, path))
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({error})") from None
     with in_its_form(path, "a log in the form of its program"):
@@ -312,7 +314,7 @@ def _json(text: str, path: Path) -> Log:
         if isinstance(data, dict) and isinstance(data.get("entries"), list) and "mass" in data:
             return _pendulum(data, path)
         if isinstance(data, list) and data and isinstance(data[0], dict):
-            return _table(path, {})
+            return _table(raw, path, {})
     raise InputError(f"{path}: expected tests slow-forward ... of SysId, or mass, length and entries of a pendulum rig")
 
 
