@@ -320,30 +320,7 @@ def commissioned(
     spec: RobotSpec, drive: DriveSet, device: devices.Device, *, settings: Mapping[str, float] | None = None,
     unconfirmed: bool = False, profile: str | Profile | None = None, load_case: str | None = None,
 ) -> Commissioned:  # fmt: skip
-    """A drive's loops for a controller of the table, its parameters as they are written, and the motion with those.
-
-    Parameters
-    ----------
-    spec, drive
-        The machine and the drive.
-    device
-        The controller.
-    settings
-        Figures of the user's board, by the names that the controller has.
-    unconfirmed
-        Whether what is known from memory alone is written too.
-    profile, load_case
-        As :func:`validate`.
-
-    Returns
-    -------
-    Commissioned
-
-    Raises
-    ------
-    InputError
-        When the controller cannot express what the spec requires, or a gain of the loops.
-    """
+    """A drive's loops for a controller of the table, its parameters as they are written, and the motion with those."""
     controller, (current, velocity, position) = drive.controller, device.rates
     if controller and not drive.steps:
         rated = replace(controller, current_loop=current, speed_loop=velocity, position_loop=position)

@@ -399,30 +399,7 @@ _QUOTE = '"'  # of tokens, left out in messages
 def import_table(
     sheets: Sequence[Sheet], path: Path, given: Plan, target: Path, partners: Mapping[str, Catalog] | None = None
 ) -> Imported:
-    """Make the text of a catalogue file from the tables of a file.
-
-    Parameters
-    ----------
-    sheets
-        All tables of the file; the one that says most of parts is taken.
-    path
-        Of the file, for messages.
-    given
-        What the user says of it.
-    target
-        The catalogue file that is to be.
-    partners
-        Catalogues by name whose motors, gearheads and encoders the parts go with.
-
-    Returns
-    -------
-    Imported
-
-    Raises
-    ------
-    InputError
-        When no table of parts is there, or a figure that the map names cannot be read.
-    """
+    """Make the text of a catalogue file from the tables of a file."""
     try:
         section, layout, sheet = understood(sheets, given)
     except InputError as error:

@@ -38,13 +38,7 @@ def is_list(name: str | Path) -> bool:
 
 
 def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
-    """A price list as a catalogue without parts.
-
-    Raises
-    ------
-    InputError
-        When the file has no table with parts and prices, or a price has no currency.
-    """
+    """A price list as a catalogue without parts."""
     from drivesizer.files.sheets import decimal_sign, sheets
 
     for sheet in sheets(path):

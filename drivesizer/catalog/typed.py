@@ -42,27 +42,7 @@ class Typed(NamedTuple):
 
 
 def typed_part(source: YamlSource, at: Path_, section: str) -> str:
-    """A part of some fields of a file, as the text of a catalogue file.
-
-    Parameters
-    ----------
-    source
-        The file.
-    at
-        Path of the fields: ``name``, figures by the columns of the catalogue or what shops call them, and what is known
-        of their source.
-    section
-        Kind of part, such as ``motors``.
-
-    Returns
-    -------
-    str
-
-    Raises
-    ------
-    CatalogError
-        One line with file, line, field, what was found and what is expected.
-    """
+    """A part of some fields of a file, as the text of a catalogue file."""
     from drivesizer.catalog.catalog_file import parse
     from drivesizer.catalog.importing import meant_by
 
@@ -96,13 +76,7 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
 
 
 def with_part(text: str, name: str, part: str) -> str:
-    """The text of a catalogue file with the part of :func:`typed_part` as its last, all else as it was written.
-
-    Raises
-    ------
-    CatalogError
-        When the file is no catalogue, or has the part.
-    """
+    """The text of a catalogue file with the part of :func:`typed_part` as its last, all else as it was written."""
     from drivesizer.catalog.catalog_file import parse
 
     data, more, edits = YamlSource(text, name).data, YamlSource(part, name).data, list[Edit]()
@@ -149,22 +123,7 @@ class _Fields(YamlSource):
 
 
 def with_typed(catalog: Catalog, typed: Sequence[Typed], named: Named) -> Catalog:
-    """A catalogue with typed parts, which count before others of the same number, and what is assumed of them.
-
-    Parameters
-    ----------
-    catalog
-        All others.
-    typed
-        The parts.
-    named
-        What the spec names beside them: it goes with a typed motor, and a typed gearhead with it, or with all motors
-        where none is named.
-
-    Returns
-    -------
-    Catalog
-    """
+    """A catalogue with typed parts, which count before others of the same number, and what is assumed of them."""
     own, said = dict[str, list[str]](), list[str]()
     for one in typed:
         part = catalog_of_text(Path(f"{one.place}.yaml"), one.text.encode())

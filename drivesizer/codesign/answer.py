@@ -33,21 +33,7 @@ def answer(
     scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> Answer:
-    """The best machine of a task.
-
-    Parameters
-    ----------
-    task
-        Of :func:`read_task`.
-    processes, scheduler
-        As of a study; 0 is one for each core, where there is something to share.
-    folder
-        Where the rows of all machines are kept; the same task goes on from them.
-    fresh
-        Begin anew in it.
-    progress
-        Called with the machines that are done and all there are to be.
-    """
+    """The best machine of a task."""
     most = 1 if task.job.merit else processes or cores()
     advance: Progress = progress or (lambda done, total: None)
     forget_files()

@@ -97,19 +97,7 @@ def read_task(
     merit: Callable[[DriveSet], float] | None = None,
     **given: Any,
 ) -> Task:
-    """The task of a spec.
-
-    Parameters
-    ----------
-    source
-        The spec, or a machine of several axes.
-    free
-        Further free figures by the names of their fields, as ranges or lists.
-    merit
-        What is made least of a drive, in place of an expression.
-    given
-        Fields of the section ``design`` in place of the spec's.
-    """
+    """The task of a spec."""
     if not isinstance(source.data, dict):
         raise InputError(f"{source.name}: expected fields such as name, load, motion; see `drivesizer init`")
     section = _section(source, {name: value for name, value in given.items() if value is not None})

@@ -45,38 +45,12 @@ class NumberError(DrivesizerError):
 def whole_option(
     option: str, example: int, low: float = -inf, high: float = inf, *, meaning: str, metavar: str = "<int>"
 ) -> Any:
-    """An option that takes a whole number, as typer has it.
-
-    Parameters
-    ----------
-    option, meaning, metavar
-        Its name, ``--top``, its line of the help, and what stands there for the number.
-    example
-        A number that it takes.
-    low, high
-        Smallest and largest that it takes; infinite where there is none, or where what computes with it knows them.
-
-    Returns
-    -------
-    typer.Option
-        For the annotation of a command's parameter.
-    """
+    """An option that takes a whole number, as typer has it."""
     return typer.Option(option, parser=_whole(option, example, low, high), metavar=metavar, help=meaning)
 
 
 def number_option(option: str, example: float, *, meaning: str) -> Any:
-    """An option that takes a number, of which what computes with it knows the range.
-
-    Parameters
-    ----------
-    option, example, meaning
-        As of :func:`whole_option`.
-
-    Returns
-    -------
-    typer.Option
-        For the annotation of a command's parameter.
-    """
+    """An option that takes a number, of which what computes with it knows the range."""
 
     def read(text: object) -> float:
         try:
@@ -150,18 +124,7 @@ class NothingFitsError(DrivesizerError):
 
 
 def fields_and_drives(words: list[str] | None) -> tuple[list[str], list[str]]:
-    """Values of ``--set`` for fields of the spec, and those for drives, which may be of an axis.
-
-    Parameters
-    ----------
-    words
-        Its values.
-
-    Returns
-    -------
-    tuple
-        FIELD=VALUE, and MOTOR/GEARHEAD or AXIS=MOTOR/GEARHEAD.
-    """
+    """Values of ``--set`` for fields of the spec, and those for drives, which may be of an axis."""
     from drivesizer.spec.machine import MachineFields
     from drivesizer.spec.robot import RobotSpec
 
@@ -175,25 +138,7 @@ def fields_and_drives(words: list[str] | None) -> tuple[list[str], list[str]]:
 
 
 def with_fields(source: YamlSource, words: list[str]) -> YamlSource:
-    """A spec's text with other values in some of its fields.
-
-    Parameters
-    ----------
-    source
-        The file.
-    words
-        Of ``--set``: ``load.mass=400kg``, ``transmission[2].ratio=3``; a field is left out with nothing behind the =.
-
-    Returns
-    -------
-    YamlSource
-        The text as it would be with these values in it.
-
-    Raises
-    ------
-    InputError
-        When a field is none of the spec's, or a value no YAML.
-    """
+    """A spec's text with other values in some of its fields."""
     from drivesizer.files.yaml_edit import Edit, edited
     from drivesizer.files.yaml_source import YamlSource
     from drivesizer.study.figures import path_of, unknown_field
@@ -214,24 +159,7 @@ def with_fields(source: YamlSource, words: list[str]) -> YamlSource:
 def load(
     path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
 ) -> MachineSpec:
-    """Read a machine, of which a plain spec is one axis, and add catalogues; paths are relative to the current folder.
-
-    Parameters
-    ----------
-    path
-        The spec, or a machine.
-    more
-        Further catalogues, by name or file.
-    axis
-        Of several axes the one that is wanted, with the drives that ride on it, which are sized for that.
-    words
-        Fields with other values, as ``--set`` has them; see :func:`with_fields`.
-
-    Returns
-    -------
-    MachineSpec
-        With all axes, or with the one that is wanted.
-    """
+    """Read a machine, of which a plain spec is one axis, and add catalogues, whose paths count from the current folder."""
     from drivesizer.catalog import path_of, shipped
     from drivesizer.multi_axis.sizing import alone
     from drivesizer.spec.machine import is_machine, load_any
@@ -276,18 +204,7 @@ def one_drive(
 def load_axis(
     path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
 ) -> RobotSpec:
-    """Read the spec of a single axis, as :func:`load`; a machine of several is refused without one that is wanted.
-
-    Parameters
-    ----------
-    path, more, axis, words
-        As of :func:`load`.
-
-    Returns
-    -------
-    RobotSpec
-        The spec.
-    """
+    """Read the spec of a single axis, as :func:`load`; a machine of several is refused without one that is wanted."""
     found = load(path, more, axis, words)
     if not found.is_several:
         return found.axes[0].spec
@@ -299,26 +216,7 @@ def sized(
     machine: MachineSpec, top: int, objective: str | None = None, sampling: tuple[Any, ...] = (),
     pareto: str | None = None, choices: int = 0,
 ) -> MachineSizing:  # fmt: skip
-    """Size all axes of a machine.
-
-    Parameters
-    ----------
-    machine
-        Of :func:`load`.
-    top
-        Drives of each axis.
-    objective, pareto
-        As the command line gives them.
-    sampling
-        Confidence, samples, seed, processes and samples in closed loop.
-    choices
-        How many drives that pass a single axis gives as well, to choose from.
-
-    Returns
-    -------
-    MachineSizing
-        With the best drives of every axis.
-    """
+    """Size all axes of a machine."""
     from drivesizer.multi_axis.sizing import size_machine
     from drivesizer.search.ranking import objective_of
     from drivesizer.search.uncertainty.options import sampling_of
@@ -347,30 +245,7 @@ def _pareto(text: str | None) -> tuple[str, ...]:
 def with_drives(
     machine: MachineSpec, chosen: list[str] | None, top: int = 1
 ) -> tuple[list[tuple[str, RobotSpec, DriveSet]], MachineSizing | None]:
-    """The drives that options name by their parts, else the best of the search.
-
-    Parameters
-    ----------
-    machine
-        Of :func:`load`.
-    chosen
-        MOTOR/GEARHEAD or ACTUATOR; of an axis of several AXIS=MOTOR/GEARHEAD.
-    top
-        Drives of each axis that are searched.
-
-    Returns
-    -------
-    tuple
-        Name, spec and drive of each axis, the name of a single one empty, and the MachineSizing with these drives; None
-        where nothing was searched.
-
-    Raises
-    ------
-    NothingFitsError
-        When an axis has no drive that meets all limits.
-    InputError
-        When an option names no parts, or no axis.
-    """
+    """Name, spec and drive of each axis, by ``--set`` or the best; and the sizing, None where nothing was searched."""
     several = machine.is_several
     if chosen and not several:
         if len(chosen) > 1:
@@ -470,18 +345,7 @@ def stoppable(kept: str) -> Iterator[None]:
 
 
 def simulating(on: str) -> AbstractContextManager[None]:
-    """Status line of a simulation; the first one on a machine says what is made for all that follow.
-
-    Parameters
-    ----------
-    on
-        The work, such as ``simulating the drive in closed loop``.
-
-    Returns
-    -------
-    context manager
-        Of :func:`working`.
-    """
+    """Status line of a simulation; the first one on a machine says what is made for all that follow."""
     import matplotlib
 
     from drivesizer.control.engine import is_compiled
@@ -546,26 +410,7 @@ def _as_sized(spec: RobotSpec, one: DriveSet) -> DriveSet:
 
 
 def proven(result: MachineSizing, profile: str | None = None) -> tuple[MachineSizing, dict[str, Validation]]:
-    """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load.
-
-    Parameters
-    ----------
-    result
-        The MachineSizing.
-    profile
-        As of ``drivesizer validate``, for every axis.
-
-    Returns
-    -------
-    tuple
-        The MachineSizing, with a warning where a drive cannot be simulated, and the Validation by the name of each axis
-        that has one.
-
-    Raises
-    ------
-    InputError
-        As ``validate``, of several axes with the name of the axis.
-    """
+    """A machine and the best drive of every axis in closed loop, with the drives that ride on it in its load."""
     axes, proofs, several = [], {}, not result.alone
     for axis in result.axes:
         one = axis.result
@@ -586,31 +431,7 @@ def in_closed_loop(
     name: str, spec: RobotSpec, drive: DriveSet, *, others: Sequence[DriveSet] = (),
     profile: str | None = None, case: str | None = None,
 ) -> Validation:  # fmt: skip
-    """A drive in closed loop in its hardest load case, with what helps where it fails.
-
-    Parameters
-    ----------
-    name
-        Of the axis; empty of one alone.
-    spec, drive
-        The axis and its drive.
-    others
-        Further drives, which are tried where this one fails; without any the best of the search.
-    profile, case
-        As of ``drivesizer validate``; a case that the axis lacks is passed over.
-
-    Returns
-    -------
-    Validation
-        The simulation.
-
-    Raises
-    ------
-    NoLoopError
-        When it cannot be simulated.
-    InputError
-        As ``validate``, of several axes with the name of the axis.
-    """
+    """A drive in closed loop in its hardest load case, with what helps where it fails."""
     with simulating(f"simulating {name or 'the drive'} in closed loop"):  # whose libraries take a second to load
         from drivesizer.files.yaml_source import YamlOverlay
         from drivesizer.load_cases.of_machine import load_cases

@@ -28,27 +28,7 @@ _UsageError: type[Exception] = next(c for c in typer.BadParameter.__mro__ if c._
 
 
 def parsed(run: Callable[[], int | None], program: Callable[[], typer.Typer], words: list[str]) -> int | None:
-    """Run a command line; without any words the help is printed.
-
-    Parameters
-    ----------
-    run
-        Parses and runs it, with typer's errors.
-    program
-        All commands, loaded where one must be named.
-    words
-        The command line, without the name of the program.
-
-    Returns
-    -------
-    int or None
-        Exit status of the command; none where it says nothing of it.
-
-    Raises
-    ------
-    InputError
-        When it cannot be parsed: command, found, expected, an example.
-    """
+    """Run a command line; without any words the help is printed."""
     try:
         return run()
     except _UsageError as error:

@@ -167,26 +167,6 @@ def known(controller: str) -> Device | None:
 def device_of(name: str | None, controller: str, firmware: str | None = None) -> Device:
     """The controller that is named, or the one that the drive has.
 
-    Parameters
-    ----------
-    name
-        Of the table, or of a family of which the firmware decides; None: by the drive's controller.
-    controller
-        Family and part of the drive's controller.
-    firmware
-        Its version, where that decides.
-
-    Returns
-    -------
-    Device
-
-    Raises
-    ------
-    InputError
-        When the table has none of that name or firmware, or none for the drive's controller.
-
-    Examples
-    --------
     >>> device_of(None, "EPOS4 Compact 50/5").name
     'epos4'
     >>> device_of("moteus", "", firmware="0x0109").name

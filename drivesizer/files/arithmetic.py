@@ -61,13 +61,7 @@ class Expression:
 
 @lru_cache(maxsize=256)
 def expression(text: str) -> Expression:
-    """The expression of a text: numbers, named figures, + - * / **, and a few functions.
-
-    Raises
-    ------
-    InputError
-        When it is anything else.
-    """
+    """The expression of a text: numbers, named figures, + - * / **, and a few functions."""
     if len(text) > _LONGEST:
         raise InputError(f"{quoted(text)} is too long; expected at most {_LONGEST} characters")
     try:
@@ -160,20 +154,7 @@ _LIMIT = re.compile(r"\s*(?P<of>[^<>=]+?)\s*(?P<sign><=|>=)\s*(?P<bound>[^<>=]+?
 
 
 def limit(text: str, kind_of: Callable[[str], str]) -> Limit:
-    """The limit of a text, such as ``autonomy >= 3 h``.
-
-    Parameters
-    ----------
-    text
-        An expression, ``<=`` or ``>=``, and a figure with its unit; of an expression over several figures in SI.
-    kind_of
-        Gives the kind of quantity of a figure, empty where it has none.
-
-    Raises
-    ------
-    InputError
-        When it is anything else, or the figure of another kind.
-    """
+    """The limit of a text, such as ``autonomy >= 3 h``."""
     match = _LIMIT.fullmatch(text)
     if match is None:
         raise InputError(f"{quoted(text)} is no limit; expected e.g. autonomy >= 3 h, or price <= 800 EUR")

@@ -44,25 +44,7 @@ class Sheet(NamedTuple):
 
 
 def sheets(path: Path, largest: int = 64_000_000) -> list[Sheet]:
-    """All tables of a file, cells as printed; the content decides what the file is, then its suffix.
-
-    Parameters
-    ----------
-    path
-        CSV, TSV or text in UTF-8, UTF-16 or cp1252; XLSX; PDF; JSON; a Klipper ``.cfg``; MJCF (``.xml``).
-
-    largest
-        Bytes that the file may have.
-
-    Returns
-    -------
-    list of Sheet
-
-    Raises
-    ------
-    InputError
-        When the file cannot be read as a table.
-    """
+    """All tables of a file, cells as printed; the content decides what the file is, then its suffix."""
     return tables_of(read_bytes(path, largest), path)
 
 
@@ -346,13 +328,6 @@ _SIGNS_OF_PRINT = str.maketrans("−\u00a0\u202f\u2009’", "-   '")
 def figure(cell: str, decimal: str) -> tuple[str, str]:
     """The number of a cell, with a decimal point, and what follows it.
 
-    Raises
-    ------
-    InputError
-        When there is none.
-
-    Examples
-    --------
     >>> figure("1.234,5 min-1", ","), figure("1'200", "."), figure("≤ 0.5°", "."), figure("€ 12,50", ",")
     (('1234.5', 'min-1'), ('1200', ''), ('0.5', '°'), ('12.50', '€'))
     """

@@ -177,18 +177,6 @@ def listed(package: str, name: str) -> Iterator[tuple[str, list[str]]]:
     """Rows of a table of text that ships with the program: cells between bars, each row with the head of its section.
 
     A section begins with its head in brackets; a line that begins with spaces goes on with the one before.
-
-    Parameters
-    ----------
-    package
-        In which the file lies.
-    name
-        Of the file.
-
-    Yields
-    ------
-    tuple
-        Head and cells.
     """
     text, head = (resources.files(package) / name).read_text(encoding="utf-8"), ""
     for line in re.sub(r"(?m)^#.*\n", "", text).replace("\n  ", " ").splitlines():

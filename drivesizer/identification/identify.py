@@ -61,31 +61,7 @@ NOTHING = Reference()
 
 def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float] | None = None,
              named: Mapping[str, str] | None = None, content: bytes | None = None) -> Identification:  # fmt: skip
-    """Identify a drive by its log.
-
-    Parameters
-    ----------
-    path
-        The log; or a file of a controller's own calibration.
-    of
-        What is known of the drive.
-    scales
-        Factors of columns, by quantity.
-    named
-        Heads of a table's columns, by quantity, where they are not found by themselves.
-    content
-        Of the log, where that is known: the path is its name then, and no file is read.
-
-    Returns
-    -------
-    Identification
-        Figures with bands, what cannot be separated, checks of the log.
-
-    Raises
-    ------
-    InputError
-        When the file is no log, or lacks speed and position.
-    """
+    """Identify a drive by its log."""
     content = read_bytes(path, LARGEST) if content is None else content
     found = calibration(path, content)
     if found is not None:

@@ -134,27 +134,7 @@ _QUANTITIES = {
 
 
 def read_log(path: Path, named: Mapping[str, str] = MappingProxyType({}), content: bytes | None = None) -> Log:
-    """Read a log.
-
-    Parameters
-    ----------
-    path
-        CSV, TSV or XLSX with heads; SysId or pendulum JSON; ``.wpilog``.
-    named
-        Heads of a table by quantity, where they are not those that are known.
-    content
-        Of the file, where that is known; else it is read.
-
-    Returns
-    -------
-    Log
-        With two columns or more that change.
-
-    Raises
-    ------
-    InputError
-        When the file is too large, is no log, or nothing changes in it.
-    """
+    """Read a log."""
     raw = read_bytes(path, LARGEST) if content is None else content
     if not raw.strip(b" \r\n\t\0"):
         raise InputError(f"{path}: is empty; expected a header and rows of time, voltage, current, speed")

@@ -25,27 +25,7 @@ _NEEDED = ("R", "k_t", "rotor_inertia")
 
 
 def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
-    """The text of a catalogue with the identified motor.
-
-    Parameters
-    ----------
-    found
-        The identification.
-    hit
-        The motor's row of the data sheet; None without one.
-    name
-        Of the file.
-
-    Returns
-    -------
-    bytes
-        YAML in the form of a catalogue, read as one before it is returned.
-
-    Raises
-    ------
-    InputError
-        When resistance, torque constant or inertia could not be separated and there is no data sheet.
-    """
+    """The text of a catalogue with the identified motor."""
     if hit is not None and hit.section != "motors":
         raise InputError(
             f"{quoted(hit.part)} is an actuator: its figures are printed at the output; expected a motor to write a row"

@@ -213,23 +213,7 @@ class JointTorques:
     notes: tuple[str, ...]  # of what was assumed
 
     def load(self, joint: str, masses: Mapping[str, float], case: int = 0) -> JointLoad:
-        """Load of one joint with drives of given masses.
-
-        Parameters
-        ----------
-        joint
-            One that moves.
-        masses
-            Of the drive of each joint [kg]; 0 of those that are not named. Of one that its link holds counts what it
-            is heavier than the link.
-        case
-            Number of the load case; 0 is the trajectory.
-
-        Returns
-        -------
-        JointLoad
-            At the shaft that the joint's drive turns, or each of those that share it.
-        """
+        """Load of one joint with drives of given masses."""
         case_, column = self.cases[case], self.joints.index(joint)
         motion, place = case_.motion, self.section.drives.get(joint, DrivePlace())
         unknown = sorted(set(masses) - set(self.joints))

@@ -115,18 +115,5 @@ def drives_of(
 
 
 def held(drives: Drive, rise: Any, mean: Any) -> Drive:
-    """Drives with windings at given rises.
-
-    Parameters
-    ----------
-    drives
-        Columns over drives.
-    rise, mean
-        At the ends of pieces, and over them [K].
-
-    Returns
-    -------
-    Drive
-        Columns over those.
-    """
+    """Drives with windings at given rises."""
     return drives._replace(course=np.zeros_like(drives.course), held=rise, held_mean=mean)

@@ -58,40 +58,14 @@ def evaluate(drives: Drive, cycle: Any, level: int, rows: Whole | None = None) -
 
 
 def pieces(drive: Drive, cycle: Any, cuts: int = 1) -> tuple[Figures, Piece]:
-    """One drive over a load cycle that repeats: its figures, and its course over time.
-
-    Parameters
-    ----------
-    drive
-        Columns of length one, or figures.
-    cycle
-        As ``evaluate`` takes it, without samples.
-    cuts
-        Parts of each piece that a winding follows; 0: pieces in a row that return nothing are one.
-
-    Returns
-    -------
-    tuple of Figures and Piece
-        Columns of length one, and columns over pieces.
-    """
+    """One drive over a load cycle that repeats: its figures, and its course over time."""
     rows = np.empty((number_of_pieces(drive, cycle) * max(cuts, 1), len(Piece._fields)))  # unused it takes no memory
     figures = _of_one(drive, cycle, ACCOUNT, cuts, rows)[0]
     return figures, Piece(*rows[: int(figures.pieces[0])].T)
 
 
 def number_of_pieces(drive: Drive, cycle: Any) -> int:
-    """Number of pieces in which a cycle is cut for a drive.
-
-    Parameters
-    ----------
-    drive, cycle
-        As ``pieces`` takes them.
-
-    Returns
-    -------
-    int
-        At least the number of segments.
-    """
+    """Number of pieces in which a cycle is cut for a drive."""
     return _of_one(drive, cycle, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
 
 

@@ -192,20 +192,6 @@ def symbols(kind: str) -> dict[str, str]:
 def sketch(kind: str, entered: Mapping[str, object] | None = None) -> bytes:
     """A kind of load with its symbols as SVG.
 
-    Parameters
-    ----------
-    kind
-        Of ``SKETCHES``.
-    entered
-        The load's fields as they were entered, printed beside their symbols; without it all symbols alone.
-
-    Returns
-    -------
-    bytes
-        The drawing.
-
-    Examples
-    --------
     >>> sketch("hoist")[:4], b"drum diameter 9 cm" in sketch("hoist", {"drum_diameter": "9 cm"})
     (b'<svg', True)
     """

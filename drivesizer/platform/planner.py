@@ -99,25 +99,6 @@ class _Stop(NamedTuple):
 def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
     """The fastest trajectory through waypoints within limits.
 
-    Parameters
-    ----------
-    waypoints
-        Two or more; two in one place turn on the spot or pause.
-    limits
-        Of driving and turning. On a leg that does both, the tighter one of each kind.
-
-    Returns
-    -------
-    Trajectory
-        From rest to rest, its pauses included.
-
-    Raises
-    ------
-    InputError
-        When nothing moves, or a leg turns and no limit of turning is given.
-
-    Examples
-    --------
     One metre at 1 m/s and 2 m/s² takes 1/1 + 1/2 s; a quarter turn first, at 3 rad/s², 2 √(π/2 / 3) s:
 
     >>> limits = Limits(speed=1.0, acceleration=2.0, turning_speed=3.0, turning_acceleration=3.0)
@@ -269,29 +250,7 @@ _ABOVE = 3  # line of the first sample
 def read_track(
     path: str | Path, limits: Limits | None = None, smoothing: float = 0.0, where: str = "smoothing"
 ) -> Trajectory:
-    """The trajectory in a file.
-
-    Parameters
-    ----------
-    path
-        A CSV file in UTF-8.
-    limits
-        Of the platform: waypoints are planned within them, and a timed track that leaves them far behind has jumps.
-    smoothing
-        Least time between the knots of a timed track's spline [s]; 0 goes through all samples.
-    where
-        What a message calls it: where a spec has it.
-
-    Returns
-    -------
-    Trajectory
-        From rest to rest.
-
-    Raises
-    ------
-    InputError
-        One line that says where, what was found and what is expected.
-    """
+    """The trajectory in a file."""
     file = Path(path)
     sheet = CsvFile(file, len(_TIMED))
     header = _header(sheet)

@@ -508,29 +508,7 @@ _TAKES_PART = 1e-3  # of the wheel that turns most
 def wheel_cycles(
     d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL, *, friction: float | None = None
 ) -> tuple[LoadCycle, ...]:
-    """The load cycle of each driven wheel, in the order of the wheels.
-
-    Parameters
-    ----------
-    d
-        The platform.
-    trajectory
-        Its motion; one that is repeated starts and ends at rest.
-    ground
-        The floor; where its slope is a column, at both ends of each piece, shape (n, 2).
-    friction
-        Coefficient μ between wheel and floor [1]; without it the limit of traction is unknown.
-
-    Returns
-    -------
-    tuple of LoadCycle
-        One for each driven wheel.
-
-    Raises
-    ------
-    InputError
-        When the wheels do not allow the motion, or a figure cannot be computed with.
-    """
+    """The load cycle of each driven wheel, in the order of the wheels."""
     k, top, driven = d.kinematics, dynamics.largest(trajectory), list(d.kinematics.driven)
     dynamics.allowed(k, trajectory)
     durations, parts = [], []

@@ -108,24 +108,7 @@ def predict_set(
 
 
 def of_machine(spec: RobotSpec) -> dict[str, float]:
-    """Conditions at the output of a machine's gearhead, by name.
-
-    Parameters
-    ----------
-    spec
-        The machine. A belt has one ratio.
-
-    Returns
-    -------
-    dict
-        Voltage, resistance and ambient of the spec; inertia, and of all load cases the largest torque without
-        acceleration while it moves, against the motor, and at rest [SI].
-
-    Raises
-    ------
-    InputError
-        Where the belt is to be found, or no motion is given.
-    """
+    """Conditions at the output of a machine's gearhead, by name."""
     if len(spec.belt_ratios) > 1:
         raise FieldError(("spec",), f"spec: {spec.name} has a belt of several ratios; name one in transmission.ratios")
     belt, e = spec.belt_ratios[0], spec.belt_efficiency

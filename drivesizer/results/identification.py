@@ -71,13 +71,7 @@ class Identification:
     remarks: tuple[str, ...] = ()
 
     def figure(self, name: str) -> IdentifiedFigure:
-        """A figure by its name.
-
-        Raises
-        ------
-        KeyError
-            Where the log does not give it.
-        """
+        """A figure by its name."""
         for one in self.figures:
             if one.name == name:
                 return one

@@ -318,20 +318,7 @@ class Select(fields.Section):
 
 
 def split_typed(source: YamlSource, data: Any) -> tuple[Any, tuple[Typed, ...]]:
-    """Parts with figures of their own in the section ``select``, and the data with these parts chosen by number.
-
-    Parameters
-    ----------
-    source
-        The file.
-    data
-        Of the spec.
-
-    Returns
-    -------
-    tuple
-        Data, and typed parts.
-    """
+    """Parts with figures of their own in the section ``select``, and the data with these parts chosen by number."""
     given, found = data.get("select"), list[Typed]()
     select = dict(given) if isinstance(given, dict) else {}
     for role, section in _TYPED.items():

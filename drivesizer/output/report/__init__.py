@@ -134,25 +134,7 @@ def write_sets(result: SizingResult | MachineSizing, path: Path) -> list[Path]:
 
 
 def write_quote(result: SizingResult | MachineSizing, paths: Sequence[Path]) -> list[Path]:
-    """Write what is to be ordered as CSV or XLSX: numbers, prices, sellers, totals, and what is missing.
-
-    Parameters
-    ----------
-    result
-        The sizing, or that of a machine of several axes.
-    paths
-        Where to, ``quote.csv`` or ``quote.xlsx``.
-
-    Returns
-    -------
-    list[Path]
-        The files that were written.
-
-    Raises
-    ------
-    InputError
-        When a suffix is none of these, or a file cannot be written.
-    """
+    """Write what is to be ordered as CSV or XLSX: numbers, prices, sellers, totals, and what is missing."""
     from drivesizer.output.document.axes import content_of
     from drivesizer.output.document.quote import quote_lines, quote_sections
 

@@ -46,30 +46,12 @@ _BRIEF = ("axis", "quantity", "role", "order_number", "together", "missing")
 
 
 def quote_in_brief(table: doc.Table) -> None:
-    """Print a quote in the columns that a terminal has room for.
-
-    Parameters
-    ----------
-    table
-        Of ``document.quote``.
-    """
+    """Print a quote in the columns that a terminal has room for."""
     render.blocks(console(), [replace(table, columns=[one for one in table.columns if one.key in _BRIEF])])
 
 
 def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec: str = "", quiet: bool = False) -> None:
-    """Print a sizing: the drive, its verdict and tightest checks, alternatives, and the commands that lead on.
-
-    Parameters
-    ----------
-    result
-        The sizing.
-    details
-        Shown beside the answer, of ``DETAILS``.
-    spec
-        The file as it was named at the command line, for the commands that lead on; empty for the default.
-    quiet
-        Only the drive.
-    """
+    """Print a sizing: the drive, its verdict and tightest checks, alternatives, and the commands that lead on."""
     out, content = console(), Content(result)
     best = next(iter((*result.sets, *result.unsure)), None)
     heading(out, result.spec.name, *((MARK[best.status], STYLE[best.status]) if best else ("no drive", "")))

@@ -308,20 +308,7 @@ _POINTS = 3000  # of a curve
 
 
 def measured_and_model(time: Array, traces: Sequence[Trace]) -> Plot:
-    """Each quantity of a log as it was measured and as the model has it.
-
-    Parameters
-    ----------
-    time
-        Of their values [s].
-    traces
-        The quantities; moves behind one another count on.
-
-    Returns
-    -------
-    Plot
-        A diagram of each.
-    """
+    """Each quantity of a log as it was measured and as the model has it."""
     apart = np.diff(time)
     usual = float(np.median(apart)) if len(apart) else 1.0
     along = np.concatenate([[0.0], np.cumsum(np.where((apart > 0.0) & (apart < 20.0 * usual), apart, usual))])
