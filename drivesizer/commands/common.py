@@ -159,7 +159,7 @@ def with_fields(source: YamlSource, words: list[str]) -> YamlSource:
 def load(
     path: Path, more: list[str] | None = None, axis: str | None = None, words: list[str] | None = None
 ) -> MachineSpec:
-    """Read a machine, of which a plain spec is one axis, and add catalogues, whose paths count from the current folder."""
+    """A machine, of which a plain spec is one axis; catalogues are added, whose paths count from the current folder."""
     from drivesizer.catalog import path_of, shipped
     from drivesizer.multi_axis.sizing import alone
     from drivesizer.spec.machine import is_machine, load_any
