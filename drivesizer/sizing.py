@@ -208,8 +208,9 @@ def explained(
     catalog = load_parts(spec, catalog)
     check_battery(spec, catalog)
     problem, _ = problem_with_drive_mass(spec, catalog)
-    rows = pair_of(catalog, motor, gearhead, spec.supply.nominal)
-    family, behind = str(problem.catalog.gearheads["family"][rows[1]]), spec.behind(gearhead)
+    rows = pair_of(catalog, motor, gearhead, spec)
+    family, box = (str(problem.catalog.gearheads[name][rows[1]]) for name in ("family", "part"))
+    behind = spec.behind(box)
     part = str(problem.catalog.motors["part"][rows[0]])
     choice = {"motor": MotorChoice(part=[part]), "gearhead": Choice(family=[family])}
     narrowed = problem.with_sections(

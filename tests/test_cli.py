@@ -150,6 +150,9 @@ def test_explain_shows_why(run, example):
     assert "Motor speed (no-load speed) 6169 rpm 4860 rpm −21 % FAIL" in text
     status, out, _ = run("explain", example, "--motor", "118752", "--gearhead", "406764", "--json")
     assert (status, json.loads(out)["axes"][0]["sets"][0]["status"]) == (0, "pass")
+    direct = ("--set", "transmission=[{kind: direct}]", "--set", "select={catalogs: [maxon]}")
+    _, alone, _ = run("explain", example, "--motor", "118752", *direct)
+    assert alone.startswith("RE 25 118752 without gearhead")
 
 
 def test_equations_listed_and_shown(run):

@@ -69,12 +69,13 @@ def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
         raise InputError(f"{where}: only steppers are in them; expected select: {{motor: {{kind: {STEPPER}}}}}")
 
 
-def pair_of(catalog: Catalog, motor: str, gearhead: str, volts: float) -> tuple[int, int]:
-    """Rows of a motor and a gearhead."""
-    row = _row(catalog, "motors", motor, catalog.motors.at_voltage(volts))
+def pair_of(catalog: Catalog, motor: str, gearhead: str, spec: RobotSpec) -> tuple[int, int]:
+    """Rows of a motor and a gearhead; a motor alone drives directly where the spec says so."""
+    row = _row(catalog, "motors", motor, catalog.motors.at_voltage(spec.supply.nominal))
     box = str(catalog.motors["inside"][row])
     if box and gearhead in ("", box):
         return row, catalog.gearheads.rows[box]
+    gearhead = gearhead or (DIRECT if spec.is_direct else "")
     if not gearhead:
         raise InputError(f"--gearhead: motor {quoted(motor)} needs one; expected a part number, or {DIRECT} for none")
     other = _row(catalog, "gearheads", gearhead)

@@ -137,6 +137,7 @@ def test_what_unknown_reject_leaves_out_is_counted():
          'transmission[1].efficiency: "95" must be at most 1, e.g. 0.95 or 95 %'),
         ("rolling_resistance: 2 %", "rolling_resistance: 2",
          'robot.yaml:7: load.rolling_resistance: "2" must be at most 1, e.g. 0.02 or 2 %'),
+        ("30 kg", "30 kg\n  radius: 80 mm", 'robot.yaml:5: load.radius: unknown key; did you mean "wheel_diameter"?'),
         ("wheeled_vehicle", "vehicle", 'load.kind: "vehicle" is not known; the nearest is wheeled_vehicle; expected '),
         ("wheeled_vehicle", "car", "load.kind: \"car\" is not known; expected 'wheeled_vehicle', "),
         ("{nominal: 24 V, current: 20 A}", "{nominal: 24 V, min: 26 V}",
