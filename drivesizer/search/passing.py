@@ -385,12 +385,17 @@ def waveforms(problem: Problem) -> int:
     return _CELLS_OF_RANK // problem.segments
 
 
+_HELD_BACK = 5  # drives that missing figures keep from being the first, which are named
+
+
 def better_but_unknown(problem: Problem, kept: Passing, rank: Rank, best: Whole) -> Whole:
-    """The best of those that are better than the first shown and only stand behind it for a figure that is missing."""
+    """The best, of a motor each, that are better than the first shown and stand behind it for missing figures alone."""
     if not len(best) or kept.certainty[best[0]] != PASSES:
         return best[:0]
     first, shown = rounded(rank.value), best[0]
     better = (rank.missing <= rank.missing[shown]) & (first < first[shown])
     rows = np.flatnonzero((kept.certainty != PASSES) & better)
     least = [kept.certainty[rows], kept.lacking[rows]]
-    return rows[order(problem.catalog, kept.sets.on(rows), rank.value[rows], rank.missing[rows], before=least)[:1]]
+    rows = rows[order(problem.catalog, kept.sets.on(rows), rank.value[rows], rank.missing[rows], before=least)]
+    motors = np.unique(kept.sets.motor[rows], return_index=True)[1]
+    return rows[np.sort(motors)[:_HELD_BACK]]

@@ -197,27 +197,33 @@ _SAMPLES = 50  # of a recording, rather than of a cycle that was written by hand
 
 
 def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[str]:
-    """Drives better than the best one but for a missing figure, and the figure that would decide it."""
-    row = picked.found.held_back
+    """Drives better than the best one but for missing figures, and the figures that would decide the first of them."""
     objective = picked.problem.spec.select.objective
-    if row is None or not sets or not isinstance(objective, str):
+    if not sets or not isinstance(objective, str):
         return []
-    better = picked.record(row)
-    if better.status not in ("open", "unknown"):
+    better = [drive for row in picked.found.held_back if (drive := picked.record(row)).status in ("open", "unknown")]
+    needs = {drive: needed for drive in better if (needed := _decided_by(drive))}
+    if not needs:
         return []
-    figures = [objective_figure(one, objective) for one in (better, sets[0])]
-    notes = {check.title: check.note for check in better.own_checks if check.note.startswith("unknown: ")}
-    hanging = [f"{check.title} {check.note}" for check in better.deciding if check.status == "open"]
+    (first, needed), *others = needs.items()
+    value = {drive: objective_figure(drive, objective).text for drive in (*needs, sets[0])}
+    also = ", ".join(f"{drive.label} with {value[drive]}" for drive, _ in others)
+    return [
+        f"{first.label}, {value[first]} against {value[sets[0]]}, would be the first were its figures known: "
+        f"{needed}{f'; so would {also}' if also else ''}"
+    ]
+
+
+def _decided_by(drive: DriveSet) -> str:
+    """The figures that decide the open and unknown checks of a drive; empty where they are many."""
+    notes = {check.title: check.note for check in drive.own_checks if check.note.startswith("unknown: ")}
+    hanging = [f"{check.title} {check.note}" for check in drive.deciding if check.status == "open"]
     hanging += [f"{title} is {note}" for title, note in notes.items()]
-    unknown = [lacks for title, lacks in unknown_figures(better) if title not in notes]
+    unknown = [lacks for title, lacks in unknown_figures(drive) if title not in notes]
     lacking = dict.fromkeys(name for lacks in unknown for name in lacks.split(", "))
     if len(lacking) > _FEW:
-        return []
-    needed = [*hanging, *([f"no data sheet gives {', '.join(lacking)}"] if lacking else [])]
-    return [
-        f"{better.label}, {figures[0].text} against {figures[1].text}, would be the first were its figures known: "
-        f"{'; '.join(needed)}"
-    ]
+        return ""
+    return "; ".join([*hanging, *([f"no data sheet gives {', '.join(lacking)}"] if lacking else [])])
 
 
 def not_returning(problem: Problem) -> list[str]:

@@ -74,7 +74,9 @@ class SearchResult(NamedTuple):
     front: tuple[int, ...]  # rows on the Pareto front, where one was required
     short: tuple[int, ...]  # rows of the best that a budget of the machine rejects
     better: int  # drives that fail on a budget before the first that passes
-    held_back: int | None  # row of the best that would be better than the first, did its checks not lack figures
+    held_back: tuple[
+        int, ...
+    ]  # rows of the best that would be better than the first, did their checks not lack figures
     others: tuple[int, ...]  # rows of the best of other motor families than the first one's, where required
     every: InOrder  # all that pass their own checks
     best: Whole  # which of these the first rows are
@@ -124,7 +126,7 @@ def search(
     )  # fmt: skip
     better = int(np.argmax(order == kept.best[0])) if len(kept.best) else len(kept.rejected)  # all before were judged
     return SearchResult(
-        at(few), len(best), counts, front_, short_, better, next(iter(held_), None), others_, found, best
+        at(few), len(best), counts, front_, short_, better, held_, others_, found, best
     )  # fmt: skip
 
 

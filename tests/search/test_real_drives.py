@@ -79,6 +79,22 @@ def test_the_drive_that_the_robot_has_is_among_its_makers_first(name):
     assert part in [drive.motor.part for drive in size(spec, top=10, brief=True).sets]
 
 
+def test_lighter_drives_that_missing_figures_hold_back_are_named():
+    """An elbow of 1.5 N*m that the robot turns with an XM430-W350; its maker prints no continuous torque of it."""
+    spec = read_spec(YamlSource("""name: elbow
+load: {kind: arm, mass: 450 g, length: 350 mm}
+motion: {profile: segments, segments: [{time: 1 s, to: 60 deg/s}, {time: 0.5 s}, {time: 1 s, to: 0 deg/s}, {time: 2 s}]}
+transmission: [{kind: gearhead}]
+supply: {nominal: 12 V, current: 10 A, accepts: all}
+select: {catalogs: [robotis], objective: mass}
+""", "robot.yaml"))  # fmt: skip
+    found = size(spec, top=3)
+    (note,) = [line for line in found.warnings if "would be the first" in line]
+    better, others = note.split("; so would ")
+    assert all(drive.status == "pass" and drive.mass > 0.082 for drive in found.sets)
+    assert better.count("against") == 1 and "XM430-W350 12 V (353.5:1 inside) with 82 g" in others
+
+
 def test_an_estimated_no_load_current_leaves_the_printed_points():
     """An XL430 at 12 V: 61 rpm without load, 1.5 N*m at 1.4 A of stall, behind 258.5:1."""
     view = search_view(load(["robotis"]))
