@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from exports import rendered
 from small_arms import arm, catalogue, least_of_all, two_joints
 
 from drivesizer.errors import InputError
@@ -16,6 +17,7 @@ from drivesizer.joints.mass_columns import joint_torques
 from drivesizer.machine.budgets import riding_mass
 from drivesizer.machine.problem import problem
 from drivesizer.multi_axis.sizing import alone, size_machine
+from drivesizer.output.export import machine_export
 from drivesizer.output.json.documents import as_text, report
 from drivesizer.results.machine import MachineSizing, of_one_axis
 from drivesizer.search.columns.candidates import candidates
@@ -23,6 +25,7 @@ from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.set_record import drive_parts
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explain, size
+from drivesizer.spec.description import read_description
 from drivesizer.spec.machine import MachineSpec, load_machine, machine_of
 from drivesizer.spec.robot import load_spec
 from drivesizer.units import show
@@ -163,6 +166,9 @@ def test_rotors_beyond_a_joint_are_said_and_drives_too_heavy_for_their_links_cou
     assert heavy.startswith(f"sized again with the drive of elbow on link upper: {show(own, 'kg', 'mass')}, ")
     level = 9.80665 * (1.0 * 0.4 + 0.5 * 0.7 + (own - 1.0) * 0.4)  # what it has beyond the link, at the elbow
     assert float(found.axis("shoulder").spec.load.cycle.torque[0, 0]) == pytest.approx(-level, rel=1e-9)
+    (tmp_path / "written.urdf").write_bytes(rendered(machine_export(found), "urdf"))
+    links = read_description(tmp_path / "written.urdf").links
+    assert [links[name].mass for name in ("upper", "fore")] == pytest.approx([own, 0.5])
 
 
 def test_a_drive_on_the_base_is_no_load(tmp_path: Path) -> None:

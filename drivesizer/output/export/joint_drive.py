@@ -38,6 +38,7 @@ class JointDrive:
     travel: float = 1.0  # of the joint per angle of the driven shaft [1, or m/rad]
     turns_by: Mapping[str, float] = field(default_factory=dict)  # where its belt passes joints: theirs, and its own 1
     mass: float = nan  # kg, of what is known of it, without its controller
+    beyond: float = nan  # kg of it that no link of the description holds
     lacking: tuple[str, ...] = ()  # parts of unknown mass
     place: Attached = _NOWHERE  # of the mass
     stage_inertia: float = 0.0  # kg*m^2 at the driven shaft, of a belt and a further gear that drives

@@ -167,24 +167,27 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
     robot = read_description(path_from_spec(file, section.description, ("robot", "description")))
     joints = tuple(name for name in robot.joints if name in exports)
     held = fixed_positions(section, robot, joints)
-    places = drive_places(section, robot, joints) if section.masses == "without" else {}  # else the links hold them
+    places = drive_places(section, robot, joints)
     turned = coupling(section, robot, held, joints)
     drives = []
     for name, row in zip(joints, turned.tolist(), strict=True):
-        axis, place = sizing.axis(name), section.drives.get(name, DrivePlace())
+        axis, own = sizing.axis(name), section.drives.get(name, DrivePlace())
         assert axis.best is not None
         of = exports[name]
         stages, chain = _stages(axis), robot.chain(robot.joints[name].parent)
         root = chain[-1].parent if chain else robot.joints[name].parent  # where a drive on the base is
+        place, mass = places.get(name) or Attached(root, np.zeros(3)), riding_mass(axis.result.problem, axis.best)
+        of_link = robot.links[place.link].mass if section.masses == "with_drives" else 0.0
         drives.append(JointDrive(
             joint=name,
             motor=f"{name}_motor",
             of=replace(of, assumptions=tuple(line for line in of.assumptions if line not in behind_gear(axis.spec))),
-            travel=radius_of(robot.joints[name], place.travel_per_turn) / stages.ratio,
+            travel=radius_of(robot.joints[name], own.travel_per_turn) / stages.ratio,
             turns_by={other: share for other, share in zip(joints, row, strict=True) if share},
-            mass=riding_mass(axis.result.problem, axis.best),
+            mass=mass,
+            beyond=max(mass - of_link, 0.0),
             lacking=tuple(one.name for one in riding_rows(axis.result.problem, axis.best) if isnan(one.each)),
-            place=places.get(name) or Attached(root, np.zeros(3)),
+            place=place,
             stage_inertia=stages.efficiency * stages.pinion_inertia + stages.wheel_inertia / stages.ratio**2,
             stage_friction=stages.efficiency * stages.pinion_friction + stages.wheel_friction / stages.ratio,
             gear_efficiency=stages.efficiency,
@@ -233,6 +236,7 @@ def head(of: MachineExport) -> list[str]:
             "robot",
             slides=any(drive.slides for drive in robot.drives),
             bearings=robot.section.friction == "keep" and any(joint.damping or joint.friction for joint in driven),
+            within=robot.section.masses == "with_drives",
             held=", ".join(f"{name} {brief(value)}" for name, value in robot.held.items()),
         )
         said += robot.robot.notes

@@ -428,8 +428,8 @@ def _robot_link(body: Element, name: str, robot: RobotExport, *, moves: bool) ->
             ends = {"size": number(0.06 * length), "fromto": vector((0.0, 0.0, 0.0, *joint.place.tolist()))}
             SubElement(body, "geom", {"type": "capsule"} | ends | _SHOWN)
     for drive in robot.drives:
-        if drive.place.link == name:
-            _point_mass(body, free_name(f"{drive.joint}_drive", robot.robot.links), drive.place.at, drive.mass)
+        if drive.place.link == name and drive.beyond:
+            _point_mass(body, free_name(f"{drive.joint}_drive", robot.robot.links), drive.place.at, drive.beyond)
     if robot.payload and robot.payload.link == name:
         _point_mass(body, free_name("payload", robot.robot.links), robot.payload.at, robot.payload_mass)
 

@@ -125,14 +125,14 @@ def _robot(root: Element, robot: RobotExport) -> None:
     """Links of the description with the drives on them, its joints with the figures of their drives, the payload."""
     for link in robot.robot.links.values():
         element = SubElement(root, "link", name=link.name)
-        on_it = [drive for drive in robot.drives if drive.place.link == link.name]
+        on_it = [drive for drive in robot.drives if drive.place.link == link.name and drive.beyond]
         for one in on_it:
             where = vector(one.place.at)
-            remark(element, f"Drive of {one.joint}, {brief(one.mass)} kg at {where}, is in it as a point mass.")
+            remark(element, f"Drive of {one.joint}, {brief(one.beyond)} kg at {where}, is in it as a point mass.")
         if link.lacking:
             remark(element, f"In the description it {link.lacking}.")
         own = Body(link.mass, link.centre, link.inertia)
-        points = [Body(one.mass, one.place.at, np.zeros((3, 3))) for one in on_it]
+        points = [Body(one.beyond, one.place.at, np.zeros((3, 3))) for one in on_it]
         _inertial(element, together([own, *points]) if points else own)
     for joint in robot.robot.joints.values():
         drive, elements = robot.drive(joint.name), dict[str, dict[str, str]]()
