@@ -30,6 +30,10 @@ _HIGHER = "no such voltage is known of the machine, and it must be made out of a
 _COLDER = "at most: the permitted winding temperature is unknown"
 _COOLER = "at most: thermal figures are unknown"
 _COOLED = "unknown: thermal figures by which its mounting, cooler than the printed one, raises the rating"
+_IDLE = 1.3  # times the permissible speed, which no no-load speed exceeds
+_BY_IDLE = "no permissible speed is printed: assumed at least that at nominal load, or without load / 1.3"
+COMMUTATED = 2617.9938779914944  # rad/s, 25 000 rpm of speed times pole pairs
+_BY_COMMUTATION = "no electrical speed is printed: assumed at least 25 000 rpm, as none that prints it has less"
 _BY_THE_MEAN = ("Apex Dynamics", "Harmonic Drive", "Wittenstein")  # makers that limit the mean input speed
 
 
@@ -91,6 +95,33 @@ def continuous_currents(motor: Any, controller: Any, environment: Environment) -
     derating = float(current_derating(ambient, motor.max_winding_temperature, rated_ambient(motor)))
     own = float(controller_current(controller, ambient)) * left if controller else np.nan
     return motor.nominal_current * (derating * np.sqrt(left)), own
+
+
+def motor_speed_limit(speed: Alike, motor: Figures, needed: float = 0.0) -> CheckColumn:
+    """A motor's speed against the permissible one; where none is printed it is at least one that its maker runs it at.
+
+    Of 904 motors that print both none permits less than the no-load speed at nominal voltage over 1.3.
+    """
+    printed = motor["max_speed"]
+    silent, reached = np.isnan(printed), np.fmax(motor["nominal_speed"], motor["no_load_speed"] / _IDLE)
+    limit = Range(np.where(silent, reached, printed), printed)
+    column = at_most("motor_speed", speed, limit, needed=needed, undecided=_BY_IDLE)
+    return column.assuming(silent & column.passed, _BY_IDLE)
+
+
+def electrical_speed_limit(
+    name: str, speed: Alike, kind: Alike, controller: Figures, needed: float = 0.0
+) -> CheckColumn:
+    """Speed times pole pairs against what a controller commutates; a brushed motor does so itself.
+
+    Where its maker prints none, a controller is taken to reach what the slowest of those do that print it: maxon's
+    EPOS2. moteus boards reach 240 000 rpm, an ODrive 3.6 by its makers' forum 35 000.
+    """
+    printed = np.where(np.asarray(kind) == "brushed", np.inf, controller["max_speed_sine"])
+    silent = np.isnan(printed) & (np.asarray(controller["part"]) != "")
+    limit = Range(np.where(silent, COMMUTATED, printed), printed)
+    column = at_most(name, speed, limit, needed=needed, undecided=_BY_COMMUTATION)
+    return column.assuming(silent & column.passed, _BY_COMMUTATION)
 
 
 def controller_power_limit(power: Alike, controller: Figures, voltage: float, **more: Any) -> CheckColumn:

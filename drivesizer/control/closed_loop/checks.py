@@ -28,7 +28,14 @@ from drivesizer.physics.power_stage import of_the_source
 from drivesizer.results.check import Band, Check, Figure, figure
 from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import voltage_assumption
-from drivesizer.results.ratings import continuous_speed_limit, controller_current, nominal_current_limit, unless_printed
+from drivesizer.results.ratings import (
+    continuous_speed_limit,
+    controller_current,
+    electrical_speed_limit,
+    motor_speed_limit,
+    nominal_current_limit,
+    unless_printed,
+)
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
 from drivesizer.units import show
 
@@ -315,13 +322,15 @@ def _speed(case: ClosedLoop) -> Iterator[Check]:
     controller, speed, when = case.drive_set.controller or Controller(), case.figure("speed"), case.figure("speed_time")
     proposed: Any = {} if case.spec.wants_encoder else PROPOSAL
     counts = encoder.lines / (2 * math.pi) * speed
-    yield _check(at_most("motor_speed", speed, motor.max_speed), when)
+    yield _check(motor_speed_limit(speed, motor), when)
     yield _check(at_most("encoder_speed", speed, encoder.max_speed, **proposed), when)
     yield _check(at_most("encoder_frequency", counts, encoder.max_frequency, **proposed), when)
     yield _check(at_most("controller_frequency", counts, controller.max_encoder_frequency, **proposed), when)
     if motor.kind == "brushless":
-        electrical = at_most("controller_electrical_speed", speed * motor.pole_pairs, controller.max_speed_sine)
-        yield _check(electrical, when, "speed times pole pairs, sinusoidal commutation")
+        turns = speed * motor.pole_pairs
+        electrical = electrical_speed_limit("controller_electrical_speed", turns, motor.kind, controller)
+        note = "" if electrical.on_basis else "speed times pole pairs, sinusoidal commutation"
+        yield _check(electrical, when, note)
 
 
 def _traction(case: ClosedLoop) -> Iterator[Check]:

@@ -26,7 +26,7 @@ from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.physics.winding import Heat, Parts, stress
 from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.problem import Problem
-from drivesizer.results.ratings import controller_current
+from drivesizer.results.ratings import COMMUTATED, controller_current
 from drivesizer.search.columns import limits_over_time as over_time
 from drivesizer.search.columns.brakes import line_frequency
 from drivesizer.search.columns.candidates import FREE, LAST, Rows, figure_order, parts_share
@@ -205,7 +205,10 @@ def controllers(
     for demand, needed, limit in limits:
         lacking[limit < demand * (1.0 + needed)] = LOST
         if (unknown := np.isnan(limit)).any():
-            lacking += unknown & (demand != 0.0) & (lacking < LOST)
+            unknown = unknown & (demand != 0.0)
+            assumed = unknown & (demand * (1.0 + needed) <= COMMUTATED) & (demand is required.max_speed_sine)
+            lacking += unknown & ~assumed & (lacking < LOST)
+            unprinted = unprinted + assumed
         if "margin" in weights:
             with np.errstate(divide="ignore", invalid="ignore"):
                 margin = np.fmin(margin, np.where(demand == 0.0, np.inf, limit / demand - 1.0))

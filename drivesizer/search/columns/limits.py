@@ -29,7 +29,9 @@ from drivesizer.results.ratings import (
     ambient_range,
     continuous_speed_limit,
     controller_current,
+    electrical_speed_limit,
     lasting_limit,
+    motor_speed_limit,
     nominal_current_limit,
     nominal_torque_limit,
     short_limit,
@@ -44,8 +46,6 @@ from drivesizer.spec.sections import required_life
 
 _LIFE = "screw_life"  # a limit of the load whose demand is a need of the spec
 _BY_TORQUE = "no power is printed: limited by torque and speed alone, assumed"
-_IDLE = 1.3  # times the permissible speed, which no no-load speed exceeds
-_BY_IDLE = "no permissible speed is printed: assumed at least that at nominal load, or without load / 1.3"
 _NO_SHORT = "the limit at least: none for a short time is printed"
 _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
@@ -203,7 +203,7 @@ def moving_limits(
     if spec.once:
         rated = [_of_one_run(check, heating, motor) for check in rated]
     found = [
-        _motor_speed(demand.peak_speed, motor, speed),
+        motor_speed_limit(demand.peak_speed, motor, speed),
         *rated,
         winding_limit(spec, heating.winding, motor),
     ]
@@ -214,18 +214,6 @@ def moving_limits(
         found.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
                              advice=True, note=_UNEVEN_NOTE))  # fmt: skip
     return found + inertia_limits(spec, cycle, demand, parts)
-
-
-def _motor_speed(speed: Array, motor: Figures, needed: float) -> CheckColumn:
-    """A motor's speed against the permissible one; where none is printed it is at least one that its maker runs it at.
-
-    Of 904 motors that print both none permits less than the no-load speed at nominal voltage over 1.3.
-    """
-    printed = motor["max_speed"]
-    silent, reached = np.isnan(printed), np.fmax(motor["nominal_speed"], motor["no_load_speed"] / _IDLE)
-    limit = Range(np.where(silent, reached, printed), printed)
-    column = at_most("motor_speed", speed, limit, needed=needed, undecided=_BY_IDLE)
-    return column.assuming(silent & column.passed, _BY_IDLE)
 
 
 def _of_one_run(check: CheckColumn, heating: Heat, motor: Figures) -> CheckColumn:
@@ -279,7 +267,6 @@ def electrical_limits(
     stall = motor["stall_torque"] * np.fmax(spec.supply.highest / motor["nominal_voltage"], 1.0)
     of_stall = np.isnan(motor["resistance"] * motor["torque_constant"]) & ~np.isnan(stall)
     peak = np.where(np.isnan(motor["peak_torque"]), np.where(of_stall, stall, np.inf), motor["peak_torque"])
-    commutated = np.where(motor["kind"] == "brushed", np.inf, controller["max_speed_sine"])
     time = stresses.current.time
     return [
         at_most("motor_peak_torque", stresses.torque, peak, needed=needed, time=time),
@@ -289,7 +276,9 @@ def electrical_limits(
         at_most("controller_peak_current", stresses.current.value, most_current(spec, controller), needed=needed,
                 time=time),
         *counting_limits(spec, cycle.belt, demand, parts),
-        at_most("controller_speed", electrical_speed(demand, motor), commutated, needed=spec.margins.speed),
+        electrical_speed_limit(
+            "controller_speed", electrical_speed(demand, motor), motor["kind"], controller, spec.margins.speed
+        ),
     ]  # fmt: skip
 
 
