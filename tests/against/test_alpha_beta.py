@@ -30,8 +30,13 @@ PAIRS = [("148867", "203115"), ("148877", "203113")]
 
 @pytest.fixture(scope="module")
 def frictionless(catalog):
-    columns = dict(catalog.motors.columns) | {"no_load_current": np.zeros(len(catalog.motors))}
-    return replace(catalog, motors=replace(catalog.motors, columns=columns))
+    """The catalogue, without friction of motors and inertia of encoders."""
+
+    def without(table, figure):
+        return replace(table, columns=dict(table.columns) | {figure: np.zeros(len(table))})
+
+    motors, encoders = without(catalog.motors, "no_load_current"), without(catalog.encoders, "inertia")
+    return replace(catalog, motors=motors, encoders=encoders)
 
 
 def fan(motor, gearhead, torque, ramp, cruise, ratios):
@@ -55,8 +60,7 @@ def test_the_best_belt_ratio_is_that_of_the_closed_form(frictionless, motor, gea
     T, a, weight = samples(load_cycle(fan(motor, gearhead, torque, ramp, cruise, "1.1")))
     assert (T > 0.0).all()  # power flows to the load only
     rms_T, rms_a = (math.sqrt(weight @ x**2) for x in (T, a))
-    encoder = 0.0
-    J = m.rotor_inertia + g.inertia + encoder
+    J = m.rotor_inertia + g.inertia
     best = math.sqrt(rms_T / (0.93 * g.efficiency * J * rms_a)) / g.ratio
     grid = [best * 1.02**k for k in range(-60, 61)]
     grid = [1.0003 * x for x in grid]  # the optimum itself lies between two of them

@@ -21,6 +21,7 @@ from drivesizer.catalog import load
 ALPHA = 0.0039  # 1/K, copper
 ROOM = 298.15  # K, of datasheets
 NAN = math.nan
+COMMUTATED = 25e3 * math.pi / 30  # rad/s, that controllers reach of which none is printed
 
 Pair = tuple[float, float]  # values at the left and the right end
 
@@ -632,10 +633,11 @@ def controllers_for(spec: Any, offered: list[Any], kind: str, wanted: Wanted) ->
             continue
         volts = 0.0 if wanted.volts == 0.0 else deciding_voltage(spec, c, wanted.volts)
         figures = [c.supply_min + c.supply_max, c.continuous_current, c.peak_current, volts]
-        figures += [c.max_speed_sine] if wanted.turning != 0.0 else []
+        figures += [c.max_speed_sine] if wanted.turning > COMMUTATED else []
         figures += [c.max_encoder_frequency] if wanted.lines != 0.0 else []
         figures += [c.peak_time] if c.continuous_current < wanted.peak / (1 + spec.margins.torque) else []
         assumed = math.isnan(given) + (math.isnan(c.peak_time) and c.continuous_current < wanted.peak)
+        assumed += math.isnan(c.max_speed_sine) and 0.0 < wanted.turning <= COMMUTATED
         does.append((sum(math.isnan(f) for f in figures), assumed, c))
 
     def place(one: tuple[int, int, Any]) -> tuple[Any, ...]:
@@ -667,8 +669,9 @@ def voltage_ends(spec: Any, controller: Any) -> tuple[float, float]:
 
 
 def encoders_for(spec: Any, fitting: list[Any], speed: float, reduction: float) -> list[Any | None]:
-    """Of those with counts enough one that is known to bear the speed, else one that may; of them that of most worth,
-    then the fewest counts. Behind it those to try where the drive fails with it: each is easier to turn.
+    """Of those with counts enough one that is known to bear the speed, else one that may; of them one of known
+    inertia, of most worth, of the fewest counts. Behind it those to try where the drive fails with it: each is easier
+    to turn.
     """
     required = max(spec.needs.encoder_counts or 0, spec.select.encoder.min_counts or 0)
     ordered = sorted(fitting, key=lambda c: (math.isnan(c.counts_per_turn), c.counts_per_turn, c.part))
@@ -703,7 +706,7 @@ def encoders_for(spec: Any, fitting: list[Any], speed: float, reduction: float) 
 
     alike, found = [c for c in enough if standing(c) == min(map(standing, enough))], list[Any]()
     while alike:
-        found.append(min(alike, key=lambda c: (worth(c), enough.index(c))))
+        found.append(min(alike, key=lambda c: (math.isnan(c.inertia), worth(c), enough.index(c))))
         alike = [c for c in alike if inertia(c) < inertia(found[-1])]
     return found
 
@@ -871,6 +874,8 @@ def checks(
     turning = 0.0 if motor.kind == "brushed" else found.speed * motor.pole_pairs
     limit = math.inf if motor.kind == "brushed" else figure(controller, "max_speed_sine")
     out["controller_speed"] = at_most(turning, limit, fast)
+    if controller is not None and math.isnan(limit) and turning * (1 + fast) <= COMMUTATED:  # as the slowest that print
+        out["controller_speed"] = at_most(turning, COMMUTATED, fast)
     _supply(spec, found, controller, out)
     return out
 

@@ -36,5 +36,8 @@ def without(catalog: Catalog, role: str, part: str, *fields: str) -> Catalog:
 
 
 def poorer(catalog: Catalog) -> Catalog:
-    """The catalogue without heat and permissible speed of the paper's motor, and without its encoder's code wheel."""
-    return without(without(catalog, "motor", "118752", *HEAT, "max_speed"), "encoder", "225778", "inertia")
+    """The catalogue without heat and permissible speed of the paper's motor, its encoders without code wheels."""
+    found = without(catalog, "motor", "118752", *HEAT, "max_speed")
+    for encoder in ("225778", "225780"):
+        found = without(found, "encoder", encoder, "inertia")
+    return found

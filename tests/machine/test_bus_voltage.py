@@ -75,7 +75,7 @@ def test_a_trace_of_energy_does_not_make_the_bus_unknown(catalog):
     speed = np.linspace(2 * np.pi * i, 0.0, 2001)
     dry, per_speed = by_hand.friction(motor)
     load = (1e-3 - 1e-6 * 2 * np.pi / 0.02) / (i * e)  # the load's friction is more than it takes to stop it
-    slowing = (motor.rotor_inertia + one.gearhead.inertia) * speed[0] / 0.02
+    slowing = (motor.rotor_inertia + one.gearhead.inertia + one.encoder.inertia) * speed[0] / 0.02
     current = (load + dry + per_speed * speed - slowing) / motor.torque_constant
     warm = motor.resistance * (1 + 0.0039 * 0.37)
     power = current * (warm * current + motor.torque_constant * speed)

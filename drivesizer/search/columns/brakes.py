@@ -64,6 +64,7 @@ def offered_encoders(spec: RobotSpec, catalog: Catalog) -> EncoderOffers:
         fastest = np.nan_to_num(np.fmin(table["max_speed"], by_frequency), nan=np.inf)
         inertia = np.nan_to_num(table["inertia"])
         worth = summed_share(spec, table.changed({"inertia": inertia}), catalog)
+        worth += np.where(np.isnan(table["inertia"]), 2.0 * LAST, 0.0)  # left out of the drive where it is unknown
         least = float(max(needed or 0, choice.min_counts or 0))
         counts = np.append(counted, np.nan)[row]
         return EncoderOffers(
