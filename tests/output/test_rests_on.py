@@ -64,6 +64,7 @@ WHERE_IT_BINDS = {
     *(f"controller.{name}" for name in ("full_current_ambient", "derating_slope", "ambient_max")),  # in a hot cabinet
     "controller.max_duty",  # unknown it is 0.9 at least, which most makers print
     "controller.max_encoder_frequency",
+    "controller.max_speed_sine",  # unknown it is that of the slowest that print one, at least
     "gearhead.intermittent_input_speed",  # the continuous one is as large
     "gearhead.temperature_min",
     "motor.ambient_min",
