@@ -221,8 +221,11 @@ def controllers(
         hanging = (~((volts <= given.low) | (volts > given.high)) & (volts != 0.0)).astype(np.int8)
         if not any("controller_peak_time" in ASSUMABLE[name] for name in spec.select.assume):
             hanging = hanging + (np.isnan(peak_time) & (continuous < required.peak))
-        unprinted = np.isnan(feed.usable).astype(np.int8)
-        unprinted = unprinted + (np.isnan(peak_time) & (continuous < required.peak * (1.0 + required.torque)))
+        unprinted = (
+            unprinted
+            + np.isnan(feed.usable)
+            + (np.isnan(peak_time) & (continuous < required.peak * (1.0 + required.torque)))
+        )
         otherwise = np.where(volts > lowest, usable.largest[motor], otherwise)
     shares, weight = _shares(spec, catalog, order, rms), weights.get("margin", 0.0)
     ranks = Ranks(lacking, hanging, shares, margin, unprinted, weight)
