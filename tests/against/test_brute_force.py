@@ -138,8 +138,9 @@ def with_belts(pairs, belts):
     return pairs.on(every)._replace(belt=np.tile(np.array(belts), len(pairs.motor)))
 
 
-def all_by_hand(spec, catalog, sets):
-    """Each set's checks, controller and demands."""
+def all_by_hand(spec, catalog, sets, drives=None):
+    """Each set's checks, controller and demands; ``drives``: what of them is the same whatever the objective."""
+    drives = {} if drives is None else drives
     cycle = load_cycle(spec)
     segments = by_hand.segments_of(cycle)
     offered = [c for c, out in zip(records("controllers"), catalog.controllers.excluded, strict=True) if not out]
@@ -148,7 +149,11 @@ def all_by_hand(spec, catalog, sets):
         motor, head = records("motors")[m], records("gearheads")[g]
         speed = head.ratio * belt * max(abs(w) for segment in segments for w in segment.speed)
         for encoder in by_hand.encoders_for(spec, encoders_of().get(m, []), speed, head.ratio * belt):
-            one = with_encoder(spec, cycle, segments, (motor, head, encoder), belt, offered)
+            key = m, g, belt, getattr(encoder, "part", None)
+            if key not in drives:
+                drives[key] = drive_by_hand(spec, segments, (motor, head, encoder), belt)
+            pieces, of = drives[key]
+            one = *by_hand.chosen(spec, cycle, pieces, of, (motor, head, encoder), belt, offered), pieces
             if not fails_by_inertia(spec, one[0]):
                 break
         found.append(one)
@@ -163,37 +168,33 @@ def fails_by_inertia(spec, checks):
     return bool(failing) and all(CHECKS["physics"][n].on_inertia for n in failing)
 
 
-def with_encoder(spec, cycle, segments, parts, belt, offered):
-    """A set with an encoder: its checks, controller and demands."""
+def drive_by_hand(spec, segments, parts, belt):
+    """The pieces of a set's cycle, and its demands with a controller."""
     motor, head, encoder = parts
     extra = by_hand.figure(encoder, "inertia")
     pieces = by_hand.drive(motor, head, 0.0 if math.isnan(extra) else extra, belt, spec.belt_efficiency, segments)
     kept = 1.0 - spec.supply.regeneration  # the rest of what comes back
-
-    @cache
-    def losing(losses):
-        return by_hand.asked(pieces, motor, head, spec.environment.ambient, kept, losses)
+    losing = by_hand.by_controller(pieces, motor, head, spec.environment.ambient, kept)
 
     def of(controller):
         assumed = 1.0 if spec.select.estimates == "on" else 0.0  # at least half of that
-        return losing(tuple(by_hand.loss_per_ampere(controller, share * assumed) for share in (1.0, 0.5)))
+        return losing(*(by_hand.loss_per_ampere(controller, share * assumed) for share in (1.0, 0.5)))
 
-    return *by_hand.chosen(spec, cycle, pieces, of, parts, belt, offered), pieces
+    return pieces, of
 
 
 @pytest.fixture(scope="module")
 def worked(folder, catalog):
     """Random sets of each load, worked out both ways; once per load and objective."""
-    done = {}
+    drives = {name: {} for name in LOADS}
 
+    @cache
     def of(name, objective="mass"):
-        if (name, objective) not in done:
-            spec = spec_of(name, folder)
-            spec = spec.with_select(spec.select.ranked_by(objective))
-            count = COUNTS.get(name, PAIRS) // len(spec.belt_ratios)
-            sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
-            done[name, objective] = spec, sets, all_by_hand(spec, catalog, sets)
-        return done[name, objective]
+        spec = spec_of(name, folder)
+        spec = spec.with_select(spec.select.ranked_by(objective))
+        count = COUNTS.get(name, PAIRS) // len(spec.belt_ratios)
+        sets = with_belts(some_pairs(catalog, count, name), spec.belt_ratios)
+        return spec, sets, all_by_hand(spec, catalog, sets, drives[name])
 
     return of
 

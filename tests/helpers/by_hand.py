@@ -170,18 +170,15 @@ def lasting(pieces: tuple[tuple[float, Pair], ...], on_end: float, share: float)
     return high
 
 
-def asked(
-    pieces: list[Piece],
-    motor: Any,
-    head: Any,
-    ambient: float,
-    kept: float = 1.0,
-    losing: tuple[float, float] = (0.0, 0.0),
-) -> Asked:
-    """Every demand of one set, the time above a current apart.
+def asked(pieces: list[Piece], motor: Any, head: Any, ambient: float, kept: float = 1.0) -> Asked:
+    """Every demand of one set whose controller loses nothing, the time above a current apart."""
+    return by_controller(pieces, motor, head, ambient, kept)(0.0, 0.0)
 
-    ``losing``: loss per ampere of the controller [V] and the least that it may be.
-    """
+
+def by_controller(
+    pieces: list[Piece], motor: Any, head: Any, ambient: float, kept: float = 1.0
+) -> Callable[[float, float], Asked]:
+    """Every demand of one set by its controller's loss per ampere and the least that this may be [V]."""
     total = sum(p.time for p in pieces)
     running = [p for p in pieces if p.way]
     ran = sum(p.time for p in running)
@@ -239,22 +236,29 @@ def asked(
         returned=NAN,
         stored=(NAN, NAN),
     )
-    loss, least = losing
-    power = [
-        largest([x for p, T in zip(fine, Ts, strict=True) for x in _strongest(p, hottest_volts(p, motor, T), loss)])
-        for Ts in (both if unknown else both[:1])
+    hottest_of = [
+        [hottest_volts(p, motor, T) for p, T in zip(fine, Ts, strict=True)] for Ts in (both if unknown else both[:1])
     ]
     means = [T.mean for T in temperatures]
-    drawn, returned, stored = energy(fine, motor, means, kept, loss=loss)
-    stored = stored if least == loss else energy(fine, motor, means, kept, loss=least)[2]
-    coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=least)[2] if unknown else stored
-    return replace(
-        before,
-        power=(power[0], power[-1]),
-        drawn=drawn,
-        returned=returned,
-        stored=(stored, coldest),  # the colder, the more comes back
-    )
+
+    @cache
+    def at(loss: float, least: float) -> Asked:
+        power = [
+            largest([x for p, V in zip(fine, of_pieces, strict=True) for x in _strongest(p, V, loss)])
+            for of_pieces in hottest_of
+        ]
+        drawn, returned, stored = energy(fine, motor, means, kept, loss=loss)
+        stored = stored if least == loss else energy(fine, motor, means, kept, loss=least)[2]
+        coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=least)[2] if unknown else stored
+        return replace(
+            before,
+            power=(power[0], power[-1]),
+            drawn=drawn,
+            returned=returned,
+            stored=(stored, coldest),  # the colder, the more comes back
+        )
+
+    return at
 
 
 def _strongest(piece: Piece, V: Pair, loss: float) -> Iterator[float]:
@@ -507,11 +511,11 @@ class _Step:
         """Of the winding, over the time: Simpson in steps so fine that nothing is left of the fast mode between."""
         n = 2 * max(8, math.ceil(-40 * self.fast * time))
         slow, fast = self._modes(x, 1.0)
-        parts = (slow[0], self.slow), (fast[0], self.fast)
+        (s, of_s), (f, of_f) = (slow[0] / self.slow, self.slow), (fast[0] / self.fast, self.fast)
         if n > 4000:
-            return x[0] + sum(c / rate * (math.expm1(rate * time) / (rate * time) - 1.0) for c, rate in parts)
+            return x[0] + sum(c * (math.expm1(r * time) / (r * time) - 1.0) for c, r in ((s, of_s), (f, of_f)))
         moments = [time * k / n for k in range(n + 1)]
-        values = [x[0] + sum(c * math.expm1(rate * t) / rate for c, rate in parts) for t in moments]
+        values = [x[0] + s * math.expm1(of_s * t) + f * math.expm1(of_f * t) for t in moments]
         return (values[0] + values[-1] + 4 * sum(values[1:-1:2]) + 2 * sum(values[2:-1:2])) / (3 * n)
 
     def highest(self, x: Pair, time: float) -> float:
