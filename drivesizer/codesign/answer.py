@@ -183,7 +183,7 @@ def _why_worse(best: Machine, other: Machine) -> str:
     assert one is not None
     if now is None:
         return other.why
-    return "worse by more than 1 %" if now.goals[0] > one.goals[0] + FLAT * abs(one.goals[0]) else ""
+    return "over 1 % worse" if now.goals[0] > one.goals[0] + FLAT * abs(one.goals[0]) else ""
 
 
 # -- Round figures in that range.

@@ -11,6 +11,8 @@ from drivesizer.codesign.machines import Choice, Machine
 from drivesizer.codesign.search import Pair
 from drivesizer.codesign.task import Task
 from drivesizer.files.arithmetic import Expression
+from drivesizer.output.document import records as doc
+from drivesizer.output.terminal.render import text_of_blocks
 from drivesizer.output.words import number_of
 from drivesizer.results.check import sentence_case
 from drivesizer.results.check_kinds import CHECKS
@@ -62,34 +64,25 @@ class Answer:
         return self.task.filled(one.values)
 
     def __str__(self) -> str:
-        return "\n".join(_lines(self))
+        return text_of_blocks(self.blocks())
 
-
-def _lines(answer: Answer) -> Iterator[str]:
-    task, best, choice = answer.task, answer.best, answer.choice
-    yield _searched(answer)
-    yield ""
-    if best is None or choice is None:
-        yield "  No machine is within all limits."
-        if answer.nearest is not None:
-            yield f"  Closest: {_values(answer, answer.nearest)}; it fails on {_why(answer.nearest.why)}."
-        return
-    yield f"  {_title(task.minimise)}: {_figure(answer, task.minimise, choice.goals[0])}"
-    yield ""
-    yield from _table(_free(answer))
-    yield ""
-    yield from _drive(answer, choice)
-    if answer.rounded:
-        yield ""
-        one = answer.rounded.choice()
-        assert one is not None
-        figures = _values(answer, answer.rounded)
-        yield f"  Rounded: {figures}: {_figure(answer, task.minimise, one.goals[0])}"
-    if answer.front:
-        yield ""
-        yield from _table(_front(answer))
-    for note in task.notes:
-        yield f"  Note: {note}."
+    def blocks(self) -> Iterator[doc.Block]:
+        """Tables and sentences that say all of it."""
+        yield doc.Words(_searched(self))
+        if self.choice is None:
+            yield doc.Words("No machine is within all limits.")
+            if self.nearest is not None:
+                yield doc.Words(f"Closest: {_values(self, self.nearest)}; it fails on {_why(self.nearest.why)}.")
+            return
+        goal = self.task.minimise
+        best = f"{_title(goal)}: {_figure(self, goal, self.choice.goals[0])}"
+        yield doc.Table(best, _FREE, [doc.Row(cells) for cells in _free(self)])
+        yield doc.listed((("", "left"), ("", "left")), _drive(self, self.choice), "The drive")
+        if self.rounded and (one := self.rounded.choice()):
+            yield doc.Words(f"Rounded: {_values(self, self.rounded)}: {_figure(self, goal, one.goals[0])}")
+        if self.front:
+            yield _front(self)
+        yield from (doc.Words(f"{note}.", "note") for note in self.task.notes)
 
 
 def _searched(answer: Answer) -> str:
@@ -113,18 +106,20 @@ def _values(answer: Answer, one: Machine) -> str:
     return ", ".join(f"{free.name} {value}" for free, value in zip(answer.task.free, one.values, strict=True))
 
 
-def _free(answer: Answer) -> list[tuple[str, ...]]:
+_FREE = [doc.Column(head, head, "text" if head.endswith("that") else "name")
+         for head in ("free figure", "best", "within 1 %", "below that", "above that")]  # fmt: skip
+
+
+def _free(answer: Answer) -> Iterator[dict[str, doc.Cell]]:
     """The free figures with the ranges in which the optimum is flat."""
     assert answer.best is not None
-    rows: list[tuple[str, ...]] = [("free figure", "best", "within 1 %", "below that", "above that")]
     for flat, value in zip(answer.flat, answer.best.values, strict=True):
-        same = flat.low == flat.high
-        span = "only this" if same else f"{flat.low} .. {flat.high}"
-        rows.append((flat.free.name, str(value), span, _why(flat.below), _why(flat.above)))
-    return rows
+        span = "only this" if flat.low == flat.high else f"{flat.low} .. {flat.high}"
+        cells = flat.free.name, str(value), span, _why(flat.below), _why(flat.above)
+        yield {column.key: cell for column, cell in zip(_FREE, cells, strict=True)}
 
 
-def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
+def _drive(answer: Answer, choice: Choice) -> Iterator[tuple[str, str]]:
     """The drive with what it costs, and the limits that it is closest to."""
     assert answer.best is not None
     heads, task = answer.task.heads, answer.task
@@ -132,7 +127,7 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
     sets = {head.removesuffix("set").rstrip("."): value for head, value in row.items() if head.endswith("set")}
     for name, label in sets.items():
         number = f"{row['drives']} of " if not name and row.get("drives", 1) != 1 else ""
-        yield f"  {name or 'drive'}: {number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
+        yield name or "drive", f"{number}{label}" + (f" ({row['status']})" if row["status"] != "pass" else "")
     of_spec = spec_figures(task.job, Variant(0, 0, answer.best.values, 0, 0, []))
     figure = row_figures(heads, choice.row, of_spec)
     shown = [(name, NAMED[name].title, figure(name), NAMED[name]) for name in _SHOWN if NAMED[name].column in row]
@@ -144,25 +139,31 @@ def _drive(answer: Answer, choice: Choice) -> Iterator[str]:
 
     for name, title, value, named in shown:
         if not isnan(value):
-            yield f"  {title}: {show(value, named.unit, named.kind)}{least([name])}"
-    yield f"  tightest: {_why(str(row['smallest_margin_check']))}, {100 * choice.margin:+.1f} %"
+            yield title, f"{show(value, named.unit, named.kind)}{least([name])}"
+    yield "tightest", f"{_why(str(row['smallest_margin_check']))}, {100 * choice.margin:+.1f} %"
     for limit in task.limits:
-        yield f"  {limit.text}: {_figure(answer, limit.of, limit.of.value(figure))}{least(limit.of.names)}"
+        yield limit.text, f"{_figure(answer, limit.of, limit.of.value(figure))}{least(limit.of.names)}"
 
 
-def _front(answer: Answer) -> list[tuple[str, ...]]:
-    """The front, thinned to a dozen machines."""
+def _front(answer: Answer) -> doc.Table:
+    """The front, thinned to a dozen machines; free figures that are the same in all are said above it."""
     task = answer.task
-    heads = (*(_title(one) for one in task.goals), *(one.name for one in task.free), "drive")
     step = max(1, -(-len(answer.front) // _FRONT))
     few = [*answer.front[::step], *([answer.front[-1]] if (len(answer.front) - 1) % step else [])]
-    rows = [heads]
+    free = [*enumerate(one.name for one in task.free)]
+    same = [(n, name) for n, name in free if len({machine.values[n] for machine, _ in few}) == 1]
+    columns = [doc.Column(one.text, _title(one), "number") for one in task.goals]
+    columns += [doc.Column(name, name, "number", yields=True) for n, name in free if (n, name) not in same]
+    rows = []
     for machine, choice in few:
         row = dict(zip(task.heads, choice.row, strict=True))
         goals = (_figure(answer, one, value) for one, value in zip(task.goals, choice.goals, strict=True))
         drives = ", ".join(str(label) for head, label in row.items() if head == "set" or head.endswith(".set"))
-        rows.append((*goals, *map(str, machine.values), drives))
-    return rows
+        cells = dict(zip((one.text for one in task.goals), goals, strict=True)) | {"drive": drives}
+        rows.append(doc.Row(cells | {name: str(machine.values[n]) for n, name in free}))
+    alike = ", ".join(f"{name} {few[0][0].values[n]}" for n, name in same)
+    caption = "The front" + (f"; in all of it {alike}" if alike else "")
+    return doc.Table(caption, [*columns, doc.Column("drive", "drive")], rows)
 
 
 def _title(one: Expression) -> str:
@@ -187,9 +188,3 @@ def _why(name: str) -> str:
         if name in checks:
             return sentence_case(checks[name].title)
     return name
-
-
-def _table(rows: list[tuple[str, ...]]) -> Iterator[str]:
-    widths = [max(len(row[n]) for row in rows) for n in range(len(rows[0]))]
-    for row in rows:
-        yield ("  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))).rstrip()

@@ -6,7 +6,7 @@ import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from functools import partial
@@ -298,10 +298,20 @@ def print_written(paths: Iterable[Path]) -> None:
         typer.echo(f"{path} written", err=True)
 
 
-def print_notes(messages: Iterable[str]) -> None:
-    """Print notes to stderr, a line each."""
+def print_notes(messages: Iterable[str], axis: str = "") -> None:
+    """Print notes to stderr, a line each, of one axis or of the whole."""
     for message in messages:
-        typer.echo(f"note: {message}", err=True)
+        typer.echo(f"note: {axis}: {message}" if axis else f"note: {message}", err=True)
+
+
+def print_notes_of_axes(found: Mapping[str, Iterable[str]]) -> None:
+    """Print the notes of each axis; one that several axes have is a line that names them, or none where all have it."""
+    axes: dict[str, list[str]] = {}
+    for name, notes in found.items():
+        for note in notes:
+            axes.setdefault(note, []).append(name)
+    for note, names in axes.items():
+        print_notes([note], ", ".join(names) if len(names) < len(found) else "")
 
 
 @contextmanager
@@ -422,7 +432,7 @@ def proven(result: MachineSizing, profile: str | None = None) -> tuple[MachineSi
             proofs[axis.name] = in_closed_loop(name, one.spec, best, others=one.sets[1:], profile=profile)
         except NoLoopError as error:
             reason = f"not simulated in {'open' if best.steps else 'closed'} loop: {error}"
-            print_notes((f"{axis.name}: {reason}" if several else str(error),))
+            print_notes([reason if several else str(error)], name)
             axes[-1] = replace(axis, result=replace(one, warnings=(*one.warnings, reason)))
     return replace(result, axes=tuple(axes)), proofs
 

@@ -45,6 +45,8 @@ def design(
         from drivesizer.codesign.task import read_task
         from drivesizer.files.writing import write_files
         from drivesizer.files.yaml_source import read
+        from drivesizer.output.terminal import render
+        from drivesizer.output.terminal.tables import console
 
         source = common.with_fields(read(spec), fields or [])
         fronts = [one.strip() for one in pareto.split(",")] if pareto else None
@@ -52,7 +54,7 @@ def design(
         kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
         with common.stoppable(f"stopped; {kept}"), common.progress("machines") as advance:
             found = answer(task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance)
-    typer.echo(str(found))
+    render.blocks(console(), found.blocks())
     if output and found.best:
         write_files({output: found.filled(rounded=rounded).encode()})
         typer.echo(f"\n{output}")

@@ -92,8 +92,7 @@ def size(
         for each in result.axes if each_alone else ():
             typer.echo(f"\n{each.name}\n")
             terminal.sizing(each.result, details=details, quiet=True)
-        for each in () if quiet else result.axes:
-            common.print_notes(tuple(f"{each.name}: {note}" for note in each.result.warnings))
+        common.print_notes_of_axes({} if quiet else {one.name: one.result.warnings for one in result.axes})
     raise typer.Exit(int(result.status == "fail"))
 
 

@@ -124,7 +124,7 @@ def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: in
             if several:
                 typer.echo(f"\n{axis.name}\n")
             terminal.validations(proofs, axis.result.objective)
-        common.print_notes(tuple(f"{axis.name}: {note}" if several else note for note in notes))
+        common.print_notes(notes, axis.name if several else "")
     if json:
         common.print_json({"axes": each})
     return int(failing)

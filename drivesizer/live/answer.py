@@ -1,4 +1,4 @@
-"""The answer to a spec: ranking, sections and figures; a figure over a range; drives compared; files."""
+"""The answer to a spec: ranking, sections, figures; a figure over a range; the best machine; comparisons; files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
 from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import YamlSource, field_name
 from drivesizer.live.engine import EngineMemory, Piece, StoppedError
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
@@ -28,6 +28,7 @@ from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explained
 from drivesizer.spec.machine import read_any
 from drivesizer.spec.robot import read_spec
+from drivesizer.spec.sections import FREE, open_figures
 from drivesizer.units import show
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 TOP = 10  # drives of an answer, as in a report
 _MARGINS = 5  # smallest ones beside the chart
 FRONT = ("mass", "price", "energy")
+_QUOTES = ("quote.csv", "quote.xlsx")
 _CHOICES = 200  # drives to choose from by weights, as in a report
 
 
@@ -87,12 +89,18 @@ _NOT_LIVE = ("repeat", "file")  # sections of a report that say how it came abou
 
 
 def answer(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """Pieces ``spec``, ``wrong`` or ``ranking``, ``sections``, ``figures`` and one ``still`` after another."""
+    """Pieces ``spec``, ``wrong`` or ``ranking``, ``sections``, ``figures`` and one ``still`` after another.
+
+    A spec with free figures is no drive yet: ``spec`` and ``free``.
+    """
     text = str(request["text"])
     try:
         text = text_of(held, request)
         source = YamlSource(text, held.name)
         yield {"kind": "spec", "text": text, "data": source.data}
+        if free := [[field_name(path), given] for path, given in open_figures(source.data) if FREE in given]:
+            yield {"kind": "free", "figures": free}
+            return
         yield {"kind": "ranking", **ranking(whole(held, text, brief=True))}
         held.rest(_PAUSE)
         result = whole(held, text, front=True)
@@ -274,6 +282,21 @@ def _judged(check: Check | None) -> doc.Text:
     return (said or "pass") if not check or check.status == "pass" else (f"{said} ".lstrip(), doc.Status(check.status))
 
 
+# -- The best machine of a spec with free figures.
+
+
+def design(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+    """A piece ``designed``: what ``drivesizer design`` prints, as HTML, and the spec with its figures filled in."""
+    from drivesizer.codesign.answer import answer as designed
+    from drivesizer.codesign.task import read_task
+    from drivesizer.live.catalogue import html
+
+    found = designed(read_task(YamlSource(text_of(held, request), held.name)), processes=1, progress=held.go_on)
+    fills = [["best", found.filled()]] if found.best else []
+    fills += [["rounded", found.filled(rounded=True)]] if found.rounded else []
+    yield {"kind": "designed", "html": html(found.blocks()), "fills": fills}
+
+
 # -- Jobs that take longer than an answer: the closed loop, reports and exports, as the command line makes them.
 
 
@@ -293,16 +316,21 @@ def loop(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 
 
 def report(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """A report as ``drivesizer report`` writes it."""
-    from drivesizer.output.report import KNOWN, write
+    """A report as ``drivesizer report`` writes it, or what to order as ``drivesizer quote`` does."""
+    from drivesizer.output.report import KNOWN, write, write_quote
 
-    suffix = f".{request['form']}"
-    if suffix not in KNOWN:
-        raise InputError(f"{quoted(suffix)} does not say which kind of report; expected {', '.join(KNOWN)}")
-    result, proofs = _proven(held, request)
+    form = str(request["form"])
+    if f".{form}" not in KNOWN and form not in _QUOTES:
+        raise InputError(f"{quoted(form)} is no kind of report; expected {', '.join([*KNOWN, *_QUOTES])}")
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"report{suffix}"
-        write(result, proofs, [path])
+        path = Path(folder) / (form if form in _QUOTES else f"report.{form}")
+        if form in _QUOTES:
+            sizing = whole(held, text_of(held, request), top=1)
+            if sizing.status == "fail":
+                raise InputError("no drive meets all limits: there is nothing to order")
+            write_quote(sizing, [path])
+        else:
+            write(*_proven(held, request), [path])
         yield _file(path.name, path.read_bytes())
 
 

@@ -18,7 +18,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output.document import part as sheets
 from drivesizer.output.document.paper import as_data
-from drivesizer.output.document.records import Words
+from drivesizer.output.document.records import Picture, Words
 from drivesizer.output.terminal.catalog import import_words, still_needed
 from drivesizer.output.words import figure, first_columns
 from drivesizer.spec.drive import Select
@@ -131,28 +131,62 @@ def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
            "columns": heads, "rows": rows, "note": note}  # fmt: skip
 
 
-# -- A catalogue of the user
+# -- A file of the user: a catalogue, a table that becomes one, or a log.
+
+
+_LOGS = {".csv", ".tsv", ".txt", ".xlsx", ".json", ".log", ".wpilog"}
 
 
 def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
-    """The findings of ``drivesizer catalog check`` on one catalogue; a table becomes one as by ``catalog import``."""
-    name, content, made = Path(request["name"]), request["content"], dict[str, Any]()
+    """The findings of ``drivesizer catalog check`` on one catalogue; a table becomes one as by ``catalog import``.
+
+    A log has a piece ``fit`` in place of that: the figures of its drive.
+    """
+    name, content, made, no_log = Path(request["name"]), request["content"], dict[str, Any](), tuple[str, ...]()
+    if name.suffix in _LOGS:
+        try:
+            yield fit(name, content)
+            return
+        except InputError as error:
+            no_log = error.lines
     if name.suffix not in (".yaml", ".yml"):
         known = [one for one in listed_names(named_by(held, request["text"])) if one in shipped()]
-        table, name = name, name.with_suffix(".yaml")
-        read = import_table(tables_of(content, table), table, Plan(), name, shelf(held, known))
+        table, name, given = name, name.with_suffix(".yaml"), dict(request.get("given") or {})
+        common = {"kind": given["kind"]} if given.get("kind") else {}
+        plan = Plan(manufacturer=given.get("manufacturer", ""), family=given.get("family", ""), common=common)
+        try:
+            read = import_table(tables_of(content, table), table, plan, name, shelf(held, known))
+        except InputError as error:
+            raise InputError(str(error), [*error.lines, *(f"as a log: {line}" for line in no_log)]) from None
         content = read.text.encode()
         columns = [f"{head.theirs}: {head.column}, first {first}" for head, first in
                    zip(read.heads, read.examples, strict=True) if head.column not in ("", head.theirs)]  # fmt: skip
         read_as = [f"read as {singular(read.section)}: {'; '.join(columns)}"] if columns else []
-        made = {"text": read.text,
-                "read": [*read_as, *import_words(read), *still_needed(read.catalog, read.section)]}  # fmt: skip
+        lacks = still_needed(read.catalog, read.section)
+        of = read.catalog.table(read.section)
+        said = {"manufacturer": str(of["manufacturer"][-1]), "family": str(of["family"][-1])}
+        made = {"text": read.text, "read": [*read_as, *import_words(read), *lacks],
+                "given": said | ({"kind": given.get("kind", "")} if read.section == "motors" else {})}  # fmt: skip
     catalog = catalog_of_text(name, content)
     held.go_on()
     found = findings(catalog)
     lines = [one.text() for one in found if one.unexplained]
     yield {"kind": "contradictory" if lines else "right", "name": str(name), "parts": counts(catalog),
            "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0), **made}  # fmt: skip
+
+
+def fit(path: Path, content: bytes) -> Piece:
+    """The figures of a drive by its log as ``drivesizer identify`` prints them, and its model beside the log."""
+    from drivesizer.identification.identify import identify
+    from drivesizer.output.document.bench import bench_blocks
+    from drivesizer.output.report.figures.cycle import measured_and_model
+    from drivesizer.output.report.html.plots import movable
+
+    found = identify(path, content=content)
+    drawn = {"part-fit": movable(measured_and_model(found.time, found.traces))} if len(found.time) else {}
+    picture = [Picture("part-fit", "Measured, and the model with these figures.", "the log and its model over time")]
+    blocks = [*bench_blocks(found)[1], *(picture if drawn else [])]
+    return {"kind": "fit", "name": path.name, "html": html(blocks, drawn), "figures": drawn}
 
 
 # -- One part on the page as ``drivesizer catalog show`` prints it, with its curves, and several side by side.

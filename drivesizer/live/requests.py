@@ -53,13 +53,14 @@ class SaveRequest(BaseModel):
 
 
 class CatalogueRequest(BaseModel):
-    """A catalogue of the user, or a table or data sheet that becomes one, or that one is given up."""
+    """A catalogue of the user, a table or data sheet that becomes one, or a log; or that a catalogue is given up."""
 
     model_config = ConfigDict(strict=True)
     text: Annotated[str, Field(max_length=LONGEST)] = ""  # of the spec
     name: str
     content: str | None = None  # base64
     anyway: bool = False
+    given: dict[Literal["manufacturer", "family", "kind"], _Word] = {}  # of the parts of a table
 
 
 _Names = Annotated[list[_Word], Field(max_length=500)]
@@ -72,7 +73,8 @@ _FIELDS: dict[str, dict[str, Any]] = {
     "sweep": {"path": (_Path, ...), "values": (Annotated[list[_Word | int | _Number], Field(max_length=64)], ...)},
     "rejected": {"motor": (_Word, ...), "gearhead": (_Word, ...)},
     "compare": {"sets": (Annotated[list[tuple[_Word, _Word]], Field(max_length=4)], ...)},
-    "loop": {}, "report": {"form": (_Word, ...)}, "export": {"form": (_Word, ...)}, "document": {}, "catalogues": {},
+    "loop": {}, "design": {}, "document": {}, "catalogues": {},
+    "report": {"form": (_Word, ...)}, "export": {"form": (_Word, ...)},
     "parts": {
         "section": (_Section, ...), "catalogues": (_Names, ...), "options": (dict[_Option, _Word], {}),
         "where": (Annotated[list[_Word], Field(max_length=20)], []), "piece": (_Word, ""), "sort": (_Word, ""),

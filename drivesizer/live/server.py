@@ -34,7 +34,7 @@ _KINDS = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=
           ".css": "text/css; charset=utf-8", ".json": "application/json"}  # fmt: skip
 _OF_THE_REPORT = ("style.css", "tables.js", "plots.js", "weights.js", "weights_view.js")
 _AT_ONCE = {"answer", "catalogues", "parts", "part", "beside", "choose"}  # jobs that are short
-_NEWEST = {"answer", "sweep", "compare", "loop", "parts"}  # jobs of which a tab wants the newest alone
+_NEWEST = {"answer", "sweep", "compare", "loop", "design", "parts"}  # jobs of which a tab wants the newest alone
 
 
 def serve(path: Path, token: str, listening: socket.socket, starting: str, opened: Callable[[], None]) -> bool:
@@ -230,14 +230,14 @@ FOLDER = "dropped"  # of the names by which a spec finds them
 MOST = 4  # of them
 _LARGEST = 16_000_000  # bytes of each, as of any catalogue
 _UNUSUAL = re.compile(r"[^A-Za-z0-9._-]+")
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.](ya?ml|csv|tsv|txt|xlsx|pdf|json|cfg|xml|mjcf)")
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,79}[.](ya?ml|csv|tsv|txt|xlsx|pdf|json|cfg|xml|mjcf|log|wpilog)")
 
 
 def taken(request: Piece, engines: Engines) -> Piece:
-    """Keep a catalogue where it is right, or give one up."""
+    """Keep a catalogue where it is right, or give one up; a log is answered with its fit."""
     own, plain = engines.own, _UNUSUAL.sub("_", request["name"][-80:])  # a file's name as specs have it
     if not _NAME.fullmatch(plain):
-        return wrong("expected a catalogue, a file that ends in .yaml, or a table or data sheet, e.g. .csv or .pdf")
+        return wrong("expected a catalogue, a file that ends in .yaml, a table, data sheet or log, e.g. .csv or .pdf")
     given = f"{FOLDER}/{plain}"
     name = given if plain.endswith((".yaml", ".yml")) else f"{FOLDER}/{Path(plain).stem}.yaml"
     if request["content"] is None:
@@ -249,12 +249,12 @@ def taken(request: Piece, engines: Engines) -> Piece:
         return wrong(f"{given}: expected its content in base64")
     if len(content) > _LARGEST:
         return wrong(f"{given}: the file is larger than {_LARGEST // 1_000_000} MB")
-    if name not in own and len(own) >= MOST:
-        return wrong(f"{name}: {MOST} catalogues are here already ({', '.join(own)}); remove one of them first")
     found = wrong(f"{name}: another one came before this was checked")
-    wanted = {"name": given, "content": content, "text": request["text"]}
+    wanted = {"name": given, "content": content, "text": request["text"], "given": request.get("given")}
     for line in engines.answer("check", wanted, kind=f"check {name}", slow=True):
         found = json.loads(line)
+    if found["kind"] == "right" and name not in own and len(own) >= MOST:
+        return wrong(f"{name}: {MOST} catalogues are here already ({', '.join(own)}); remove one of them first")
     if found["kind"] == "right" or (found["kind"] == "contradictory" and request["anyway"]):
         own[name] = found.get("text", "").encode() or content
         return found | {"kind": "kept"}

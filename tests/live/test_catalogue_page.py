@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import base64
+import csv
 import os
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
+import typst
 from browser_pages import Heard, launched, until
 from live_server import Serving, serving
+from motor_logs import motor_log
 from own_catalogue import HOSTILE, RIGHT
 
 pytestmark = pytest.mark.slow
@@ -22,6 +26,14 @@ transmission: [{kind: direct}]
 supply: {nominal: 24 V}
 select: {catalogs: [andymark]}  # for now
 """
+
+
+TUTORIAL = Path(__file__).resolve().parents[2] / "docs" / "tutorials" / "own_parts.md"
+
+
+def block(title: str) -> str:
+    """A file that the tutorial shows."""
+    return TUTORIAL.read_text(encoding="utf-8").partition(f'title="{title}"\n')[2].partition("```")[0]
 
 
 @pytest.fixture(scope="module")
@@ -104,6 +116,39 @@ def test_rows_that_are_pasted_become_a_catalogue_in_the_engine(server: Serving) 
     assert (found["kind"], found["name"]) == ("kept", "dropped/pasted.yaml") and "K-7" in found["text"]
     assert server.do("part", SPEC, catalogue=found["name"], section="motors", part="K-7")[0]["kind"] == "part"
     assert server.post("/catalogue", {"name": "pasted.yaml", "content": None}).pieces[0]["kind"] == "given up"
+
+
+def test_own_parts_lead_from_a_data_sheet_and_an_offer_to_a_quote(server: Serving) -> None:
+    """The files of the tutorial, as they lie there: the PDF's motors are said to be brushed."""
+    spec = block("robot.yaml").replace("motors.yaml, gears.yaml", "dropped/m20.yaml, dropped/gears.yaml")
+    look = '#set page(width: 25cm)\n#set text(font: "DejaVu Sans Mono", size: 8pt)\n'
+    sheet = f'{look}#raw(block: true, "{block("m20.txt")}")'
+    files = {"m20.pdf": typst.compile(sheet.encode(), format="pdf"), "gears.csv": block("gears.csv").encode()}
+    given = {"manufacturer": "Anymaker"}
+    for name, content in files.items():
+        sent = {"name": name, "content": base64.b64encode(content).decode(), "text": spec, "given": given}
+        (found,) = server.post("/catalogue", sent).pieces
+        assert found["kind"] == "kept" and found["given"]["manufacturer"] == "Anymaker"
+        if "kind" in found["given"]:
+            assert any("a sizing still needs: kind" in line for line in found["read"])
+            (found,) = server.post("/catalogue", {**sent, "given": given | {"kind": "brushed"}}).pieces
+            assert not any("still needs" in line for line in found["read"])
+    (quote,) = server.do("report", spec, form="quote.csv")
+    rows = {one["role"]: one for one in csv.DictReader(base64.b64decode(quote["content"]).decode().splitlines())}
+    assert (rows["motor"]["order_number"], rows["gearhead"]["order_number"]) == ("M20-24", "G26-14")
+    assert rows["motor"]["maker"] == rows["gearhead"]["maker"] == "Anymaker"
+    for name in ("m20.yaml", "gears.yaml"):
+        assert server.post("/catalogue", {"name": name, "content": None}).pieces[0]["kind"] == "given up"
+
+
+def test_a_log_that_is_dropped_shows_its_fit(page: Any) -> None:
+    dropped(page, "log.csv", motor_log(";"))
+    page.locator("#browser .fit .main-svg").first.wait_for(timeout=90_000)
+    assert page.evaluate("document.activeElement.textContent") == "log.csv: the drive by its log"
+    row = page.locator("#browser .fit tr", has_text="resistance").first.inner_text()
+    assert float(row.split()[1]) == pytest.approx(2.0, rel=0.01)
+    page.get_by_role("button", name="Back to the list").click()
+    page.locator("#browser .listed").wait_for()
 
 
 def test_parts_are_found_sorted_read_and_set_side_by_side(page: Any) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from drivesizer.commands.common import proven
 from drivesizer.errors import InputError
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, StoppedError, done
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.report import write
@@ -101,6 +102,28 @@ def test_what_is_wrong_names_line_and_field(edit: Any, line: Any, path: Any, sai
     with pytest.raises(InputError) as error:
         size(load_spec(place))
     assert [text.replace(str(place), "robot.yaml") for text in error.value.lines] == wrong["lines"]
+
+
+def test_free_figures_are_said_and_the_best_machine_is_that_of_the_command(tmp_path: Path) -> None:
+    """All of eight carts are sized, so that the answer is the least mass of eight sizings."""
+    free = [["load", "wheel_diameter"], {"free": "120 mm .. 240 mm", "step": "40 mm"}, False]
+    edits = [free, [["load", "driven_wheels"], {"free": [2, 4]}, False]]
+    spec, found = pieces_of("answer", SPEC, edits=edits)
+    figures = [["load.driven_wheels", {"free": [2, 4]}], ["load.wheel_diameter", free[1]]]
+    assert found == {"kind": "free", "figures": figures}
+    designed = one("design", spec["text"])
+    assert "All of 8 machines looked at." in designed["html"]
+    filled = designed["fills"][0][1]
+    best = load_spec(dict(YamlSource(filled, "best").data))
+    masses = [
+        best.load.motors * size(best, top=1, brief=True).sets[0].mass,
+        *(wheels * one.mass for wheels in (2, 4) for diameter in (120, 160, 200, 240)
+          for one in size(load_spec(_data() | {"load": _data()["load"] | {
+              "driven_wheels": wheels, "wheel_diameter": f"{diameter} mm"}}), top=1, brief=True).sets),
+    ]  # fmt: skip
+    assert masses[0] == pytest.approx(min(masses[1:]))
+    assert "free" not in filled and filled.startswith("name: AGV   # of the test\n")
+    assert pieces_of("loop", spec["text"])[-1]["kind"] == "wrong"
 
 
 def test_a_sweep_finds_where_the_best_drive_changes() -> None:

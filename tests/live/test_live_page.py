@@ -222,6 +222,29 @@ def test_slider_shows_where_the_best_drive_changes_and_why(page: Any) -> None:
     expect(page.get_by_label("slider for load mass")).to_be_focused()
 
 
+def test_free_figures_are_typed_or_taken_from_a_slider_and_the_best_machine_fills_them_in(page: Any) -> None:
+    typed(page, "load", "wheel_diameter", value="free 120 mm .. 240 mm step 40 mm")
+    answered(page, "free")
+    expect(field(page, "load", "wheel_diameter")).to_have_value("free 120 mm .. 240 mm step 40 mm")
+    typed(page, "load", "inertia", value="= 0.1 * load.wheel_diameter ** 2")
+    page.get_by_label("slider for load mass").click()
+    page.get_by_role("textbox", name="from, slider for load · mass").fill("44 kg")
+    page.keyboard.press("Enter")
+    page.locator(".slider .bounds button").click()
+    expect(page.locator("#headline .best")).to_have_text("2 figures are free")
+    load = load_spec_of(page)["load"]
+    assert load["mass"] == {"free": "44 kg .. 90 kg"}
+    assert load["wheel_diameter"] == {"free": "120 mm .. 240 mm", "step": "40 mm"}
+    assert load["inertia"] == {"expression": "0.1 * load.wheel_diameter ** 2"}
+    typed(page, "load", "mass", value="free [44 kg, 45 kg]")
+    until(page, lambda: load_spec_of(page)["load"]["mass"] == {"free": ["44 kg", "45 kg"]})
+    page.get_by_role("button", name="Find the best machine").click()
+    page.get_by_role("button", name="Use the best figures").click(timeout=60_000)
+    answered(page)
+    assert load_spec_of(page)["load"]["mass"] == "44 kg" and "free" not in text_of(page)
+    expect(page.locator("#designed")).to_be_empty()
+
+
 def test_file_is_written_and_another_programs_change_is_seen(page: Any, path: Path) -> None:
     typed(page, "load", "mass", value="48 kg")
     page.get_by_role("button", name="Save").click()

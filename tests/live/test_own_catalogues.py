@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from motor_logs import motor_log
 from own_catalogue import CONTRADICTORY, RIGHT
 
 from drivesizer.catalog import load
@@ -97,6 +98,18 @@ def test_a_table_or_a_pasted_row_becomes_a_part_that_a_spec_finds(drop, held, tm
     (motor, *_) = load([found["name"], "pololu"], beside=tmp_path).motors.rows
     assert motor == "K-7" and load([found["name"]], beside=tmp_path).motors["mass"][0] == pytest.approx(0.052)
     assert drop("weather; rain\nyesterday; much\n", name)["kind"] == "wrong"
+
+
+def test_a_log_gives_the_figures_of_identify_and_is_not_kept(drop, run, tmp_path):
+    found = drop(motor_log(), "log.tsv")
+    (tmp_path / "log.tsv").write_text(motor_log())
+    figures = json.loads(run("identify", tmp_path / "log.tsv", "--json")[1])["figures"]
+    assert (found["kind"], found["name"], drop.own) == ("fit", "log.tsv", {})
+    for one in figures:
+        assert one["title"] in found["html"]
+    assert f'value="{figures[0]["value"]!r}"' in found["html"]
+    said = drop("time;weather\n0;rain\n1;much\n", "log.csv")
+    assert said["kind"] == "wrong" and said["lines"][-1].startswith("as a log: dropped/log.csv")
 
 
 def test_names_and_amounts_are_bounded(drop, monkeypatch):

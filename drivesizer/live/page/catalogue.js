@@ -18,7 +18,7 @@ export function prepare({ edit, again, notice }) {
   act = edit;
   opener.setAttribute("aria-haspopup", "dialog");
   opener.addEventListener("click", open);
-  own.prepare({ dialog, choose, open, changed: (name) => renew(name, again), notice });
+  own.prepare({ dialog, choose, open, changed: (name) => renew(name, again), fitted, notice });
 }
 
 export async function open() {
@@ -92,6 +92,15 @@ async function turned(job, body, show) {
   } catch (error) {
     if (mine === requested) list.wrong(found, error);
   }
+}
+
+/** The fit of a log in place of the list. */
+function fitted(head, body) {
+  reading = true;
+  requested += 1;
+  found.replaceChildren(element("p", {}, button("Back to the list", back)), head, body);
+  tabled(found);
+  head.focus();
 }
 
 function back() {

@@ -2,12 +2,13 @@
 
 import { counted } from "./catalogue_filter.js";
 import { button, element } from "./dom.js";
+import { drawn } from "./figure.js";
 import { handed } from "./files.js";
 import { post, whole } from "./requests.js";
 import { state, watch } from "./state.js";
 
 const LARGEST = 16_000_000, FOLDER = "dropped/";
-const input = element("input", { type: "file", accept: ".yaml,.yml,.csv,.tsv,.txt,.xlsx,.pdf,.json,.cfg,.xml,.mjcf", hidden: true, aria: { label: "catalogue, table or data sheet" } });
+const input = element("input", { type: "file", accept: ".yaml,.yml,.csv,.tsv,.txt,.xlsx,.pdf,.json,.cfg,.xml,.mjcf,.log,.wpilog", hidden: true, aria: { label: "catalogue, table, data sheet or log" } });
 const said = element("div", { className: "checked", role: "status" }), kept = element("div", { className: "own" });
 const names = new Map(); // that the server has, with the catalogue that it made of a table
 let act = {}, saved = null;
@@ -23,7 +24,7 @@ export function prepare(does) {
 }
 
 export function place() {
-  const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue, a table of parts or a data sheet here, paste rows of a table with their head, or ", button("choose a file", () => input.click())), input);
+  const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue, a table of parts, a data sheet or the log of a drive here, paste rows of a table with their head, or ", button("choose a file", () => input.click())), input);
   zone.addEventListener("dragenter", () => zone.classList.add("over"));
   zone.addEventListener("dragleave", (event) => { if (!zone.contains(event.relatedTarget)) zone.classList.remove("over"); });
   return element("div", {}, zone, said, kept);
@@ -51,12 +52,12 @@ function pasted(event) {
   if (event.target.tagName !== "INPUT" && text.trim()) take(new File([text], "pasted.csv"));
 }
 
-async function take(file, anyway = false) {
+async function take(file, anyway = false, given = {}) {
   if (!file) return;
   if (file.size > LARGEST) return say(`${file.name} is larger than ${LARGEST / 1e6} MB.`);
   say(`checking ${file.name} …`);
   try {
-    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway, text: state.text });
+    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway, given, text: state.text });
     report(file, await response.json());
   } catch {
     say(`${file.name} was not checked: the server does not answer.`);
@@ -80,9 +81,15 @@ const lines = (found = [], className = "findings") => element("ul", { className 
 
 function report(file, found) {
   if (found.kind === "superseded") return;
-  if (found.kind === "kept") {
+  if (found.kind === "fit") {
+    const fit = element("div", { className: "fit" });
+    fit.innerHTML = found.html; // of the server's own templates, which escape every text
+    act.fitted(element("h3", { tabIndex: -1, textContent: `${found.name}: the drive by its log` }), fit);
+    say("");
+    drawn(fit, found.figures);
+  } else if (found.kind === "kept") {
     names.set(found.name, found.text);
-    say(`${found.name}: ${counted(found.parts)}.`, lines(found.lines), lines(found.read, "note"));
+    say(`${found.name}: ${counted(found.parts)}.`, ...words(file, found.given), lines(found.lines), lines(found.read, "note"));
     entries();
     act.changed(found.name);
   } else if (found.kind === "contradictory") {
@@ -92,6 +99,20 @@ function report(file, found) {
   } else {
     say(`${file.name} is not taken:`, lines(found.lines ?? []));
   }
+}
+
+const KINDS = ["", "brushed", "brushless"];
+
+/** What a table does not say of its parts, and may be said by the user. */
+function words(file, given) {
+  if (!given) return [];
+  const fields = Object.entries(given).map(([name, value]) => {
+    const input = name === "kind" ? element("select", {}, ...KINDS.map((one) => element("option", { value: one, textContent: one, selected: one === value }))) : element("input", { type: "text", value });
+    input.name = name;
+    return element("label", { className: "field" }, name === "manufacturer" ? "maker" : name, input);
+  });
+  const again = () => take(file, false, Object.fromEntries(fields.map((one) => [one.lastChild.name, one.lastChild.value])));
+  return [element("div", { className: "given" }, ...fields, button("read it so", again))];
 }
 
 // -- those that are here

@@ -2,6 +2,28 @@
 
 const KINDS = ["kind", "profile"]; // fields that say of which kind a group is
 
+const FREE = /^free\s+(.+?)(?:\s+step\s+(.+))?$/;
+
+/** A free figure, or one that follows from others, as it is typed in its field; anything else as it is. */
+export function written(value) {
+  if (value?.expression !== undefined) return `= ${value.expression}`;
+  if (value?.free === undefined) return value === undefined || value === null ? "" : typeof value === "object" ? JSON.stringify(value) : String(value);
+  const list = Array.isArray(value.free) ? `[${value.free.map(written).join(", ")}]` : value.free;
+  return `free ${list}${value.step === undefined ? "" : ` step ${value.step}`}`;
+}
+
+/** What is typed in a field as the spec has it: free 120 mm .. 250 mm step 10 mm, free [2, 4], = 2 * load.mass. */
+export function read(text) {
+  if (text.startsWith("=")) return { expression: text.slice(1).trim() };
+  const [, space, step] = FREE.exec(text) ?? [];
+  if (!space) return text;
+  const one = (part) => (part.trim() !== "" && Number.isFinite(Number(part)) ? Number(part) : part.trim());
+  const free = /^\[.*\]$/.test(space) ? space.slice(1, -1).split(",").map(one) : space;
+  return step === undefined ? { free } : { free, step };
+}
+
+export const isOpen = (value) => value?.free !== undefined || value?.expression !== undefined;
+
 /** A schema with its references followed and null left out; `kinds` or `choices` where it may be several things. */
 export function resolved(schema, root) {
   let found = schema ?? {};

@@ -6,7 +6,7 @@ import { get, post, whole } from "./requests.js";
 import { changed, packed, state } from "./state.js";
 
 const notices = document.getElementById("notices");
-const REPORTS = { pdf: "Report, PDF", html: "Report, HTML", xlsx: "Report, XLSX", csv: "Report, CSV", json: "Report, JSON" };
+const REPORTS = { pdf: "Report, PDF", html: "Report, HTML", xlsx: "Report, XLSX", csv: "Report, CSV", json: "Report, JSON", "quote.csv": "Quote, CSV", "quote.xlsx": "Quote, XLSX" };
 const EXPORTS = { mjcf: "MuJoCo", urdf: "URDF", sdf: "Gazebo SDF", ros2_control: "ros2_control", fmu: "FMU", json: "Drive, JSON" };
 const ALSO = { wheeled_vehicle: " (AGV)" }; // what a kind is called as well
 const AGAIN = 2000, SEEN = 10_000; // ms until the server is tried again, and until what is only said has been read
@@ -134,7 +134,7 @@ async function download(job, form) {
     const [file] = await whole(job, { text: state.text, form });
     const bytes = Uint8Array.from(atob(file.content), (letter) => letter.charCodeAt(0));
     const stem = state.name.replace(/\.ya?ml$/, "");
-    handed(file.name.replace(/^(report|drive)/, `${stem}-$1`), bytes);
+    handed(file.name.replace(/^(report|drive|quote)/, `${stem}-$1`), bytes);
   } catch (error) {
     notice(`no file: ${error.message}`, [], "", "no file");
   }

@@ -2,7 +2,7 @@
 
 import { button, element, keyOf, words } from "./dom.js";
 import * as fields from "./fields.js";
-import { branch, chosen, example, isText, resolved, turnedInto } from "./fields.js";
+import { branch, chosen, example, isOpen, isText, resolved, turnedInto, written } from "./fields.js";
 import { Focus } from "./focus.js";
 import { open as openMenu } from "./menu.js";
 import { row, single, small } from "./rows.js";
@@ -130,7 +130,8 @@ function substituted(schema, path) {
 }
 
 function field(given, value, path, required) {
-  const schema = substituted(given, path), found = branch(schema, value, context.root);
+  const open = isOpen(value), schema = substituted(given, path), found = branch(schema, open ? undefined : value, context.root);
+  if (open) return single(found, value, path, context, required);
   const grouped = value === undefined || value === null || (typeof value === "object" && !Array.isArray(value));
   if (found.kinds && grouped) return kinds(found, value, path, required);
   if (found.type === "array" && (value === undefined || Array.isArray(value))) return list(found, value ?? [], path, required);
@@ -218,7 +219,7 @@ function openAtFirst(path) {
 /** What is in a group, in a line: shown where it is closed. */
 function digest(value) {
   if (value === null || typeof value !== "object") return "";
-  const parts = Object.entries(value).filter(([name]) => name !== "name").map(([, one]) => (typeof one === "object" ? words(one?.kind ?? "") : String(one)));
+  const parts = Object.entries(value).filter(([name]) => name !== "name").map(([, one]) => (typeof one === "object" && !isOpen(one) ? words(one?.kind ?? "") : written(one)));
   if (Array.isArray(value) && value.every((one) => typeof one === "object")) return value.map((one) => one?.name ?? one?.kind ?? "").filter(Boolean).map(words).join(" · ") || `${value.length}`;
   return parts.filter(Boolean).join(" · ");
 }

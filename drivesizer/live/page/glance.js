@@ -19,6 +19,8 @@ export function rank(piece) {
   margins.replaceChildren(...piece.margins.map((one) => element("li", {}, element("span", { textContent: one.title }), element("span", { className: "figure", textContent: one.said }), bar(one.margin, one.status))));
 }
 
+export function hide() { place.hidden = true; }
+
 function line(one) {
   const price = one.figures.price === "unknown" ? "" : one.figures.price.replace(/\.\d\d /, " ");
   const figures = [["mass", one.figures.mass], ["price", price], ["margin", one.tight?.said ?? ""]];

@@ -1,6 +1,7 @@
 // The best drive in a few figures, always in sight; what is wrong with the spec in its place.
 
 import { button, element } from "./dom.js";
+import { written } from "./fields.js";
 
 const headline = document.getElementById("headline");
 const voice = document.getElementById("said");
@@ -104,6 +105,14 @@ function machine(piece) {
   shown.push(...piece.loops.filter(([, said]) => said !== "pass").map(([axis, said]) => [`${axis} in closed loop`, said]));
   put(`${piece.status} several`, element("div", {}, head(piece.status, text), facts(shown)), tiles(piece, "all drives"));
   say(`${piece.status}: ${text}`);
+}
+
+/** Free figures are no drive yet: `find` looks for the best machine. */
+export function free(figures, find) {
+  document.documentElement.dataset.state = "free";
+  const text = figures.length === 1 ? "One figure is free" : `${figures.length} figures are free`;
+  put("free", element("div", {}, element("p", { className: "best", textContent: text }), facts(figures.map(([name, given]) => [name, written(given)]))), button("Find the best machine", find));
+  say(text);
 }
 
 /** What is wrong, as the command line prints it, each with a button that shows the place. */

@@ -3,20 +3,21 @@
 import * as answer from "./answer.js";
 import * as catalogue from "./catalogue.js";
 import * as compare from "./compare.js";
-import { able, enable } from "./dom.js";
+import { able, button, element, enable } from "./dom.js";
 import * as files from "./files.js";
 import * as form from "./form.js";
 import * as glance from "./glance.js";
 import * as headline from "./headline.js";
 import * as map from "./map.js";
 import { reveal, turn } from "./panes.js";
-import { get, pieces } from "./requests.js";
+import { get, pieces, whole } from "./requests.js";
 import * as sliders from "./sliders.js";
 import { packed, put, redo, state, undo, unpacked, watch } from "./state.js";
 
 const LONGEST_WAIT = 600; // ms, after which a newer request stops one that has not answered
 const TYPING = 350; // ms without a key, after which a text is read
 const area = document.getElementById("text"), more = document.getElementById("more"), loop = document.getElementById("loop");
+const designed = document.getElementById("designed"); // the best machine of free figures
 let running = null; // the request under way
 let pending = null; // edits that wait for it
 let waiting = []; // those who wait until all edits are in the text
@@ -110,11 +111,19 @@ function take(piece, mine) {
     const page = document.documentElement.dataset;
     page.ranked = String(Number(page.ranked ?? 0) + 1);
     mine.ranked = true;
+    designed.replaceChildren();
     headline.rank(piece, "ranked", mine.what || mine);
     glance.rank(piece);
     sliders.renew();
     more.hidden = false;
     if (pending) send();
+  } else if (piece.kind === "free") {
+    mine.ranked = true;
+    answer.stale();
+    glance.hide();
+    sliders.renew();
+    headline.free(piece.figures, design);
+    more.hidden = true;
   } else found(piece);
 }
 
@@ -211,6 +220,23 @@ loop.addEventListener("click", async () => {
   else head?.focus({ preventScroll: true });
   head?.scrollIntoView();
 });
+
+// -- the best machine of free figures
+
+async function design() {
+  await settled();
+  const text = state.text;
+  try {
+    const [piece] = await whole("design", { text });
+    if (text !== state.text || piece.kind !== "designed") return;
+    designed.innerHTML = piece.html; // of the server's own templates, which escape every text
+    tabled(designed);
+    designed.append(element("p", {}, ...piece.fills.map(([name, filled]) => button(`Use the ${name} figures`, () => restart(filled)))));
+    turn("answer");
+  } catch (error) {
+    files.notice(error.message, [], "", "design");
+  }
+}
 
 // -- from the start
 

@@ -14,7 +14,7 @@ export async function post(name, body) {
   return fetch(new URL(name, address), { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });
 }
 
-const FIRST = new Set(["loop", "report", "export", "compare"]); // before them what is computed ahead gives way
+const FIRST = new Set(["loop", "design", "report", "export", "compare"]); // before them what is computed ahead gives way
 const ahead = [];
 
 /** What is done before a job that the user waits for, and after it. */

@@ -1,15 +1,15 @@
 // One field of the form: its label, its input, its help, what is wrong with it, and what else may be done with it.
 
 import { button, element, keyOf, words } from "./dom.js";
-import { isFigure, isText } from "./fields.js";
+import { isFigure, isOpen, isText, read, written } from "./fields.js";
 
 const RANGE = /^([-+]?\d+(?:\.\d+)?)\s*([^.\s].*?)?\s*\.\.\s*([-+]?\d+(?:\.\d+)?)\s*(.*)$/; // 1 m/s .. 2 m/s
 const PLAIN = / with unit$|^a plain number or percent$/; // says what the value says itself
 
 /** A field of one value. */
 export function single(schema, value, path, context, required) {
-  const plain = value === undefined || value === null ? "" : typeof value === "object" ? JSON.stringify(value) : String(value);
-  const options = schema.enum ?? (schema.type === "boolean" ? [true, false] : schema.const !== undefined ? [schema.const] : null);
+  const plain = written(value);
+  const options = isOpen(value) ? null : schema.enum ?? (schema.type === "boolean" ? [true, false] : schema.const !== undefined ? [schema.const] : null);
   const input = options ? picked(schema, options, plain, path, context) : typed(schema, plain, path, context, required);
   const beside = [];
   if (/^[-+]?[\d.]/.test(plain) && !options && isFigure(schema)) beside.push(slider(path, schema.type === "integer", context));
@@ -41,7 +41,8 @@ function typed(schema, plain, path, context, required) {
     }
     sent = text;
     context.filled(path);
-    context.act([[path, text === "" ? null : text, isText(schema)]]);
+    const value = isFigure(schema) ? read(text) : text;
+    context.act([[path, text === "" ? null : value, value === text && isText(schema)]]);
   };
   input.addEventListener("change", commit);
   input.addEventListener("blur", commit);
@@ -87,7 +88,9 @@ function symbol(path, context) {
 
 function slider(path, whole, context) {
   const name = path.filter((step) => typeof step === "string").map(words).join(" ");
-  return small("⇔", `slider for ${name}`, () => context.slide({ path, whole }), [...path, "~"]);
+  const made = small("", `slider for ${name}`, () => context.slide({ path, whole }), [...path, "~"]);
+  made.classList.add("slides");
+  return made;
 }
 
 export function small(text, label, does, path) {

@@ -69,7 +69,8 @@ function build(one) {
   const top = element("div", { className: "top" }, element("span", { textContent: label }), one.value, close);
   one.ends = ["low", "high"].map((end) => bound(one, end, label));
   one.far = element("span", { className: "far" });
-  one.box = element("div", { className: "slider" }, top, one.range, element("div", { className: "banded" }, one.band, one.mark), element("p", { className: "bounds" }, one.ends[0], one.far, one.ends[1]), element("details", {}, one.all, one.list));
+  const free = button("free", () => act([[one.path, { free: one.ends.map((end) => end.value).join(" .. ") }, false]]), { title: "leave the figure free in this range, for the best machine" });
+  one.box = element("div", { className: "slider" }, top, one.range, element("div", { className: "banded" }, one.band, one.mark), element("p", { className: "bounds" }, one.ends[0], one.far, free, one.ends[1]), element("details", {}, one.all, one.list));
   one.range.addEventListener("input", () => moved(one));
   panel.append(one.box);
   ranged(one);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from io import StringIO
 
 from rich.console import Console
 from rich.padding import Padding
@@ -47,6 +48,13 @@ def blocks(console: Console, found: Iterable[doc.Block]) -> None:
                 console.print(Padding(RichText(item, style="" if block.look == "alarm" else "dim"), (0, 0, 0, 2)))
         elif isinstance(block, doc.Heading):
             console.print(RichText(f"\n{block.title}", style="bold"))
+
+
+def text_of_blocks(found: Iterable[doc.Block], width: int = 120) -> str:
+    """Texts and tables as plain text of some width [characters]."""
+    written = StringIO()
+    blocks(Console(file=written, width=width, highlight=False, emoji=False), found)
+    return "\n".join(line.rstrip() for line in written.getvalue().splitlines())
 
 
 def _beside(console: Console, found: Sequence[doc.Block], caption: str = "") -> bool:
