@@ -11,9 +11,9 @@ Symbols: P power [W], E voltage at rest [V], I current [A], T time [s].
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf, isnan, nan
+from math import ceil, fsum, inf, isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -22,14 +22,14 @@ from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.load_cases.of_machine import distance_of
-from drivesizer.machine.supply_power import Draw, DrivePower
+from drivesizer.machine.supply_power import AxisOnBus, Draw, DrivePower, OnBus
 from drivesizer.physics import battery as laws
 from drivesizer.physics.figures import Alike, Array, Range
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Check, Figure, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
-from drivesizer.results.drive_set import Consumption, DriveParts, EnergyBudget
+from drivesizer.results.drive_set import Consumption, EnergyBudget, loss_assumptions
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
@@ -149,6 +149,11 @@ def pack_of(section: Battery, catalog: Catalog) -> Pack:
     """The battery that a spec describes."""
     pack: Pack = catalog.once("battery", lambda: _pack(section, catalog), (section,))
     return pack
+
+
+def mass_of(section: Battery | None, catalog: Catalog) -> float | None:
+    """Mass of the battery that a spec describes [kg]; None without any."""
+    return pack_of(section, catalog).mass if section else None
 
 
 def _pack(section: Battery, catalog: Catalog) -> Pack:
@@ -436,9 +441,8 @@ def columns_of(spec: RobotSpec, feeds: Feeding, cycle: LoadCycle, draws: Sequenc
     """Autonomy, range, peak and voltage, from what drives draw over a cycle, or samples each over its own."""
     share, total = spec.supply.regeneration, cycle.total
     drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
-    slip = spec.platform.slip if spec.platform else 0.0
-    mean = (drawn / (1.0 - slip) - share * returned) / total + feeds.mean
-    peak = np.maximum(draws[0].peak, 0.0) / (1.0 - slip) + feeds.peak
+    mean = (drawn / (1.0 - spec.slip) - share * returned) / total + feeds.mean
+    peak = np.maximum(draws[0].peak, 0.0) / (1.0 - spec.slip) + feeds.peak
     speed = distance_of(spec, cycle) / total
     load = load_of(spec, feeds.pack, mean, peak, speed, feeds.charge)  # of so many parallel strings
     checked = {*BATTERY_LASTING} if len(draws) > 1 else {*BATTERY_SAMPLED}
@@ -449,27 +453,37 @@ def columns_of(spec: RobotSpec, feeds: Feeding, cycle: LoadCycle, draws: Sequenc
 # --- consumers, and the load that they make
 
 
-def consumers_of(spec: RobotSpec, drive_set: DriveParts, drive: DrivePower) -> tuple[Consumption, ...]:
-    """Lines of a drive in the table of consumers."""
-    share, sets, slip = spec.supply.regeneration, spec.load.motors, spec.platform.slip if spec.platform else 0.0
-    names = ("bus_drawn", "returned", "resisted", "motor_drawn", "motor_returned")
-    mean = {name: drive.mean(getattr(drive, name)) for name in names}
-    drawn, returned, peak = mean["motor_drawn"], share * mean["motor_returned"], float(drive.peak.max())
-    released = sets * drive_set.released_power * spec.brake_released
-    lost = mean["bus_drawn"] - drawn + returned - share * mean["returned"] - released
-    assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
-    found: tuple[Consumption, ...] = (
-        Consumption("drive", sets, drawn * (1.0 - slip), peak, nan, False),
-        Consumption("regenerated energy", sets, -returned, 0.0, nan, False),
-        Consumption("losses of the controllers", sets, lost, 0.0, nan, assumed),
-    )
-    if slip:
-        found += (Consumption("slip of the wheels", sets, drawn * slip, 0.0, nan, False),)
-    if released:
-        found += (Consumption("brakes, released", sets, released, 0.0, nan, False),)
+def _drawing(case: OnBus) -> tuple[list[Consumption], list[str]]:
+    """Lines of all axes in the table of consumers, and what was assumed of their losses."""
+    spec, total, lines, losses = case.bus.spec, case.bus.power, list[Consumption](), list[str]()
+    for axis in case.axes:
+        before = f"{axis.name}: " if axis.name else ""
+        lines += [line._replace(name=before + line.name) for line in _of_axis(axis)]
+        losses += [before + text for text in loss_assumptions(axis.spec, axis.drive_set.controller)]
+    kept = fsum(axis.power.mean(axis.power.returned) for axis in case.axes) - total.mean(total.returned)
+    if kept > 0.0:
+        share = 1.0 - spec.supply.regeneration
+        lines.append(Consumption("exchanged between axes", len(case.axes), -share * kept, 0.0, nan, False))
     if spec.supply.resistance is not None:
-        found += (Consumption("resistance of the supply", 1, mean["resisted"], 0.0, nan, False),)
-    return found
+        lines.append(Consumption("resistance of the supply", 1, total.mean(total.resisted), 0.0, nan, False))
+    return lines, list(dict.fromkeys(losses))
+
+
+def _of_axis(axis: AxisOnBus) -> Iterator[Consumption]:
+    """Lines of the drives of an axis in that table."""
+    spec, drive_set, power = axis.spec, axis.drive_set, axis.power
+    share, sets, slip = spec.supply.regeneration, spec.load.motors, spec.slip
+    drawn, returned = power.mean(power.motor_drawn), share * power.mean(power.motor_returned)
+    released = sets * drive_set.released_power * spec.brake_released
+    lost = power.mean(power.bus_drawn) - drawn + returned - share * power.mean(power.returned) - released
+    assumed = bool(spec.feed_of(drive_set.controller).stage.assumed)
+    yield Consumption("drive", sets, drawn * (1.0 - slip), float(power.peak.max()), nan, False)
+    yield Consumption("regenerated energy", sets, -returned, 0.0, nan, False)
+    yield Consumption("losses of the controllers", sets, lost, 0.0, nan, assumed)
+    if slip:
+        yield Consumption("slip of the wheels", sets, drawn * slip, 0.0, nan, False)
+    if released:
+        yield Consumption("brakes, released", sets, released, 0.0, nan, False)
 
 
 def _equipment(spec: RobotSpec) -> list[Consumption]:
@@ -511,12 +525,11 @@ def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], dr
 # --- the budget
 
 
-def energy_budget(
-    spec: RobotSpec, catalog: Catalog, drive: DrivePower, drawing: Sequence[Consumption], assumed: Sequence[str] = ()
-) -> EnergyBudget:
-    """Consumers, autonomy and checks of a machine, or of one of its load cases, whose drives draw these lines."""
+def energy_budget(case: OnBus, catalog: Catalog) -> EnergyBudget:
+    """Consumers, autonomy and checks of a machine in one of its load cases."""
+    spec, drive = case.bus.spec, case.bus.power
     assert spec.battery is not None
-    pack, others = pack_of(spec.battery, catalog), _equipment(spec)
+    pack, others, (lines, assumed) = pack_of(spec.battery, catalog), _equipment(spec), _drawing(case)
     load, power = _battery_load(spec, pack, others, drive)
     checks = battery_checks(spec, pack, load)
     wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment
@@ -525,7 +538,7 @@ def energy_budget(
         battery=pack.name,
         start=pack.start,
         usable=pack.usable,
-        consumers=(*drawing, *others),
+        consumers=(*lines, *others),
         duration=drive.duration,
         power=power,
         mean_power=load.mean,

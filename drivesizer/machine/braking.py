@@ -13,12 +13,11 @@ import numpy as np
 
 from drivesizer.catalog import BrakeResistor, Catalog, PowerSupply
 from drivesizer.errors import InputError, nearest, quoted
-from drivesizer.machine.supply_power import Burnt, Regenerated, regenerated
+from drivesizer.machine.supply_power import Burnt, Regenerated
 from drivesizer.physics import braking as laws
 from drivesizer.results.check import GRAVEST, Check, Figure, verdict, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
-from drivesizer.results.drive_set import BrakingBudget, DriveParts
-from drivesizer.results.problem import Problem
+from drivesizer.results.drive_set import BrakingBudget
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.sections import Supply
 from drivesizer.units import resolved, show
@@ -174,15 +173,6 @@ def _filled(supply: Supply, unit: PowerSupply) -> Supply:
 _WINDOW = 60.0  # s
 _NONE_LISTED = "unknown: these catalogues list none above the supply's voltage: name one that does in select.catalogs"
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
-
-
-def braking_budget(problem: Problem, one: DriveParts) -> BrakingBudget | None:
-    """Regenerated energy of a machine with a drive, its ways from the bus, and their limits."""
-    spec = problem.machine
-    if spec.battery is not None or spec.supply.kind == "battery":
-        return None
-    withstood = one.controller.supply_max if one.controller else nan
-    return bus_budget(spec, problem.catalog, regenerated(problem, one), withstood)
 
 
 def bus_budget(

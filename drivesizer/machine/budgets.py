@@ -26,14 +26,14 @@ from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.tolerances import END
 from drivesizer.errors import InputError
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
-from drivesizer.machine.braking import braking_budget
-from drivesizer.machine.supply_power import power_of_cases
+from drivesizer.machine.battery import energy_budget, mass_of, pack_of
+from drivesizer.machine.braking import bus_budget
+from drivesizer.machine.supply_power import OnBus, on_bus
 from drivesizer.physics.figures import Alike, no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_most, over_ends
-from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow, loss_assumptions, section_of
+from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.robot import RobotSpec
@@ -69,8 +69,12 @@ def items_bought(
         yield "brake resistor", braking.resistor, 1
 
 
-def price_check(items: Sequence[Item], limit: float, catalog: Catalog) -> Check:
+def price_check(
+    limit: float, drives: Sequence[tuple[Problem, DriveParts]], supply: Supply, braking: BrakingBudget | None,
+    catalog: Catalog,
+) -> Check:  # fmt: skip
     """The known prices of what is bought, each for as many pieces as there are, against what it may cost."""
+    items = [*items_bought(drives, supply.part, braking, catalog)]
     pieces, prices = Counter[str](), list[float]()
     for _, part, number in items:
         if part is not None:
@@ -315,10 +319,10 @@ def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudg
 
 def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | None = None) -> MachineBudget:
     """The machine with a drive in it, against its budgets: with what is required of it whatever drives it."""
-    spec, catalog, battery = problem.spec, problem.catalog, problem.spec.battery
+    spec, catalog = problem.spec, problem.catalog
     checks, figures, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
     if spec.budget and spec.budget.weighs:
-        load, own = problem.machine.load, pack_of(battery, catalog).mass if battery else None
+        load, own = problem.machine.load, mass_of(spec.battery, catalog)
         mass = machine_mass(spec.budget, rows_of_drive(problem, one), platform=spec.platform, battery=own)
         checks += mass.checks(load.mass if isinstance(load, WheeledVehicle) else None)
         figures += mass.figures()
@@ -326,24 +330,41 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | N
     if machine:
         checks += machine.checks
         figures += machine.figures
-    energies, by_case = list[EnergyBudget](), list[tuple[str, tuple[Check, ...]]]()
-    for numbers in problem.machine_cases if battery else ():
-        some = [problem.cases[number] for number in numbers]
-        case, power = some[0].spec, power_of_cases(some, one)
-        power = power.slipping(case.platform.slip) if case.platform else power
-        losses = tuple(loss_assumptions(case, one.controller))
-        energies.append(energy_budget(case, catalog, power, consumers_of(case, one, power), losses))
-        by_case.append((problem.name_of(numbers), energies[-1].checks))
-    checks += worst_of_cases(by_case)
-    braking = braking_budget(problem, one) if problem.machine.limits_the_bus else None
-    checks += braking.checks if braking else ()
+    feeds = on_its_supply(problem, one) if spec.battery or problem.machine.limits_the_bus else Feeds()
+    checks += feeds.checks
     if spec.supply.stalled and not spec.on_common_bus:
-        checks.append(stall_check(spec.supply, [stall_current(spec, one)] * spec.load.motors))
+        checks.append(stall_check(spec.supply, [(spec, one)]))
     if spec.budget and spec.budget.price is not None:
-        items = items_bought([(problem, one)], spec.supply.part, braking, catalog)
-        checks.append(price_check([*items], spec.budget.price, catalog))
-    least = min(energies, key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None)  # the unknown first
-    return MachineBudget(tuple(checks), tuple(figures), masses, least, braking)
+        checks.append(price_check(spec.budget.price, [(problem, one)], spec.supply, feeds.braking, catalog))
+    return MachineBudget(tuple(checks), tuple(figures), masses, feeds.energy, feeds.braking)
+
+
+class Feeds(NamedTuple):
+    """What feeds a machine against its limits: a battery, or a supply with what becomes of regenerated energy."""
+
+    energy: EnergyBudget | None = None  # of the load case in which the battery lasts least
+    braking: BrakingBudget | None = None
+    checks: tuple[Check, ...] = ()
+
+
+def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Iterable[OnBus], withstood: float) -> Feeds:
+    """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases.
+
+    ``withstood`` is the least voltage that any of its controllers withstands [V].
+    """
+    if spec.battery is None:
+        on_battery = spec.supply.kind == "battery"
+        braking = None if on_battery else bus_budget(spec, catalog, [case.bus for case in cases], withstood)
+        return Feeds(braking=braking, checks=braking.checks if braking else ())
+    energies = [(case.bus.case, energy_budget(case, catalog)) for case in cases]
+    least = min((one for _, one in energies), key=lambda one: (not isnan(one.autonomy), one.autonomy))
+    return Feeds(energy=least, checks=worst_of_cases([(name, one.checks) for name, one in energies]))
+
+
+def on_its_supply(problem: Problem, one: DriveParts) -> Feeds:
+    """What feeds a machine of one axis, with a drive."""
+    withstood = one.controller.supply_max if one.controller else nan
+    return feeds_of(problem.machine, problem.catalog, on_bus(problem, one), withstood)
 
 
 def stall_current(spec: RobotSpec, one: DriveParts) -> float:
@@ -364,10 +385,11 @@ def stall_current(spec: RobotSpec, one: DriveParts) -> float:
     return (current**2 * cold + lost) / volts
 
 
-def stall_check(supply: Supply, drawn: Sequence[float]) -> Check:
-    """The current of all drives stalled at once [A] against what the supply delivers."""
+def stall_check(supply: Supply, drives: Iterable[tuple[RobotSpec, DriveParts]]) -> Check:
+    """The current of all drives of some axes stalled at once against what the supply delivers."""
+    drawn = math.fsum(spec.load.motors * stall_current(spec, one) for spec, one in drives)
     limit = nan if supply.most_current is None else supply.most_current
-    return at_most("supply_stall", math.fsum(drawn), limit).at((), "budget")
+    return at_most("supply_stall", drawn, limit).at((), "budget")
 
 
 def rows_of_drive(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
@@ -399,5 +421,4 @@ def drive_mass(problem: Problem, one: DriveParts) -> float:
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:
     """Known mass of the machine beside its drive: structure, equipment, payloads, battery."""
     assert spec.budget is not None
-    battery = pack_of(spec.battery, catalog).mass if spec.battery else None
-    return machine_mass(spec.budget, (), platform=spec.platform, battery=battery).known
+    return machine_mass(spec.budget, (), platform=spec.platform, battery=mass_of(spec.battery, catalog)).known

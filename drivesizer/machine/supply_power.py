@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, isnan, nan
@@ -165,9 +165,12 @@ def _stepper_power(
     return found.times(spec.load.alike if demand.complete.all() else nan), loss
 
 
-def power_of_cases(cases: Sequence[LoadCase], drive_set: DriveParts, *, merged: bool = False) -> DrivePower:
-    """Power of the drives of load cases that act at the same time, as the wheels of a platform do."""
-    return together([drive_power(case.spec, drive_set, case.at_belt, merged=merged) for case in cases])
+def power_of_cases(
+    cases: Sequence[LoadCase], drive_set: DriveParts, cycles: Sequence[CycleAtBelt] = (), *, merged: bool = False
+) -> DrivePower:
+    """Power of the drives of load cases that act at the same time, as the wheels of a platform do; or over cycles."""
+    both = zip(cases, cycles or [case.at_belt for case in cases], strict=True)
+    return together([drive_power(case.spec, drive_set, base, merged=merged) for case, base in both])
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
@@ -358,16 +361,33 @@ class Regenerated:
         return largest_pulse(duration, np.where(self.power.peak > power, duration, 0.0))
 
 
-def regenerated(problem: Problem, one: DriveParts) -> list[Regenerated]:
-    """Energies to and from the bus in each load case of a machine."""
-    found = []
+class AxisOnBus(NamedTuple):
+    """The drives of an axis with their power in a load case."""
+
+    name: str  # empty of a machine that has no other
+    spec: RobotSpec  # in the load case
+    drive_set: DriveParts
+    power: DrivePower
+
+
+class OnBus(NamedTuple):
+    """All drives of a machine in a load case: to and from the bus together, and each axis over the same time."""
+
+    bus: Regenerated
+    axes: Sequence[AxisOnBus]
+
+
+def on_bus(problem: Problem, one: DriveParts) -> Iterator[OnBus]:
+    """A machine of one axis on its bus in each of its load cases."""
     for numbers in problem.machine_cases:
         some = [problem.cases[number] for number in numbers]
-        spec = some[0].spec
+        spec, kept = some[0].spec, 1.0 - some[0].spec.supply.regeneration
         timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
-        power, kept = power_of_cases(some, one, merged=len(some) == 1 and not timed), 1.0 - spec.supply.regeneration
-        if len(some) > 1:  # drives that act at the same time: what one draws of another's return goes no further
+        merged = len(some) == 1 and not timed and spec.battery is None
+        power = power_of_cases(some, one, merged=merged)
+        if spec.battery is not None:
+            power = power.slipping(spec.slip)
+        elif len(some) > 1:  # what one wheel draws of another's return goes no further
             net: Array = power.bus_drawn - kept * power.returned
             power = power._replace(bus_drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0) / (kept or 1.0))
-        found.append(Regenerated(problem.name_of(numbers), spec, power))
-    return found
+        yield OnBus(Regenerated(problem.name_of(numbers), spec, power), [AxisOnBus("", spec, one, power)])

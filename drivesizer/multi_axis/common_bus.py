@@ -21,9 +21,8 @@ from drivesizer.machine.supply_power import (
     Burnt,
     DrivePower,
     Regenerated,
-    drive_power,
+    power_of_cases,
     side_by_side,
-    together,
 )
 from drivesizer.physics.braking import largest_mean, largest_pulse
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
@@ -565,6 +564,8 @@ def common_bus(
     moving = [Moving(axis.name, axis.start, own[0].cycle.total, one) for axis, own, one in rows]
     cycle = cycle_of(moving, cycle_time)
     powers = [_axis_power(*row, cycle) for row in zip(axes, cases, waits, strict=True)]
+    if shared.battery is not None:
+        powers = [power.slipping(own[0].spec.slip) for power, own in zip(powers, cases, strict=True)]
     window = common_period([power.total for power in powers], [len(power.duration) for power in powers])
     if synchronised and not isnan(window) and len(axes) > 1:
         powers = [from_start(fitted(p, window), axis.start) for axis, p in zip(axes, powers, strict=True)]
@@ -604,7 +605,7 @@ def _shown(powers: Sequence[DrivePower]) -> float:
 def _axis_power(axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float) -> DrivePower:
     """Power of all drives of an axis over its own period, or waiting until the machine's cycle is over."""
     cycles = [waiting(case, cycle) if waits else case.at_belt for case in cases]
-    found = together([drive_power(case.spec, axis.one, base) for case, base in zip(cases, cycles, strict=True)])
+    found = power_of_cases(cases, axis.one, cycles)
     return found.times(nan) if waits and cycle > cases[0].cycle.total and unknown_at_rest(cases) else found
 
 

@@ -12,22 +12,15 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.yaml_source import Path_
-from drivesizer.machine.battery import consumers_of, energy_budget, pack_of
-from drivesizer.machine.braking import bus_budget, with_parts_of_supply
-from drivesizer.machine.budgets import (
-    items_bought,
-    machine_mass,
-    price_check,
-    rows_of_drive,
-    stall_check,
-    stall_current,
-)
-from drivesizer.machine.supply_power import DrivePower, side_by_side
+from drivesizer.machine.battery import mass_of
+from drivesizer.machine.braking import with_parts_of_supply
+from drivesizer.machine.budgets import Feeds, feeds_of, machine_mass, price_check, rows_of_drive, stall_check
+from drivesizer.machine.supply_power import AxisOnBus, DrivePower, OnBus, side_by_side
 from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
 from drivesizer.results.check import Check, Figure, figure, worst_of_cases
 from drivesizer.results.check_columns import at_most
-from drivesizer.results.drive_set import BrakingBudget, Consumption, EnergyBudget, loss_assumptions
+from drivesizer.results.drive_set import BrakingBudget
 from drivesizer.results.machine import AxisSizing, MachinePower
 from drivesizer.spec.machine import MachineSpec, with_common_bus
 from drivesizer.spec.robot import AS_SPECIFIED, RobotSpec
@@ -123,7 +116,6 @@ def without_effect(machine: MachineSpec) -> tuple[str, ...]:
 
 _ROUNDING = 1e-9  # of a cycle
 _STAYS = "unknown: how far regenerated energy raises the voltage: give brake_resistor or supply.capacitance"
-_CABLES = "resistance of the supply"
 
 
 def common_supply(
@@ -142,22 +134,15 @@ def common_supply(
     buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in names}
     withstood = min((limit for limit in _withstood(axes).values() if not isnan(limit)), default=nan)
     checks = worst_of_cases([(name, _supplied(bus)) for name, bus in buses.items()])
-    braking, energy = None, dict[str, EnergyBudget]()
-    if shared.battery is None and shared.supply.kind != "battery":
-        braking = bus_budget(shared, catalog, [bus.on_bus for bus in buses.values()], withstood)
-    voltage = worst_of_cases([(name, (_voltage(bus, braking, axes),)) for name, bus in buses.items()])
-    checks = (*checks, *voltage, *(braking.checks if braking else ()))
-    if shared.battery is not None:
-        energy = {name: _energy(name, bus, axes, catalog) for name, bus in buses.items()}
-        checks = (*checks, *worst_of_cases([(name, one.checks) for name, one in energy.items()]))
+    feeds = feeds_of(shared, catalog, [_on_bus(name, bus, axes) for name, bus in buses.items()], withstood)
+    voltage = worst_of_cases([(name, (_voltage(bus, feeds.braking, axes),)) for name, bus in buses.items()])
 
     def largest(case: str) -> float:
         peak = float(buses[case].total.peak.max())
         return inf if isnan(peak) else peak
 
     name = max(buses, key=largest)
-    least = min(energy.values(), key=lambda one: (not isnan(one.autonomy), one.autonomy), default=None)
-    return _record(name, buses[name], axes, checks, braking, least)
+    return _record(name, buses[name], axes, feeds._replace(checks=(*checks, *voltage, *feeds.checks)))
 
 
 def _withstood(axes: Sequence[AxisPower]) -> dict[str, float]:
@@ -221,33 +206,21 @@ def _highest(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisP
         current = axis.one.controller.continuous_current if axis.one.controller else nan
         own += float(least_capacitance(current, supply.highest)) * axis.problem.spec.load.motors
     bound = float(bus_voltage(supply.highest, stored, own))
-    limits = [axis.one.controller.supply_max for axis in axes if axis.one.controller]
-    return bound if bound <= min(limits, default=nan) else nan
+    return bound if all(bound <= limit for limit in _withstood(axes).values()) else nan
 
 
-def _energy(name: str, bus: CommonBus, axes: Sequence[AxisPower], catalog: Catalog) -> EnergyBudget:
-    """The battery with all axes on it, each a few lines of its table."""
-    spec, lines, losses = bus.spec, list[Consumption](), list[str]()
-    for axis, power in zip(axes, bus.axes, strict=True):
-        own = consumers_of(axis.case(name)[0].spec, axis.one, power)
-        lines += [one._replace(name=f"{axis.name}: {one.name}") for one in own if one.name != _CABLES]
-        losses += [f"{axis.name}: {text}" for text in loss_assumptions(axis.problem.spec, axis.one.controller)]
-    kept = fsum(power.mean(power.returned) for power in bus.axes) - bus.total.mean(bus.total.returned)
-    if kept > 0.0:
-        share = 1.0 - spec.supply.regeneration
-        lines.append(Consumption("exchanged between axes", len(axes), -share * kept, 0.0, nan, False))
-    if spec.supply.resistance is not None:
-        lines.append(Consumption(_CABLES, 1, bus.total.mean(bus.total.resisted), 0.0, nan, False))
-    return energy_budget(spec, catalog, bus.total, lines, tuple(dict.fromkeys(losses)))
+def _on_bus(name: str, bus: CommonBus, axes: Sequence[AxisPower]) -> OnBus:
+    """All axes in a load case, as a battery has them."""
+    both = zip(axes, bus.axes, strict=True)
+    each = [AxisOnBus(axis.name, axis.case(name)[0].spec, axis.one, power) for axis, power in both]
+    return OnBus(bus.on_bus, each)
 
 
 def _record(
     name: str,
     bus: CommonBus,
     axes: Sequence[AxisPower],
-    checks: tuple[Check, ...],
-    braking: BrakingBudget | None,
-    energy: EnergyBudget | None,
+    feeds: Feeds,
 ) -> MachinePower:
     total, cut, single = bus.total, side_by_side(bus.axes), len(bus.together) == 1
     exchanged = fsum(float(one.returned @ one.duration) for one in cut) - float(total.returned @ total.duration)
@@ -279,9 +252,9 @@ def _record(
         phases=bus.phases,
         exceeded=bus.exceeded,
         unknown=tuple(unknown),
-        braking=braking,
-        energy=energy,
-        checks=checks,
+        braking=feeds.braking,
+        energy=feeds.energy,
+        checks=feeds.checks,
         figures=tuple(_figures(bus, time)),
         assumptions=tuple(_assumptions(axes, bus, name)),
     )
@@ -378,17 +351,16 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
     found = list[Check]()
     if machine.supply.stalled:
         on_it = [(problem.spec, one) for problem, one in drives if problem.spec.on_common_bus]
-        found.append(stall_check(machine.supply, [spec.load.motors * stall_current(spec, one) for spec, one in on_it]))
+        found.append(stall_check(machine.supply, on_it))
     if budget is None:
         return tuple(found)
     catalog = _listing(machine, [problem.catalog for problem, _ in drives])
     if budget.weighs:
-        battery = pack_of(machine.battery, catalog).mass if machine.battery else None
         rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
-        found += machine_mass(budget, rows, battery=battery).checks()
+        found += machine_mass(budget, rows, battery=mass_of(machine.battery, catalog)).checks()
     if budget.price is not None:
-        items = items_bought(drives, machine.supply.part, power.braking if power else None, catalog)
-        found.append(price_check([*items], budget.price, catalog))
+        braking = power.braking if power else None
+        found.append(price_check(budget.price, drives, machine.supply, braking, catalog))
     return tuple(found)
 
 

@@ -11,7 +11,7 @@ from math import nan
 import numpy as np
 
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import Load, accepted, charging, columns_of, feeding, pack_of, raised_voltage
+from drivesizer.machine.battery import Load, accepted, charging, columns_of, feeding, mass_of, raised_voltage
 from drivesizer.machine.budgets import (
     BELT,
     MachineBudget,
@@ -117,8 +117,7 @@ def _masses(whole: Evaluation) -> list[CheckColumn]:
     parts = chosen(whole, needs_encoder=spec.wants_encoder)
     of_drive = bought(catalog, sets, parts, "mass", BOUGHT, 1 if whole.catalog.ends else None)
     each = np.vstack([of_drive, _belts(whole.problem, sets)])
-    battery = pack_of(spec.battery, catalog).mass if spec.battery else None
-    rest = machine_mass(spec.budget, (), platform=spec.platform, battery=battery)
+    rest = machine_mass(spec.budget, (), platform=spec.platform, battery=mass_of(spec.battery, catalog))
     known = spec.load.motors * np.nansum(each, axis=0) + rest.known
     lacking = np.isnan(each).any(axis=0) | bool(rest.unknown)
     load = whole.problem.machine.load

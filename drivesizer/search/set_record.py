@@ -13,8 +13,7 @@ from drivesizer.catalog import DIRECT, Table
 from drivesizer.catalog.parts import one_row
 from drivesizer.files.text import listed
 from drivesizer.kernel.warming import State, overload_time
-from drivesizer.machine.braking import braking_budget
-from drivesizer.machine.budgets import MachineBudget, drive_rows
+from drivesizer.machine.budgets import MachineBudget, drive_rows, on_its_supply
 from drivesizer.machine.part_curves import curves_of, torque_of_drive
 from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
@@ -89,8 +88,8 @@ def drive_set(
     problem, returned = evaluation.problem, evaluation.figures.get("returned")
     braking, pieces = budget.braking, list[MotorPiece]()
     limited = problem.machine.limits_the_bus or returned is None or not returned[index] > 0.0
-    if not braking and rank == 1 and not limited:  # of what is regenerated, for which the spec has no limit
-        braking = braking_budget(problem, parts)
+    if not braking and rank == 1 and not limited and problem.machine.battery is None:
+        braking = on_its_supply(problem, parts).braking  # of what is regenerated, for which the spec has no limit
     for case in problem.cases[:_CASES]:
         cycle, demand = turned(case.spec, parts, case.at_belt)
         noisy = case.spec.load.kind == "recorded"

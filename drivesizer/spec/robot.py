@@ -195,6 +195,11 @@ class RobotSpec(fields.Section, OfFile):
         return self._on_common_bus
 
     @property
+    def slip(self) -> float:
+        """Share of their turns by which the wheels of a platform slip; 0 of what has none."""
+        return self.platform.slip if self.platform else 0.0
+
+    @property
     def chopper_voltage(self) -> float | None:
         """Voltage above which a chopper does not let the bus rise [V]; None where there is none, or it is not known."""
         return self.brake_resistor.chopper_voltage if self.brake_resistor else None

@@ -13,11 +13,11 @@ from specs import HEAT, estimates_off, without
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.battery import charge_over_mission, consumers_of, energy_budget, pack_of, run_time
-from drivesizer.machine.supply_power import drive_power
+from drivesizer.machine.battery import charge_over_mission, energy_budget, pack_of, run_time
+from drivesizer.machine.supply_power import AxisOnBus, OnBus, Regenerated, drive_power
 from drivesizer.physics.battery import peukert_time
 from drivesizer.results.check import Check
-from drivesizer.results.drive_set import DriveSet, EnergyBudget, loss_assumptions
+from drivesizer.results.drive_set import DriveSet, EnergyBudget
 from drivesizer.sizing import explain
 from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec, read_spec
@@ -75,8 +75,7 @@ def budget(
     battery = Battery.model_validate(FOUR | changed)
     rest = equipment() if others is None else others
     spec, power = spec.model_copy(update={"battery": battery, "equipment": rest}), drive_power(spec, drive)
-    losses = tuple(loss_assumptions(spec, drive.controller))
-    return energy_budget(spec, listed, power, consumers_of(spec, drive, power), losses)
+    return energy_budget(OnBus(Regenerated("", spec, power), [AxisOnBus("", spec, drive, power)]), listed)
 
 
 def check(found: EnergyBudget, name: str) -> Check:
