@@ -471,7 +471,7 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
     if encoder is not None:
         time = c.velocity_period * max(c.counted_over, 1)
         if isinstance(c, Gains):
-            limit = case.spec.supply.lowest if math.isnan(case.usable_voltage) else case.usable_voltage
+            limit = case.spec.feed_of(controller).applied
             warnings += resolution_warning(encoder.lines, time, c.kp, limit, "voltage")
         else:
             peak = controller.peak_current if controller else math.nan

@@ -92,8 +92,12 @@ class Mechanics:
         moving = np.where(direction > 0.0, self.forward_torque, self.backward_torque)
         return np.where(direction == 0.0, self.rest_torque, moving)
 
-    def at_motor(self, torque: Any, direction: Any) -> Any:
-        """Torque at the motor [N*m] against one at the driven shaft and friction, by the direction of power."""
+    def at_motor(self, direction: Any, more: Any, acceleration: Any = 0.0) -> Any:
+        """Torque at the motor [N*m] against friction and load, by the direction of motion and that of power.
+
+        With a further torque at the driven shaft, and an acceleration of the motor [rad/s^2].
+        """
+        torque = self.load_inertia * acceleration / self.ratio + self.resistance_along(direction) + more
         driving, braking = self.shares
         share = np.where(torque * direction > 0.0, driving, braking)
         return self.friction * direction + torque * np.where(direction == 0.0, 1.0 / self.ratio, share)

@@ -570,8 +570,7 @@ def _counts(
     if not edges:
         lacks = "the drive has no encoder" if drive_set.encoder is None else "the encoder's resolution is unknown"
         return None, [] if spec.control.speed_from == "exact" else [f"{lacks}: speed is measured exactly"]
-    usable = float(spec.feed_of(drive_set.controller).usable)
-    volts = spec.supply.lowest if math.isnan(usable) else usable
+    volts = spec.feed_of(drive_set.controller).applied
     peak = drive_set.controller.peak_current if drive_set.controller else math.nan
     amperes = answer(volts, train.resistance, peak, drive_set.motor.nominal_current)
     volts_per_ampere = 1.0 if spec.control.structure == "cascade" else train.resistance

@@ -165,13 +165,11 @@ def _moves(log: Log, columns: Columns, k_t: float) -> Moves:
 def required_torque(spec: RobotSpec, drive: DriveSet, moves: Moves) -> Array:
     """Torque of the motor [N*m] that a spec requires along a measured motion, friction and gears included."""
     train, _ = drive_train(spec, drive, 1e-3)
-    direction = np.sign(moves.speed)
-    shaft = train.resistance_along(direction) + train.load_inertia * moves.acceleration / train.ratio
-    left = remaining_torque(spec, motion_of(spec), train.load)
+    left, more = remaining_torque(spec, motion_of(spec), train.load), np.zeros_like(moves.time)
     if len(left):
-        shaft = shaft + np.interp((moves.time - moves.time[0]) % left[-1, 0], left[:, 0], left[:, 1])
-    required = train.motor_inertia * moves.acceleration + train.at_motor(shaft, direction) + train.viscous * moves.speed
-    return np.asarray(required)
+        more = np.interp((moves.time - moves.time[0]) % left[-1, 0], left[:, 0], left[:, 1])
+    against = train.at_motor(np.sign(moves.speed), more, moves.acceleration)
+    return np.asarray(train.motor_inertia * moves.acceleration + against + train.viscous * moves.speed)
 
 
 def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tuple[Explanation, ...]]:

@@ -28,7 +28,7 @@ from drivesizer.joints.places import (
 from drivesizer.joints.trajectory import motion_of, static_poses
 from drivesizer.loads.recorded import ComputedLoad
 from drivesizer.loads.springs import BalanceMass, spring_force, unfit_springs
-from drivesizer.physics.load_cycle import LoadCycle
+from drivesizer.physics.load_cycle import Cuts, LoadCycle, middle
 from drivesizer.spec.description import Joint, Robot, read_description, rotation
 from drivesizer.spec.robot_section import DrivePlace, RobotSection
 
@@ -85,14 +85,12 @@ def cut_at(motion: JointMotion, times: Array) -> JointMotion:
         return motion
     every = np.union1d(edges, inside)
     owner = np.searchsorted(edges, (every[:-1] + every[1:]) / 2.0) - 1
-    share = (np.stack([every[:-1], every[1:]], axis=1) - edges[owner, None]) / motion.duration[owner, None]
-    x = share[:, :, None]
-    lines = [c[owner, :1] + x * (c[owner, 1:] - c[owner, :1]) for c in (motion.speed, motion.acceleration)]
-    first, last = motion.speed[owner, :1], motion.speed[owner, 1:]
-    travel = motion.duration[owner, None, None] * (first * x + (last - first) * x**2 / 2.0)
-    whole = motion.duration[owner, None, None] * (first + last) / 2.0
-    gap = motion.position[owner, 1:] - motion.position[owner, :1] - whole
-    return JointMotion(motion.joints, np.diff(every), motion.position[owner, :1] + travel + gap * x, *lines)
+    lasting, position, speed = motion.duration[:, None], motion.position, motion.speed
+    cut = Cuts(owner, *((at[:, None] - edges[owner, None]) / lasting[owner] for at in (every[:-1], every[1:])))
+    gap = np.diff(position, axis=1) - lasting[:, None] * middle(speed)[:, None]  # beside the speed's straight lines
+    straight = cut.travel(lasting, speed) + gap[owner] * np.stack(cut[1:], axis=1)
+    lines = (cut.line(column) for column in (speed, motion.acceleration))
+    return JointMotion(motion.joints, np.diff(every), position[owner, :1] + straight, *lines)
 
 
 def spring_torques(section: RobotSection, robot: Robot, moved: JointMotion, start: Array, *, moving: bool) -> Array:

@@ -87,12 +87,10 @@ class Course:
         return self._in_pieces(cuts(count, (1.0 / count).reshape(-1, *[1] * (self.duration.ndim - 1))))
 
     def _in_pieces(self, cut: Cuts, *, turns: bool = False) -> Course:
-        duration, left, share = self.duration[cut.owner], self.speed[cut.owner, :1], np.stack(cut[1:], axis=1)
-        travel = duration[:, None] * (left * share + (self.speed[cut.owner, 1:] - left) * share**2 / 2)
         return Course(
             self.name,
-            duration * (cut.end - cut.start),
-            self.position[cut.owner, :1] + travel,
+            self.duration[cut.owner] * (cut.end - cut.start),
+            self.position[cut.owner, :1] + cut.travel(self.duration, self.speed),
             cut.line(self.speed, crosses=turns),
             cut.line(self.acceleration),
             self.payload if isinstance(self.payload, float) else self.payload[cut.owner],

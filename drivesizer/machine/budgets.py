@@ -377,9 +377,8 @@ def stall_current(spec: RobotSpec, one: DriveParts) -> float:
     motor, controller, volts = one.motor, one.controller, spec.supply.nominal
     feed = spec.feed_of(controller)._replace(voltage=volts)
     cold = float(resistance_at(resistance_25(motor), spec.environment.ambient))
-    applied = volts if isnan(feed.usable) else float(feed.usable)
     permitted = controller.peak_current if controller else nan
-    limits = [applied / cold, motor.stall_current * volts / motor.nominal_voltage, permitted]
+    limits = [feed.applied / cold, motor.stall_current * volts / motor.nominal_voltage, permitted]
     current = float(np.fmin.reduce(limits))
     lost = float(np.nan_to_num(feed.lost(current)) + np.nan_to_num(feed.stage.standby))
     return (current**2 * cold + lost) / volts

@@ -131,8 +131,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         """Friction torque of the motor itself at a speed, turning [N*m]."""
         return c[DIRECTION] + c[SPEED] / ratio * w
 
-    hot, usable = float(motor["max_winding_temperature"][0]), float(feed.usable)
-    voltage = spec.supply.lowest if isnan(usable) else usable  # all of it where the controller's share is unknown
+    hot, voltage = float(motor["max_winding_temperature"][0]), feed.applied
     hot_permitted = not isnan(hot)
     if not hot_permitted:
         at_flange = loss_at_flange(spec, cycle, gearhead)

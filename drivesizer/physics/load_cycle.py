@@ -214,6 +214,12 @@ class Cuts(NamedTuple):
     start: Array  # shape (pieces,) or (pieces, cycles)
     end: Array
 
+    def travel(self, duration: Array, speed: Ends) -> Ends:
+        """Way along straight lines of speed at both ends of the pieces, from the start of their segment."""
+        first, share = speed[self.owner, :1], np.stack([self.start, self.end], axis=1)
+        way: Ends = duration[self.owner, None] * (first * share + (speed[self.owner, 1:] - first) * share**2 / 2)
+        return way
+
     def line(self, ends: Ends, *, crosses: bool = False) -> Ends:
         """A straight line over segments at both ends of their pieces; ``crosses``: it is 0 where it is cut."""
         left, right = ends[self.owner, 0], ends[self.owner, 1]

@@ -64,6 +64,11 @@ class Feed(NamedTuple):
         return usable_voltage(self.voltage, self.stage.max_duty, self.stage.drop)
 
     @property
+    def applied(self) -> float:
+        """The usable voltage of one stage [V]; all of the supply's where a figure of the stage is unknown."""
+        return float(np.where(np.isnan(self.usable), self.voltage, self.usable))
+
+    @property
     def usable_range(self) -> Range:
         """Ends of the usable voltage where a figure is not printed [V]: with a drop of the band, without a duty all."""
         ends = []

@@ -201,7 +201,7 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
     assert more > 0.1 * R
 
     def usable(volts):
-        return status("supply_voltage", case._replace(usable_voltage=volts))
+        return status("supply_voltage", replace(case, usable_voltage=volts))
 
     cold, hot = case.required("voltage_demand"), case.required("voltage_demand") + more * current
     found = [usable(volts) for volts in (0.99 * cold, 1.01 * cold, 0.99 * hot, 1.01 * hot)]
@@ -209,7 +209,7 @@ def test_a_winding_of_unknown_heat_leaves_voltage_and_supply_current_open_betwee
 
     def supplied(amperes):
         supply = spec.supply.model_copy(update={"current": amperes})
-        return status("supply_current", case._replace(spec=spec.model_copy(update={"supply": supply})))
+        return status("supply_current", replace(case, spec=spec.model_copy(update={"supply": supply})))
 
     cold = case.figure("bus_current")
     hot = cold + spec.load.motors * more * current**2 / spec.supply.lowest

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,13 +40,17 @@ _DRAIN = 0.05  # s: slow for the current loop, short for a rest between two moti
 _WHOLE = 1e-9  # share of a cycle that is neglected
 
 
-class Prepared(NamedTuple):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
     """Input of a simulation, and the parts that it was made from."""
 
+    spec: RobotSpec
+    drive_set: DriveParts
+    profile: Profile
     train: DriveTrain
     controller: Gains | Cascade
     usable_voltage: float  # V, NaN unknown
-    drive: Drive
+    drive: Drive  # as the engine takes it
     task: Task
     assumptions: tuple[str, ...]
 
@@ -98,7 +102,10 @@ def prepared(
         load_torque=tuple(left[:, 1].tolist()),
         cycles=max(1, math.ceil(lasts - _WHOLE)),
     )
-    return Prepared(train, controller, usable, drive, task, (*said, *lacks))
+    return Prepared(
+        spec=spec, drive_set=drive_set, profile=profile, train=train, controller=controller, usable_voltage=usable,
+        drive=drive, task=task, assumptions=(*said, *lacks),
+    )  # fmt: skip
 
 
 def _sampled(period: float, profile: Profile) -> None:
@@ -144,21 +151,14 @@ _FOUND = 0.05  # K, last step of the search for the fixed point
 _HOTTEST = 2000.0  # K: beyond it the winding runs away
 
 
-class ClosedLoop(NamedTuple):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ClosedLoop(Prepared):
     """A simulation in closed loop, with its inputs."""
 
-    spec: RobotSpec
-    drive_set: DriveParts
-    profile: Profile
-    train: DriveTrain
-    controller: Gains | Cascade
     loops: Loops
-    usable_voltage: float  # V, NaN unknown
-    task: Task
     out: Simulation  # from ambient temperature
     unlimited: Simulation  # the same without limits; ``out`` where that one does not end
     periodic: dict[str, float]  # highest temperatures in the periodic steady state [K]; empty: unknown
-    assumptions: tuple[str, ...]
     steady_cycle: tuple[Simulation, ...] = ()  # one cycle in the periodic steady state, with and without limits
     steady_start: tuple[float, float] | None = None  # K, winding and housing at the start of that cycle
     slow: bool = False  # whether the current loop is simulated at the velocity loop's rate
@@ -184,14 +184,15 @@ def _largest(runs: Sequence[Simulation], name: str) -> float:
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration."""
     made = prepared(spec, drive_set, profile)
-    drive, task, said, slow = made.drive, made.task, made.assumptions, None
+    drive, task, slow = made.drive, made.task, None
     loops = analyse(made.train, made.controller)
     out = simulate(drive, task, rows=_ROWS, most_steps=LONGEST)
     if "steps" in out.problems[0] and (slow := slower(drive)):
         rates = [show(1.0 / one.controller.current_period, "Hz", "frequency", 3) for one in (drive, slow)]  # type: ignore[union-attr]
         drive, out = slow, simulate(slow, task, rows=_ROWS, most_steps=LONGEST)
-        said += (f"the motion is too long for the current loop's {rates[0]}: it is simulated at the velocity loop's "
-                 f"{rates[1]}, and checks of the largest values allow for what lies between its samples",)  # fmt: skip
+        said = (f"the motion is too long for the current loop's {rates[0]}: it is simulated at the velocity loop's "
+                f"{rates[1]}, and checks of the largest values allow for what lies between its samples")  # fmt: skip
+        made = replace(made, assumptions=(*made.assumptions, said))
     if out.problems[0]:
         cure = _SHORTER if "steps" in out.problems[0] else "expected other gains"
         raise InputError(f"profile {profile.name}: {out.problems[0]}; {cure}")
@@ -203,8 +204,8 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     if last is not None and last is not out and not last.problems[0]:  # else it is the first one
         steady = last, *without_limits([(start, cycle)], [last], loops)
     begins = (start.heat.winding, start.heat.housing) if steady and start.heat else None
-    return ClosedLoop(spec, drive_set, profile, made.train, made.controller, loops, made.usable_voltage, task, out,
-                      free, periodic, said, steady, begins, slow is not None)  # fmt: skip
+    return ClosedLoop(**vars(made), loops=loops, out=out, unlimited=free, periodic=periodic, steady_cycle=steady,
+                      steady_start=begins, slow=slow is not None)  # fmt: skip
 
 
 def slower(drive: Drive) -> Drive | None:

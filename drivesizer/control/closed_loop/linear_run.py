@@ -130,9 +130,8 @@ def _stretches_around(places: list[float], count: int, most: int, step: int) -> 
 def _load_torque(case: ClosedLoop, speed: Array, slope: Array, more: Array) -> Array:
     """Torque that resists the motor along the reference beyond the inertia of driving [N*m]."""
     train, turns = case.train, np.sign(speed)
-    torque = train.load_inertia * slope / train.ratio + train.resistance_along(turns) + more
     driving = train.load_inertia / (train.ratio**2 * train.efficiency)
-    return np.asarray(train.at_motor(torque, turns) - driving * slope)
+    return np.asarray(train.at_motor(turns, more, slope) - driving * slope)
 
 
 # --- the closed loop along it

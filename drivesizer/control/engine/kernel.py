@@ -464,7 +464,7 @@ def limited_voltage(p: Array, s: Array, g: Array, demand: float, t: float, weigh
 
 def current_loop(p: Array, s: Array, g: Array, t: float, weight: float) -> float:
     """The current loop: voltage applied from now on [V]."""
-    keep_peak(g, at.G_AHEAD, s[at.I_DEMAND] + s[at.I_CUT], t)
+    keep_peak(g, at.G_I_AHEAD, s[at.I_DEMAND] + s[at.I_CUT], t)
     if s[at.I_CUT] != 0.0:
         g[at.G_LIMITED] += weight
     error = s[at.I_DEMAND] - s[at.I]
@@ -484,7 +484,7 @@ def voltage_loop(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
     step(p, s, M, work, stamp, z, int(s[at.CODE]), work.shape[1] - 1, 0.0, l, dl, 1)
     n = 4 if p[at.TWO] != 0.0 else 2
     idle, per_volt = z[8], work[matrix_of(p, int(s[at.CODE])), work.shape[1] - 1, 0, n]
-    keep_peak(g, at.G_AHEAD, idle + per_volt * u, t + p[at.H])
+    keep_peak(g, at.G_I_AHEAD, idle + per_volt * u, t + p[at.H])
     s[at.LIMIT] = permitted_current(p, s, p[at.H])
     if abs(idle + per_volt * u) > s[at.LIMIT]:
         g[at.G_LIMITED] += weight

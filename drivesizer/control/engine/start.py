@@ -241,7 +241,7 @@ def _equilibrium(train: DriveTrain, p: Array, w: float, l: float) -> tuple[float
     """Current that keeps a speed, and the driven shaft's torque; none of either where friction holds."""
     T = float(train.resistance_along(np.sign(w))) + l
     if w:
-        return float((train.at_motor(T, np.sign(w)) + train.viscous * w) / train.torque_constant), T
+        return float((train.at_motor(np.sign(w), l) + train.viscous * w) / train.torque_constant), T
     ends = (T, T) if p[at.TWO] else (p[at.T_F] + l, p[at.T_B] + l)
     if p[at.TWO] and p[at.T_B] <= -l <= p[at.T_F]:
         return 0.0, 0.0

@@ -151,7 +151,7 @@ def least_share(stepper: Stepper, task: Task, *, at_rest: bool = False) -> float
 def _balance(stepper: Stepper, first: Array, share: float) -> float:
     """Angle of the rotor behind the field at the start [rad], where load and motor balance; most where they do not."""
     speed, turns = first[1], np.sign(first[1])
-    needed = float(stepper.at_motor(stepper.resistance_along(turns) + first[3], turns))
+    needed = float(stepper.at_motor(turns, first[3]))
     grid = np.linspace(0.0, stepper.top_speed or 1.0, len(stepper.torque))
     if not speed and not first[2]:
         share *= stepper.idle

@@ -358,8 +358,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
         lever = None  # behind a gear of fixed ratio the shaft turns more often; springs are no weight
     else:
         lever = Lever(*map(float, lever._replace(mass=lever.mass / spec.load.motors)))
-    usable = float(spec.feed_of(own).usable)
-    voltage = spec.supply.lowest if isnan(usable) else usable
+    feed = spec.feed_of(own)
     coulomb, viscous = (float(x[0]) for x in housing_loss(found.motor, np.ones(1)))
     motion = motion_of(spec)
     within_reach(train, motion)
@@ -372,11 +371,11 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
         train=train,
         inductance_known=found.motor.inductance > 0.0,
         controller=controller,
-        voltage=voltage,
-        voltage_known=not isnan(usable),
+        voltage=feed.applied,
+        voltage_known=not isnan(feed.usable),
         peak_current=own.peak_current if own else nan,
         continuous_current=float(controller_current(own, ambient)) if own else nan,
-        limits=_limits(spec, found, train, voltage, stepper),
+        limits=_limits(spec, found, train, feed.applied, stepper),
         heat=bodies if bodies.known else None,
         housing=_housing(spec, found, bodies),
         rotor_loss=(coulomb if isfinite(coulomb) else 0.0, viscous if isfinite(viscous) else 0.0),

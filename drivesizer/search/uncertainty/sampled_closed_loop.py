@@ -69,16 +69,11 @@ def _checked(nominal: ClosedLoop, machines: Sequence[tuple[RobotSpec, DriveParts
     free, steady_free = without_limits(cold, outs, nominal.loops), without_limits(warm, steady, nominal.loops)
     cycles = [() if out.problems[0] else (out, alone) for out, alone in zip(steady, steady_free, strict=True)]
     found = list[tuple[Check, ...]]()
-    for (spec, drive), motion, one, out, alone, cycle in zip(
-        machines, motions, made, outs, free, cycles or [()] * len(made), strict=True
-    ):
+    for one, out, alone, cycle in zip(made, outs, free, cycles or [()] * len(made), strict=True):
         if out.problems[0]:
             found.append((replace(checks(nominal)[0], status="fail", title=_LOST),))
             continue
-        loop = ClosedLoop(
-            spec, drive, motion, one.train, one.controller, nominal.loops, one.usable_voltage, one.task,
-            out, alone, {}, one.assumptions, steady_cycle=cycle,
-        )  # fmt: skip
+        loop = ClosedLoop(**vars(one), loops=nominal.loops, out=out, unlimited=alone, periodic={}, steady_cycle=cycle)
         found.append(tuple(check for check in checks(loop) if check.name != "winding_temperature"))
     return found
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from math import fsum, isfinite, isnan
+from math import fsum, isnan
 from pathlib import Path
 
 from drivesizer.control.path_following import Followed, follow_runs
@@ -117,12 +117,11 @@ class Behaviour:
     def pictures(self) -> dict[str, Pictured]:
         """Its figures by name; those that depend on figures that the catalogue does not know are left out."""
         made: dict[str, Pictured] = {}
-        usable = float(self.spec.feed_of(self.drive_set.controller).usable)
+        feed = self.spec.feed_of(self.drive_set.controller)
         if self.known:  # the efficiency map has all load cycles, or the first where they would cover one another
             shown = self.cycles if len(self.cycles) <= cycle.TOGETHER else self.cycles[:1]
-            voltage = usable if isfinite(usable) else self.spec.supply.lowest
-            made["efficiency"] = Pictured(field.efficiency_map(shown, voltage))
-            plot = cycle.demand(self.cycles, self._currents, [("usable", usable)])
+            made["efficiency"] = Pictured(field.efficiency_map(shown, feed.applied))
+            plot = cycle.demand(self.cycles, self._currents, [("usable", float(feed.usable))])
             each = cycle.each_over_time if len(self.cycles) > cycle.TOGETHER else on_paper
             made["demand"] = Pictured(each(plot), [plot])
         if self.hottest:
