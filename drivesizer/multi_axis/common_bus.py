@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import fsum, gcd, inf, isnan, lcm, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ from drivesizer.machine.supply_power import (
     DrivePower,
     Regenerated,
     power_of_cases,
-    side_by_side,
+    together,
 )
 from drivesizer.physics.braking import largest_mean, largest_pulse
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
@@ -116,7 +116,6 @@ def exchanged(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
         drawn=out,
         bus_drawn=drawn,
         returned=left,
-        peak=of_the_source(np.maximum(both.most, 0.0), feed),
         returned_peak=np.minimum(np.maximum(-both.least, 0.0), both.returned_peak),
         resisted=out - drawn,
     )
@@ -126,25 +125,13 @@ def summed_up(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
     """Power of several axes as if none drew what another regenerates: no course of them draws or returns more."""
     if len(powers) == 1:
         return powers[0]
-    cut = side_by_side(powers)
-    columns: dict[str, Any] = {
-        name: np.sum([getattr(one, name) for one in cut], axis=0)
-        for name in DrivePower._fields
-        if name not in ("duration", "distance")
-    }
-    low, high = columns["least"], np.maximum(columns["most"], columns["bus_drawn"])
-    out = _source_mean(columns["bus_drawn"], np.maximum(low, 0.0), np.maximum(high, 0.0), feed)
+    both = together(powers)
+    high = np.maximum(both.most, both.bus_drawn)
+    out = _source_mean(both.bus_drawn, np.maximum(both.least, 0.0), np.maximum(high, 0.0), feed)
     travels = [one.distance for one in powers if one.distance == one.distance]
-    return DrivePower(
-        duration=cut[0].duration,
-        distance=max(travels, default=nan),
-        **columns
-        | {
-            "drawn": out,
-            "resisted": out - columns["bus_drawn"],
-            "peak": of_the_source(np.maximum(columns["most"], 0.0), feed),
-        },
-    )
+    peak = of_the_source(np.maximum(both.most, 0.0), feed)
+    distance = max(travels, default=nan)
+    return both._replace(drawn=out, resisted=out - both.bus_drawn, peak=peak, distance=distance)
 
 
 def _source_mean(mean: Array, low: Array, high: Array, feed: Feed) -> Array:
@@ -551,6 +538,12 @@ class CommonBus(NamedTuple):
     phases: tuple[float, ...]
     synchronised: bool  # whether the axes start together, as far as their periods let them
     exceeded: tuple[Exceeded, ...]  # limits of the supply, at random phases
+
+    @property
+    def exchanged(self) -> float:
+        """Energy that one axis regenerates and another draws, at random phases none that is certain [J]."""
+        apart = fsum(float(one.returned @ one.duration) for one in self.axes)
+        return max(apart - float(self.total.returned @ self.total.duration), 0.0)
 
 
 def common_bus(

@@ -223,7 +223,6 @@ def _record(
     feeds: Feeds,
 ) -> MachinePower:
     total, cut, single = bus.total, side_by_side(bus.axes), len(bus.together) == 1
-    exchanged = fsum(float(one.returned @ one.duration) for one in cut) - float(total.returned @ total.duration)
     peak, time, peak_axis = float(total.peak.max()), _peak_time(total), ""
     if not isnan(peak):  # the axis that draws most in the piece that begins at the moment
         starts = np.cumsum(cut[0].duration) - cut[0].duration
@@ -248,7 +247,7 @@ def _record(
         peak_axis=peak_axis,
         mean=bus.on_bus.mean_drawn,
         energy_left=bus.on_bus.energy,
-        exchanged=max(exchanged, 0.0) if single else 0.0,
+        exchanged=bus.exchanged if single else 0.0,
         phases=bus.phases,
         exceeded=bus.exceeded,
         unknown=tuple(unknown),
@@ -263,7 +262,6 @@ def _record(
 def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
     total, powers, peak = bus.total, bus.axes, float(bus.total.peak.max())
     at = None if bus.phases or isnan(time) else time
-    shared = fsum(float(one.returned @ one.duration) for one in powers) - float(total.returned @ total.duration)
     yield figure("machine_cycle", total.total if not bus.phases else max(one.total for one in bus.together))
     yield figure("supply_peak", peak, at)
     yield figure("supply_peak_summed", fsum(float(one.peak.max()) for one in powers))
@@ -272,7 +270,7 @@ def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
     if bus.feed.resistance:
         yield figure("bus_voltage_least", bus.feed.voltage - bus.feed.resistance * peak / bus.feed.voltage, at)
     if not bus.phases:
-        yield figure("exchanged", max(shared, 0.0))
+        yield figure("exchanged", bus.exchanged)
     for one in bus.exceeded:
         yield figure(f"{one.check}_exceeded", one.most, limit=show(one.limit, "W", "power"))
 
@@ -357,7 +355,8 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
     catalog = _listing(machine, [problem.catalog for problem, _ in drives])
     if budget.weighs:
         rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
-        found += machine_mass(budget, rows, battery=mass_of(machine.battery, catalog)).checks()
+        platform = next((problem.spec.platform for problem, _ in drives if problem.spec.platform), None)
+        found += machine_mass(budget, rows, platform=platform, battery=mass_of(machine.battery, catalog)).checks()
     if budget.price is not None:
         braking = power.braking if power else None
         found.append(price_check(budget.price, drives, machine.supply, braking, catalog))

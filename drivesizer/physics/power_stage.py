@@ -66,7 +66,7 @@ class Feed(NamedTuple):
     @property
     def applied(self) -> float:
         """The usable voltage of one stage [V]; all of the supply's where a figure of the stage is unknown."""
-        return float(np.where(np.isnan(self.usable), self.voltage, self.usable))
+        return float(self.voltage if np.isnan(self.usable) else self.usable)
 
     @property
     def usable_range(self) -> Range:
