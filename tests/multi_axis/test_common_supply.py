@@ -13,6 +13,7 @@ from drivesizer.catalog import load
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import static_torque
+from drivesizer.machine.budgets import machine_budget
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.multi_axis.common_bus import AxisPower
@@ -29,6 +30,16 @@ name: a wheel
 load: {kind: flywheel, inertia: %s, friction_torque: 1 mN*m}
 motion: {speed: 600 rpm, acceleration_time: %s, cruise_time: 1 s, deceleration_time: %s, rest_time: %s}
 supply: {nominal: 24 V, %s}
+power_stage: {voltage_drop: 0 V}
+select: {controller: {part: "541718"}}
+"""
+PLATFORM = """
+name: a base
+load: {kind: wheeled_vehicle, mass: 20 kg, driven_wheels: 2, wheel_diameter: 150 mm, rolling_resistance: 0.02,
+       inertia: 20 kg*cm^2}
+platform: {layout: {kind: differential, track: 400 mm}, inertia: 1 kg*m^2, slip: %s}
+motion: {speed: 0.3 m/s, acceleration_time: 1 s, cruise_time: 2 s, rest_time: 1 s}
+supply: {nominal: 24 V, min: 20 V, max: 30 V}
 power_stage: {voltage_drop: 0 V}
 select: {controller: {part: "541718"}}
 """
@@ -171,6 +182,17 @@ def test_a_battery_feeds_all_axes(shelf, drive):
     assert sum(line.mean for line in power.energy.consumers) == pytest.approx(power.energy.mean_power)
     assert power.energy.mean_power == pytest.approx(power.mean + 5.0)
     assert status(power)["battery_autonomy"] == "pass"
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.1])
+def test_wheels_among_other_axes_slip_as_they_do_alone(shelf, drive, slip):
+    spec = read_spec(YamlSource(PLATFORM % slip + BATTERY, "base.yaml"))
+    base = AxisPower("base", problem(spec, load_parts(spec, shelf)), drive)
+    alone, among = machine_budget(base.problem, drive).energy, common_supply(spec.alone(), shelf, [base]).energy
+    assert alone and among and (among.mean_power, among.autonomy) == (alone.mean_power, alone.autonomy)
+    lines = {line.name: line.mean for line in among.consumers}
+    assert sum(lines.values()) == pytest.approx(alone.mean_power)
+    assert lines.get("base: slip of the wheels", 0.0) == pytest.approx(slip * (lines["base: drive"] / (1.0 - slip)))
 
 
 def test_a_motion_longer_than_the_cycle_is_refused_in_a_line(shelf, drive):
