@@ -284,8 +284,9 @@ def in_its_form(path: Path, what: str) -> Iterator[None]:
 
 
 def _json(raw: bytes, path: Path) -> Log:
+    text = as_text(raw, path)
     try:
-        data = json.loads(as_text(raw, path))
+        data = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({error})") from None
     with in_its_form(path, "a log in the form of its program"):
