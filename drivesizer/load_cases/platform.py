@@ -392,18 +392,20 @@ class AtShaft(NamedTuple):
 
 
 @np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
-def at_shaft(spec: RobotSpec) -> AtShaft:
-    """Inertia and torques of a spec's load at the shaft."""
+def at_shaft(spec: RobotSpec, position: float = 0.0) -> AtShaft:
+    """Inertia and torques of a spec's load at the shaft, in a position of its path [m or rad]."""
 
     def creeping(speed: float) -> LoadCycle:
-        """A second at a speed, from where the motion starts; of a recording without its torque."""
+        """A second at a speed; of a recording without its torque."""
         ends, still, load = np.full((1, 2), speed), np.zeros((1, 2)), spec.load
         if isinstance(load, Recorded):
             rolling = load.rolling_torque if isinstance(load, WheelLoad) else 0.0
             torque = np.full((1, 2), math.copysign(rolling, speed) if speed else 0.0)
             alone = LoadCycle("creeping", np.ones(1), ends, still, torque, load.shaft_inertia)
         else:
-            alone = cycle_of_course(spec, Course("creeping", np.ones(1), np.array([[0.0, speed]]), ends, still))
+            alone = cycle_of_course(
+                spec, Course("creeping", np.ones(1), position + np.array([[0.0, speed]]), ends, still)
+            )
         return driven_shaft_cycle(spec, alone)
 
     forward = creeping(_CREEP)

@@ -15,6 +15,7 @@ from drivesizer.catalog.query import Hit, find, open_catalogs
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import load_cases
+from drivesizer.prediction.machine import machine_of
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.results.prediction import Conditions, Prediction
 from drivesizer.spec.robot import RobotSpec, load_spec
@@ -89,7 +90,8 @@ def predict_set(
     texts = {"voltage": voltage, "resistance": resistance, "ambient": ambient, "load": load, "hold": hold,
              "inertia": inertia, "warm": warm}  # fmt: skip
     read = {name: _read(name, text) for name, text in texts.items()}
-    usual = {"resistance": 0.0, "ambient": _ROOM, "inertia": 0.0} if spec is None else of_machine(load_spec(spec))
+    robot = None if spec is None else load_spec(spec)
+    usual = {"resistance": 0.0, "ambient": _ROOM, "inertia": 0.0} if robot is None else of_machine(robot)
     given = Conditions(**read, duration=60.0 * minutes)
     given = given._replace(**{name: value for name, value in usual.items() if isnan(read[name])})
     shelf = open_catalogs(catalogs)
@@ -104,7 +106,7 @@ def predict_set(
     first = {sold.catalogue: shelf[sold.catalogue]} | shelf  # goes before others that have the same number
     gear = None if gearhead is None else _part(first, gearhead, ("gearheads",), "gearhead")
     drive = None if controller is None else _part(first, controller, ("controllers",), "controller")
-    return predict(sold, gear, drive, completed(given, sold, gear))
+    return predict(sold, gear, drive, completed(given, sold, gear), None if robot is None else machine_of(robot))
 
 
 def of_machine(spec: RobotSpec) -> dict[str, float]:

@@ -16,6 +16,7 @@ from drivesizer.physics.at_voltage import coast_down_time, step_peak_current, st
 from drivesizer.physics.drive_train import friction
 from drivesizer.physics.figures import Array
 from drivesizer.physics.thermal import resistance_at
+from drivesizer.prediction.machine import Machine, started, swung
 from drivesizer.prediction.set_at_voltage import (
     Heating,
     SampledParts,
@@ -62,8 +63,9 @@ def completed(given: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions
 
 
 def predict(
-    motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, *, warming: bool = True
-) -> Prediction:
+    motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, machine: Machine | None = None, *,
+    warming: bool = True,
+) -> Prediction:  # fmt: skip
     """Predict what is measured of a set at the bench, temperatures and times to the limit where these are wanted."""
     parts = sampled_parts(motor, gearhead, controller, _POWER)
     with np.errstate(all="ignore"):
@@ -73,6 +75,8 @@ def predict(
         columns, courses = _mechanical(one, given), list[WarmingCourse]()
         held = hold_current(one, parts, given.hold)
         columns |= {"hold_current": held, "hold_heat": resistance_at(one.bodies.R_25, given.ambient) * held**2}
+        if machine is not None:
+            columns |= started(one, machine, given.ambient) | swung(one, machine, given.ambient)
         heated = _heated(one, parts, given, held) if warming else {}
         for name, heating in heated.items():
             more, ways = _thermal(name, heating, one, given)
@@ -93,7 +97,7 @@ def predict(
         label=" + ".join(called),
         digests={name: digest for hit in bought.values() for name, digest in hit.catalog.digests.items()},
         conditions=given,
-        figures=tuple(_figures(columns, parts, given)),
+        figures=tuple(_figures(columns, parts, given, machine)),
         torque=torque,
         speed=speed,
         courses=tuple(courses),
@@ -198,11 +202,14 @@ def _band(values: Array) -> Band:
     return Band(p50, p5, p50, p95)
 
 
-def _figures(columns: dict[str, Array], parts: SampledParts, given: Conditions) -> Iterable[Predicted]:
+def _figures(
+    columns: dict[str, Array], parts: SampledParts, given: Conditions, machine: Machine | None
+) -> Iterable[Predicted]:
     """Predicted figures in the order of their declaration."""
     unknown, limit = np.full(2, np.nan), parts.motor["max_winding_temperature"]
+    absent = {"start": machine is None, "swing": machine is None or isnan(machine.steepest)}
     for group, cells in _FIGURES:
-        if group in ("kinds", "parts"):
+        if group in ("kinds", "parts") or absent.get(group):
             continue
         name, title, kind, unit, needs = cells
         values = columns.get(name, unknown)

@@ -40,7 +40,7 @@ class Predicted(NamedTuple):
     """One predicted figure."""
 
     name: str
-    group: str  # free, stall, load, step, coast, hold, work
+    group: str  # free, stall, load, step, start, swing, coast, hold, work; start and swing of a machine
     title: str
     kind: str
     unit: str  # of the trade

@@ -9,6 +9,7 @@ from math import inf, isnan, nan
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.special import ellipk
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
@@ -254,6 +255,72 @@ select: {catalogs: [maxon]}
     path.write_text(path.read_text(encoding="utf-8").replace("[2]", "[2, 3]"), encoding="utf-8")
     with pytest.raises(InputError, match="belt of several ratios"):
         predict_set(DCX, catalogs=["maxon"], spec=path)
+
+
+MACHINE = """name: machine
+load: {load}
+motion: {{profile: trapezoid, speed: {speed}, acceleration_time: 0.3 s, cruise_time: 0.5 s, rest_time: 1 s}}
+transmission: [{{kind: gearhead}}]
+supply: {{nominal: 24 V, resistance: 0.2 ohm}}
+select: {{catalogs: [maxon]}}
+"""
+
+
+def with_machine(tmp_path, load, speed, *parts):
+    (tmp_path / "robot.yaml").write_text(MACHINE.format(load=load, speed=speed), encoding="utf-8")
+    return predict_set(*parts, catalogs=["maxon"], spec=tmp_path / "robot.yaml")
+
+
+def test_a_pendulum_swings_as_it_does_without_a_motor_but_for_friction(tmp_path):
+    """From level, 90 deg from hanging: 4 K(sin 45 deg) of (J/m g l)^0.5; dry friction takes M_f pi of its energy."""
+    load = "{kind: arm, mass: 0.5 kg, length: 150 mm, start_angle: -90 deg}"
+    found = with_machine(tmp_path, load, "138.461538 deg/s", "118752")  # up to the level line: 0.65 s at that speed
+    motor, moment = hit("118752"), 0.5 * 9.80665 * 0.15
+    small = np.sqrt((0.5 * 0.15**2 + motor["rotor_inertia"]) / moment)
+    assert nominal(found, "swing_period") == pytest.approx(4.0 * small * ellipk(0.5), rel=3e-3)
+    assert nominal(found, "swing_half") == pytest.approx(nominal(found, "swing_period") / 2.0, rel=3e-3)
+    lost = 0.65 * motor["torque_constant"] * motor["no_load_current"] * np.pi / moment
+    assert nominal(found, "swing_reach") == pytest.approx(np.pi - lost, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("load", "speed", "inertia", "torque", "end"),
+    [  # at the shaft: J, torque by angle, and how far the motion goes
+        ("{kind: wheeled_vehicle, mass: 30 kg, driven_wheels: 2, wheel_diameter: 200 mm, rolling_resistance: 0.02, "
+         "inertia: 0 kg*m^2}", "1 m/s", 15.0 * 0.1**2, lambda _: 15.0 * 9.80665 * 0.02 * 0.1, 0.8 / 0.1),
+        ("{kind: arm, mass: 0.6 kg, length: 200 mm, start_angle: -80 deg, friction_torque: 0.05 N*m}", "100 deg/s",
+         0.6 * 0.2**2, lambda x: 0.6 * 9.80665 * 0.2 * np.cos(x - np.radians(80.0)) + 0.05, np.radians(80.0)),
+    ],
+)  # fmt: skip
+def test_a_machine_at_full_voltage_starts_as_an_integrator_has_it(tmp_path, load, speed, inertia, torque, end):
+    found = with_machine(tmp_path, load, speed, DCX, "GPX22HPKLSL44D0CPLW")
+    motor, gear = hit(DCX), hit("GPX22HPKLSL44D0CPLW", "gearheads")
+    k, R, i, e = motor["torque_constant"], motor["resistance"] + 0.2, gear["ratio"], gear["efficiency"]
+    rubs, w_0 = k * motor["no_load_current"], motor["no_load_speed"]
+    idle = next(one for one in found.estimates if one.figure == "no_load_torque").value
+    J = motor["rotor_inertia"] + gear["inertia"] + inertia / (i**2 * e)
+
+    def slopes(_, x):
+        w = x[1] * i
+        M = k * (24.0 - k * w) / R - 0.65 * rubs - 0.35 * rubs * w / w_0 - idle - torque(x[0]) / (i * e)
+        return [x[1], M / J / i]
+
+    arrives = lambda _, x: x[0] - end  # noqa: E731
+    run = solve_ivp(slopes, (0, 60.0), [0.0, 0.0], events=arrives, rtol=1e-8, atol=1e-9, dense_output=True)
+    t = run.t_events[0][0]
+    top = run.sol(np.linspace(0.0, t, 2001))[1].max()
+    assert nominal(found, "start_time") == pytest.approx(t, rel=0.015)  # the median of samples beside a nominal drive
+    assert nominal(found, "start_speed") == pytest.approx(top, rel=0.015)
+    fast = solve_ivp(slopes, (0, t), [0.0, 0.0], events=lambda _, x: x[1] - (1 - np.exp(-1)) * top, rtol=1e-8)
+    assert nominal(found, "start_time_63") == pytest.approx(fast.t_events[0][0], rel=0.03)
+    assert found.figure("start_time").never == 0.0
+
+
+def test_a_machine_that_is_too_heavy_never_arrives_and_a_gear_that_holds_does_not_swing(tmp_path):
+    found = with_machine(tmp_path, "{kind: arm, mass: 6 kg, length: 400 mm}", "60 deg/s", DCX, "GPX22HPKLSL44D0CPLW")
+    assert found.figure("start_time").never == 1.0 and nominal(found, "start_speed") == 0.0
+    held = with_machine(tmp_path, "{kind: arm, mass: 10 g, length: 50 mm}", "60 deg/s", DCX, "GPX22HPKLSL44D0CPLW")
+    assert held.figure("swing_period").never == 1.0 and nominal(held, "swing_reach") == 0.0
 
 
 def test_leads_that_take_much_of_a_stall_are_missed():

@@ -18,6 +18,8 @@ _TITLES = {
     "stall": "Stalled at full voltage",
     "load": "Running against {load}",
     "step": "Step to full voltage, no load",
+    "start": "Full voltage, the machine from where its motion starts",
+    "swing": "Let go where weight turns it most, terminals open",
     "coast": "Coasting, terminals open",
     "hold": "Holding {hold} at rest for {duration}",
     "work": "Running against {load} for {duration}",

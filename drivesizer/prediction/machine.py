@@ -1,0 +1,151 @@
+"""A set that moves its machine: at full voltage from where its motion starts, and swinging with the terminals open.
+
+The load has the torque of its spec at each place of the path, by direction and at rest; the path of a lever goes on
+beyond its ends. Steps of time are drift, kick and drift: between the two halves of a step's travel the speed follows
+its exponential under the torque half-way. Samples are columns.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from drivesizer.load_cases import profile_of
+from drivesizer.load_cases.platform import at_shaft
+from drivesizer.loads.course import course
+from drivesizer.physics.drive_train import through_gears
+from drivesizer.physics.figures import Array
+from drivesizer.prediction.set_at_voltage import SetAtVoltage
+from drivesizer.spec.robot import RobotSpec
+
+_PLACES = 73  # along the path: each 5 deg of a whole turn
+_STEPS = 3000
+_LONG = 4.0  # times what the way takes at free speed, with the time constants of the start
+_SWINGS = 3.0  # periods of small swings within which the first one ends
+
+
+class Machine(NamedTuple):
+    """A machine's load at its driven shaft, one drive's share, and the belt before it [SI]."""
+
+    belt: float  # ratio
+    efficiency: float  # of the belt
+    inertia: float
+    angle: Array  # of the shaft from where the motion starts, rising
+    torque: Array  # against forward motion: rows backward, at rest, forward
+    end: float  # of the path, farthest from its start
+    steepest: float  # of the path, where weight turns most; NaN of a load without a lever
+
+    def against(self, angle: Array, way: Array) -> Array:
+        """Torque against forward motion at angles, in a direction of motion: 1, -1, or 0 at rest."""
+        back, rest, forth = (np.interp(angle, self.angle, row) for row in self.torque)
+        return np.where(way > 0.0, forth, np.where(way < 0.0, back, rest))
+
+
+def machine_of(spec: RobotSpec) -> Machine | None:
+    """The machine of a spec; None of one whose load is a recording, or of no fixed radius."""
+    if spec.load.of_shaft or spec.load.kind == "recorded":
+        return None
+    first, path, turns = at_shaft(spec), course(profile_of(spec)).position, spec.load.lever is not None
+    low, high = (float(x) for x in (path.min(), path.max()))
+    if not high > low:
+        return None
+    places = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 2 * _PLACES - 1) if turns else np.linspace(low, high, 2)
+    at = [at_shaft(spec, float(place)) for place in places]
+    torque = np.array([[one.backward_torque, one.rest_torque, one.forward_torque] for one in at]).T
+    on_path = (places >= low) & (places <= high)
+    steepest = float(places[on_path][np.abs(torque[1, on_path]).argmax()]) if turns and on_path.any() else np.nan
+    end = high if high >= -low else low
+    return Machine(spec.belt_ratios[0], spec.belt_efficiency, first.inertia, places / first.radius, torque,
+                   end / first.radius, steepest / first.radius)  # fmt: skip
+
+
+class _Course(NamedTuple):
+    """A movement over time: columns over samples."""
+
+    time: Array
+    angle: Array  # of the driven shaft
+    speed: Array  # of the motor
+
+
+def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> _Course:
+    """From rest at an angle on; a voltage of NaN: the terminals are open."""
+    winding, drive = one.winding(ambient), one.drive
+    K, dt = drive.ratio * of.belt, until / _STEPS
+    driving, braking = through_gears(K, drive.efficiency * of.efficiency)
+    most = np.minimum(one.most_current * winding.k_t, one.most_torque / (drive.ratio * drive.efficiency) + one.coulomb)
+    angle, speed = np.full(len(K), start), np.zeros(len(K))
+    found = [(angle, speed)]
+    for _ in range(_STEPS):
+        angle = angle + speed * dt / (2.0 * K)
+        R = winding.R + winding.X * np.abs(speed)
+        push = np.nan_to_num(winding.k_t * (voltage - winding.k_e * speed) / R)
+        limited = np.isnan(voltage) | (np.abs(push) > most)
+        push = np.where(limited, np.clip(push, -most, most), winding.k_t * voltage / R)
+        damping = drive.viscous + np.where(limited, 0.0, winding.k_t * winding.k_e / R)
+        loads = [of.against(angle, way) for way in np.array([[-1.0], [0.0], [1.0]]) * np.ones_like(K)]
+        # what starts it from rest: the push against weight and what hinders, at once
+        up = push > loads[2] * np.where(loads[2] > 0.0, driving, braking) + one.coulomb
+        down = push < loads[0] * np.where(loads[0] < 0.0, driving, braking) - one.coulomb
+        way = np.where(speed != 0.0, np.sign(speed), up * 1.0 - down * 1.0)
+        load = of.against(angle, way)
+        for share in (driving, braking):  # by the power at the shaft, weight and acceleration together
+            J = drive.inertia + of.inertia * share / K
+            net = push - damping * speed - load * share - one.coulomb * way
+            through = (load + of.inertia * net / (J * K)) * way
+            if share is driving:
+                rate, faded, pays = net / J, damping * dt / J, through > 0.0
+        rate, faded = np.where(pays, rate, net / J), np.where(pays, faded, damping * dt / J)
+        after = speed + rate * dt * np.where(faded > 0.0, -np.expm1(-faded) / np.where(faded > 0.0, faded, 1.0), 1.0)
+        after = np.where((way == 0.0) | (speed * after < 0.0), 0.0, after)
+        angle, speed = angle + after * dt / (2.0 * K), after
+        found.append((angle, speed))
+    return _Course(dt * np.arange(_STEPS + 1), *(np.array(x) for x in zip(*found, strict=True)))
+
+
+def _first(time: Array, reached: Array) -> Array:
+    """The time at which each sample has first reached something; infinite where it has not."""
+    return np.where(reached.any(axis=0), time[reached.argmax(axis=0)], np.inf)
+
+
+def started(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
+    """Full voltage from rest where the motion starts: times to its end and to 63 % of the largest speed, that speed."""
+    way, K = np.sign(of.end), one.drive.ratio * of.belt
+    free, winding = one.running(0.0, ambient)[0], one.winding(ambient)
+    J = one.drive.inertia + of.inertia / (K**2 * one.drive.efficiency * of.efficiency)
+    constants = J * winding.R / (winding.k_t * winding.k_e)
+    until = _LONG * float(np.median(np.abs(of.end) * K / free + constants))
+    if not until > 0.0:
+        return {}
+    run = _moved(one, of, ambient, way * one.voltage, 0.0, until)
+    there = way * (run.angle - of.end) >= 0.0
+    arrives = _first(run.time, there)
+    ends = np.minimum(arrives, _first(run.time, way * run.speed < 0.0))  # or it falls back
+    fast = np.where(run.time[:, None] <= ends, way * run.speed, 0.0)
+    top = fast.max(axis=0)
+    return {
+        "start_time": arrives,
+        "start_time_63": np.where(top > 0.0, _first(run.time, fast >= (1.0 - np.exp(-1.0)) * top), np.inf),
+        "start_speed": top / one.drive.ratio,
+    }
+
+
+def swung(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
+    """Let go where weight turns it most, the terminals open: time of the first swing there and back, and its angle."""
+    if np.isnan(of.steepest):
+        return {}
+    K = one.drive.ratio * of.belt
+    J = of.inertia + one.drive.inertia * K**2
+    pull = float(np.abs(of.torque[1]).max())
+    until = _SWINGS * 2.0 * np.pi * float(np.sqrt(np.median(J + 0.0 * (one.coulomb + one.drive.viscous)) / pull))
+    if not 0.0 < until < np.inf:
+        return {}
+    run = _moved(one, of, ambient, np.full(len(K), np.nan), of.steepest, until)
+    side = np.sign(run.speed)
+    first = np.sign(side[np.minimum((side != 0.0).argmax(axis=0), len(side) - 1), np.arange(len(K))])
+    turned = (side * first < 0.0) & (first != 0.0)  # on its way back
+    back = _first(run.time, turned)
+    again = _first(run.time, (run.time[:, None] > back) & (side * first >= 0.0) & (first != 0.0))
+    here = np.searchsorted(run.time, np.where(np.isfinite(back), back, run.time[-1]))
+    return {"swing_half": back, "swing_period": again,
+            "swing_reach": np.abs(run.angle[np.minimum(here, _STEPS), np.arange(len(K))] - of.steepest)}  # fmt: skip
