@@ -185,15 +185,8 @@ _LAST = 3  # steps of Gauss and Newton behind a search, at most
 _STEP = 3e-3  # of each figure, for slopes: a mode's change is met to a 1024th of a sample
 _AHEAD = 10.0  # samples by which a delay is shifted, so that its step is one of samples
 _DELAYS = (-3.0, 30.0)  # samples
-_DELAYS_TRIED = (
-    -1.0,
-    -0.05,
-    0.0,
-    0.5,
-    1.0,
-    2.0,
-    4.0,
-)  # before 0: rows hold what follows
+_DELAYS_TRIED = (-1.0, -0.05, 0.0, 0.5, 1.0, 2.0, 4.0)  # before 0: rows hold what follows
+_LAGS_TRIED = (0.1, 0.4, 1.5)  # electrical time constants in samples: smoothed signals make one too long
 _ZERO = ("L", "M_c", "b")  # figures that may be none
 
 
@@ -261,9 +254,9 @@ class _Problem:
             part[self.one.lead] = 0.0
         return np.clip(np.concatenate(found), -1e6, 1e6)
 
-    def with_delay(self, samples: float) -> float:
-        """Sum of squares with another delay."""
-        self.values["delay"] = samples
+    def left(self, others: Figures) -> float:
+        """Sum of squares with some figures in place of those it has."""
+        self.values |= others
         return float((self.rest(self.x()) ** 2).sum())
 
     def slopes(self) -> Array:
@@ -317,7 +310,8 @@ def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
     start = regression(one, known)
     problem = _Problem(one, start, known)
     problem.free = tuple(free)
-    problem.values["delay"] = min(_DELAYS_TRIED, key=problem.with_delay)
+    lags = [start["L"], *(share * start["R"] * one.h for share in _LAGS_TRIED)] if "L" in free else [start["L"]]
+    problem.values |= min(({"delay": d, "L": L} for L in lags for d in _DELAYS_TRIED), key=problem.left)
     problem.fit(12)
     problem.weigh()
     tied: list[Inseparable] = []

@@ -218,6 +218,22 @@ def test_a_motor_without_inductance(export):
     assert bare.current == pytest.approx((6.0 - K_T * bare.motor_speed) / R)
 
 
+def test_commutation_takes_of_the_voltage_while_the_motor_drives(export):
+    """In the long run u = R i + k_e w + X w i with k_t i = M_f + b w + T/(K e); a motor that is driven keeps it all."""
+    X, motor = 3.0 / (2.0 * math.pi) * 14 * L, {"forward_torque": 2.0, "backward_torque": 2.0, "load_inertia": 1e-3}
+    drive = Drive(parameters(export) | motor | {"commutation": X})
+    drive.voltage = 20.0
+    drive.advance(3.0)
+    i, w = drive.current, drive.motor_speed
+    assert K_T * i == pytest.approx(DRY + VISCOUS * w + 2.0 / (K * E), rel=1e-4)
+    assert R * i + K_T * w + X * w * i == pytest.approx(20.0, rel=1e-4) and X * w * i > 1.0
+    plain, braked = (Drive(parameters(export) | motor | {"commutation": x}) for x in (0.0, X))
+    for one in (plain, braked):
+        one.motor_speed = 500.0
+        one.advance(1e-3)
+    assert braked.current == pytest.approx(plain.current, rel=1e-5) and plain.current < 0.0  # other steps
+
+
 def test_the_current_s_limit(export):
     drive = Drive(parameters(export) | {"most_current": 2.0})
     drive.voltage = 18.0

@@ -39,6 +39,7 @@ _UNITS: dict[str, dict[str, str]] = {
     "H": {"kg": "1", "m": "2", "s": "-2", "A": "-2"},
     "N.m/A": {"kg": "1", "m": "2", "s": "-2", "A": "-1"},
     "V.s/rad": {"kg": "1", "m": "2", "s": "-2", "A": "-1", "rad": "-1"},
+    "V.s/(A.rad)": {"kg": "1", "m": "2", "s": "-2", "A": "-2", "rad": "-1"},
     "kg.m2": {"kg": "1", "m": "2"},
     "N.m": {"kg": "1", "m": "2", "s": "-2"},
     "N.m.s/rad": {"kg": "1", "m": "2", "s": "-1", "rad": "-1"},
@@ -62,6 +63,7 @@ def parameters(of: Export) -> dict[str, float]:
     return {
         "resistance": train.resistance, "inductance": train.inductance if of.inductance_known else 0.0,
         "torque_constant": train.torque_constant, "back_emf_constant": train.back_emf_constant,
+        "commutation": train.commutation if of.inductance_known else 0.0,
         "motor_inertia": train.motor_inertia, "motor_friction": train.friction, "motor_viscous": train.viscous,
         "ratio": train.ratio,
         "efficiency": train.efficiency, "load_inertia": train.load_inertia, "forward_torque": train.forward_torque,

@@ -1,9 +1,10 @@
 r"""A drive and its load as a simulator of its own, with Python's library only, as an FMU needs.
 
-.. math:: L \dot i = u - R i - k_e w, \quad
+.. math:: L \dot i = u - R i - k_e w - X |w| i, \quad
           \left(J_m + s \frac{J_l}{K}\right) \dot w = k i - M_f\,\mathrm{sgn}\,w - b w - s T(\mathrm{sgn}\,w)
 
-with s = 1/(K e) where the motor drives the load and e/K where the load drives the motor; at rest friction holds. The
+with s = 1/(K e) where the motor drives the load and e/K where the load drives the motor; X, what commutation takes,
+where the current drives the motor the way that it turns; at rest friction holds. The
 resistance follows the winding's temperature, where the thermal figures are known. Steps of a fixed length by the
 classical Runge-Kutta rule; where the speed goes through 0 the step is cut there.
 Symbols: u voltage [V], i current [A], w motor speed [rad/s], K reduction, e efficiency, T load [N*m].
@@ -21,6 +22,7 @@ FIGURES = {  # parameters: unit and meaning
     "inductance": ("H", "winding; 0: the current follows the voltage at once"),
     "torque_constant": ("N.m/A", "torque of the motor's magnets by current"),
     "back_emf_constant": ("V.s/rad", "voltage of the turning motor by speed"),
+    "commutation": ("V.s/(A.rad)", "of the voltage by current and speed, that commutation of a turning motor takes"),
     "motor_inertia": ("kg.m2", "rotor, encoder and gearhead input"),
     "motor_friction": ("N.m", "dry friction at the motor"),
     "motor_viscous": ("N.m.s/rad", "viscous friction at the motor"),
@@ -103,6 +105,7 @@ class Drive:
         R, k = self._hot(), self.torque_constant
         inertia = self.motor_inertia + self.load_inertia * self.efficiency / self.ratio**2
         mechanical = R * inertia / (k * self.back_emf_constant + R * self.motor_viscous)
+        R += self.commutation * abs(self.motor_speed)
         return min(self.inductance / R, mechanical) if self.inductance > 0.0 else mechanical
 
     def _step(self, h: float) -> None:
@@ -162,7 +165,8 @@ class Drive:
     def _rates(self, i: float, w: float, angle: float, direction: int) -> tuple[float, float]:
         flows, slope = self._cut(self._flowing(i, w)), 0.0
         if self.inductance > 0.0:
-            slope = (self.voltage - self._hot() * flows - self.back_emf_constant * w) / self.inductance
+            R = self._hot() + (self.commutation * abs(w) if flows * w > 0.0 else 0.0)
+            slope = (self.voltage - R * flows - self.back_emf_constant * w) / self.inductance
             if self.most_current > 0.0 and abs(i) >= self.most_current and slope * i > 0.0:
                 slope = 0.0  # the controller holds it there
         return slope, self._acceleration(flows, w, angle, direction) if direction else 0.0
