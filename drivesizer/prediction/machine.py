@@ -39,7 +39,7 @@ class Machine(NamedTuple):
     def against(self, angle: Array, way: Array) -> Array:
         """Torque against forward motion at angles, in a direction of motion: 1, -1, or 0 at rest."""
         back, rest, forth = (np.interp(angle, self.angle, row) for row in self.torque)
-        return np.where(way > 0.0, forth, np.where(way < 0.0, back, rest))
+        return np.asarray(np.where(way > 0.0, forth, np.where(way < 0.0, back, rest)))
 
 
 def machine_of(spec: RobotSpec) -> Machine | None:
@@ -100,7 +100,8 @@ def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start
         after = np.where((way == 0.0) | (speed * after < 0.0), 0.0, after)
         angle, speed = angle + after * dt / (2.0 * K), after
         found.append((angle, speed))
-    return _Course(dt * np.arange(_STEPS + 1), *(np.array(x) for x in zip(*found, strict=True)))
+    angles, speeds = (np.array(column) for column in zip(*found, strict=True))
+    return _Course(np.linspace(0.0, until, _STEPS + 1), angles, speeds)
 
 
 def _first(time: Array, reached: Array) -> Array:
@@ -143,7 +144,7 @@ def swung(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
     run = _moved(one, of, ambient, np.full(len(K), np.nan), of.steepest, until)
     side = np.sign(run.speed)
     first = np.sign(side[np.minimum((side != 0.0).argmax(axis=0), len(side) - 1), np.arange(len(K))])
-    turned = (side * first < 0.0) & (first != 0.0)  # on its way back
+    turned = (side * first < 0.0) & (first != 0.0)  # it has turned back
     back = _first(run.time, turned)
     again = _first(run.time, (run.time[:, None] > back) & (side * first >= 0.0) & (first != 0.0))
     here = np.searchsorted(run.time, np.where(np.isfinite(back), back, run.time[-1]))
