@@ -25,7 +25,7 @@ import numpy as np
 import yaml
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.errors import DrivesizerError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem

@@ -22,7 +22,7 @@ import numpy as np
 from goals import line
 
 from drivesizer.catalog import load
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.files import csv_columns
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem

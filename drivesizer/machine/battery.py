@@ -34,8 +34,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
-    from drivesizer.spec.battery import Battery
-    from drivesizer.spec.sections import Leg
+    from drivesizer.spec.sections import Battery, Leg
 
 _ONE = (  # figures of one cell or block that spec and catalogue share
     "nominal_voltage", "charge_voltage", "cutoff_voltage", "capacity", "rated_time", "peukert_exponent", "resistance",

@@ -23,7 +23,7 @@ from drivesizer.spec.sections import Supply
 from drivesizer.units import resolved, show
 
 if TYPE_CHECKING:
-    from drivesizer.spec.battery import BrakeResistor as Section
+    from drivesizer.spec.sections import BrakeResistor as Section
 
 # -- Brake resistors that a spec offers, and each against what a machine regenerates.
 #

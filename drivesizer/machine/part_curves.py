@@ -9,7 +9,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import NO_PULL_OUTS, PullOuts
-from drivesizer.catalog.view.mounted import STEPPER
+from drivesizer.catalog.view import STEPPER
 from drivesizer.kernel.warming import State, overload_time, steady_state
 from drivesizer.physics.drive_train import ELECTRONICS, back_emf_constant, gear_loss
 from drivesizer.physics.figures import Alike, Array, Figures, Whole

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.mounted import with_current_limit, with_mounting, with_own_brake
+from drivesizer.catalog.view import with_current_limit, with_mounting, with_own_brake
 from drivesizer.load_cases.of_machine import cycle_of_shift, load_cases
 from drivesizer.machine.belts import belt_drives
 from drivesizer.machine.braking import with_parts_of_supply

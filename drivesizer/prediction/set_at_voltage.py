@@ -12,13 +12,19 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
 from drivesizer.catalog.estimates import Estimate, estimates_of
-from drivesizer.catalog.estimates.estimate import SAME_FAMILY, estimates, estimates_by_rule, family_limits, law_text
-from drivesizer.catalog.estimates.laws import Fit
+from drivesizer.catalog.estimates.estimate import (
+    SAME_FAMILY,
+    Fit,
+    estimates,
+    estimates_by_rule,
+    family_limits,
+    law_text,
+)
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
 from drivesizer.catalog.tolerances import Class, classes, lognormal, usual_of_spur_gears
-from drivesizer.catalog.view.search_view import split_actuators
+from drivesizer.catalog.view import split_actuators
 from drivesizer.kernel.warming import State, after
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.drive_train import (

@@ -8,7 +8,7 @@ from math import isnan
 
 from drivesizer.catalog import Catalog, columns_of
 from drivesizer.catalog.tables import ESTIMATED
-from drivesizer.catalog.view.search_view import printed_field
+from drivesizer.catalog.view import printed_field
 from drivesizer.files.text import listed
 from drivesizer.results.check import Check, Confidence, Origin, sentence_case
 from drivesizer.results.drive_set import DriveParts, DriveSet, EstimatedFigure

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.mounted import has_steppers
+from drivesizer.catalog.view import has_steppers
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.figures import Array, Whole
 from drivesizer.results.check import Status, verdict

@@ -16,7 +16,7 @@ from drivesizer.catalog import Catalog, Table, columns_of
 from drivesizer.catalog.estimates.estimate import law_text, shipped_laws
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances import lognormal
-from drivesizer.catalog.view.mounted import has_steppers
+from drivesizer.catalog.view import has_steppers
 from drivesizer.physics.figures import Array, Mask, Whole
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.physics.thermal import rated_ambient, steady_winding

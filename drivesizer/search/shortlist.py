@@ -12,7 +12,7 @@ import numpy as np
 from drivesizer.catalog import DIRECT, Catalog, load, singular
 from drivesizer.catalog.prices import priced
 from drivesizer.catalog.typed import with_typed
-from drivesizer.catalog.view.mounted import STEPPER, view_for
+from drivesizer.catalog.view import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.budgets import check_battery, drive_mass, machine_requirements, mass_without_drive, settle

@@ -21,13 +21,22 @@ from drivesizer.files import fields
 from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, overlay, read, source_of
 from drivesizer.loads.kinds import Load
 from drivesizer.loads.motions import Cam, Harmonic
-from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.drive import Select
 from drivesizer.spec.messages import explained
 from drivesizer.spec.platform import Budget
 from drivesizer.spec.robot import RobotSpec, read_spec
 from drivesizer.spec.robot_section import RobotSection
-from drivesizer.spec.sections import Design, Environment, Margins, Mission, Supply, TitleBlock
+from drivesizer.spec.sections import (
+    Battery,
+    BrakeResistor,
+    Consumer,
+    Design,
+    Environment,
+    Margins,
+    Mission,
+    Supply,
+    TitleBlock,
+)
 from drivesizer.spec.tolerances import split_tolerances
 
 

@@ -26,11 +26,10 @@ from drivesizer.physics.figures import Figures, once_per_part
 from drivesizer.physics.power_stage import Feed, power_stage
 from drivesizer.physics.power_stage import PowerStage as StageFigures
 from drivesizer.spec import drive, sections
-from drivesizer.spec.battery import Battery, BrakeResistor, Consumer
 from drivesizer.spec.messages import contradictions, explained
 from drivesizer.spec.mounting import Mounting, OwnBrake, Shaft
 from drivesizer.spec.platform import Budget, Platform
-from drivesizer.spec.sections import Design
+from drivesizer.spec.sections import Battery, BrakeResistor, Consumer, Design
 from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
 
 # -- Power stages between the supply and the motors: of one controller, and with what keeps a brake released.

@@ -10,7 +10,7 @@ import pytest
 
 from drivesizer.catalog import Catalog, load, shipped
 from drivesizer.catalog.estimates.estimate import ASSUMED, DENSITY, estimates, estimates_by_rated_current
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.physics.thermal import resistance_25
 
 HOTTEST = 453.15  # K: thermal class 180 (H) of IEC 60085

@@ -15,7 +15,7 @@ from drivesizer.catalog import PARTS, Catalog, load, shipped
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.tables import joined
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.errors import CatalogError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem

@@ -11,15 +11,18 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, Table, load, shipped
-from drivesizer.catalog.estimates.estimate import estimates, estimates_of, shipped_laws, written
-from drivesizer.catalog.estimates.laws import (
+from drivesizer.catalog.estimates.estimate import (
     Law,
     column,
+    estimates,
+    estimates_of,
     fit,
     fits,
     left_out,
     members_of,
+    shipped_laws,
     widening,
+    written,
 )
 from drivesizer.catalog.tables import as_printed
 from drivesizer.sizing import explain

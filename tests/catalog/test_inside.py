@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.view.search_view import split_actuators
+from drivesizer.catalog.view import split_actuators
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.simulate import validate
 from drivesizer.sizing import explain

@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 
 from drivesizer.catalog import DIRECT, PARTS, RELATIONS, Catalog, columns_of, load, shipped
 from drivesizer.catalog.query import Hit, every, open_catalogs, origins
-from drivesizer.catalog.view.search_view import split_actuators
+from drivesizer.catalog.view import split_actuators
 from drivesizer.units import from_si, to_si
 
 ELSEWHERE = {"maxon", "faulhaber", "allied_motion", "tmotor", "pittman"}  # tested in files of their own

@@ -14,7 +14,7 @@ import math
 import pytest
 
 from drivesizer import design
-from drivesizer.codesign.result import Answer
+from drivesizer.codesign.answer import Answer
 
 LEAD = 0.01 / (2 * math.pi)  # m/rad
 pytestmark = pytest.mark.slow

@@ -19,8 +19,8 @@ from drivesizer.physics.battery import peukert_time
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet, EnergyBudget
 from drivesizer.sizing import explain
-from drivesizer.spec.battery import Battery, Consumer
 from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.sections import Battery, Consumer
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

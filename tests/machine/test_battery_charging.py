@@ -15,8 +15,8 @@ from drivesizer.machine.battery import Load, Pack, battery_checks, charge_along,
 from drivesizer.physics.battery import polarised_voltage
 from drivesizer.results.check import Check
 from drivesizer.sizing import size
-from drivesizer.spec.battery import Battery
 from drivesizer.spec.robot import RobotSpec, read_spec
+from drivesizer.spec.sections import Battery
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 

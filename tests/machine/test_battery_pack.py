@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from drivesizer.catalog import Catalog, load
 from drivesizer.errors import InputError
 from drivesizer.machine.battery import Pack, capacity_needed, longest_run_time, pack_of, run_time, strings_needed
-from drivesizer.spec.battery import Battery, Consumer
+from drivesizer.spec.sections import Battery, Consumer
 
 HOUR = 3600.0
 CELLS = 6

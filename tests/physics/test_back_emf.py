@@ -11,7 +11,7 @@ import pytest
 
 from drivesizer.catalog import load
 from drivesizer.catalog.law_check import check_file
-from drivesizer.catalog.view.search_view import split_actuators
+from drivesizer.catalog.view import split_actuators
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import energy_flow
 from drivesizer.output.export.fmu_motor import FIGURES, Drive

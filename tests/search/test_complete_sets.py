@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.view.search_view import ASSUMED, search_view
+from drivesizer.catalog.view import ASSUMED, search_view
 from drivesizer.output.parts import parts_list
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec

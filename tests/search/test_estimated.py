@@ -17,7 +17,7 @@ from specs import estimates_off, selecting
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.tables import Pairs
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.machine.problem import problem
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.passing import OPEN, sifted

@@ -5,7 +5,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from drivesizer.catalog.view.mounted import rating_gain
+from drivesizer.catalog.view import rating_gain
 from drivesizer.control.closed_loop import motor_heat
 from drivesizer.errors import InputError
 from drivesizer.machine.set_cycle import set_cycle

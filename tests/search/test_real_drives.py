@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.results.ratings import nominal_current_limit
 from drivesizer.sizing import explain, size

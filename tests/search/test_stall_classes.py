@@ -13,7 +13,7 @@ import pytest
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.prediction.predict import completed, predict
 from drivesizer.prediction.set_at_voltage import sampled_parts
 from drivesizer.results.prediction import Conditions

@@ -10,7 +10,7 @@ from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.tables import joined
 from drivesizer.catalog.tolerances import maker_tolerances_of
-from drivesizer.catalog.view.search_view import split_actuators
+from drivesizer.catalog.view import split_actuators
 from drivesizer.errors import CatalogError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem

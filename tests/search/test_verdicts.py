@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rows import hold
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.view.search_view import search_view
+from drivesizer.catalog.view import search_view
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem

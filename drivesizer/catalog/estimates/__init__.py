@@ -2,9 +2,9 @@
 
 May import: catalog's columns and tables.
 
-``laws`` declares which figure follows from which others within which class of parts; ``fit`` fits them over the shipped
-catalogues and measures each on families that were left out; ``fitted.json`` keeps what was found
-(``python -m drivesizer.catalog.estimates`` prints it anew); ``estimate`` applies it.
+``laws.txt`` declares which figure follows from which others within which class of parts; ``estimate`` fits them over
+the shipped catalogues, measures each on families that were left out, and applies them; ``fitted.json`` keeps what was
+found (``python -m drivesizer.catalog.estimates`` prints it anew).
 """
 
 from __future__ import annotations

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from drivesizer.catalog import load, shipped
-from drivesizer.catalog.estimates.estimate import written
-from drivesizer.catalog.estimates.laws import fits
+from drivesizer.catalog.estimates.estimate import fits, written
 
 if __name__ == "__main__":
     print(written(fits(load(list(shipped())))), end="")

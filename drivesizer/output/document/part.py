@@ -14,7 +14,7 @@ from drivesizer.catalog.estimates.estimate import SAME_FAMILY, family_limits, la
 from drivesizer.catalog.parts import HELD
 from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
 from drivesizer.catalog.tables import ESTIMATED
-from drivesizer.catalog.view.search_view import CLAMPING_HUB
+from drivesizer.catalog.view import CLAMPING_HUB
 from drivesizer.machine.part_curves import HEAT, overload_times, permitted_current
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.records import listed

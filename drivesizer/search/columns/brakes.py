@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.catalog import EDGES, Catalog, lines
-from drivesizer.catalog.view.mounted import OWN
+from drivesizer.catalog.view import OWN
 from drivesizer.physics.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.drive_train import drive_inertia

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table
-from drivesizer.catalog.view.search_view import ASSUMED, amplifier_of
+from drivesizer.catalog.view import ASSUMED, amplifier_of
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.extremes import distinct

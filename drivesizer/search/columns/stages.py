@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.parts import BeltDrive
-from drivesizer.catalog.view.mounted import has_steppers
+from drivesizer.catalog.view import has_steppers
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.figures import Array, Mask, Whole, on
 from drivesizer.physics.motor_demand import demands

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.catalog.parts import PullOuts
-from drivesizer.catalog.view.mounted import STEPPER
+from drivesizer.catalog.view import STEPPER
 from drivesizer.machine.part_curves import available_torque
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead

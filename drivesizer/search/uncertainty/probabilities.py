@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.view.mounted import has_steppers
+from drivesizer.catalog.view import has_steppers
 from drivesizer.errors import InputError
 from drivesizer.load_cases.platform import WheelLoad
 from drivesizer.physics.figures import Array, Mask

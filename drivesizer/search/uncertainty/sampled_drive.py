@@ -18,7 +18,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances import Class
-from drivesizer.catalog.view.mounted import OWN, STEPPER, has_steppers
+from drivesizer.catalog.view import OWN, STEPPER, has_steppers
 from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases import load_cycle, platform
 from drivesizer.loads.motions import Cam

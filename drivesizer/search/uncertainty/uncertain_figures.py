@@ -27,7 +27,7 @@ from drivesizer.catalog.tolerances import (
     owner_of,
     resistance_from_stall,
 )
-from drivesizer.catalog.view.mounted import STEPPER, has_steppers
+from drivesizer.catalog.view import STEPPER, has_steppers
 from drivesizer.files.fields import OfSolids, moment
 from drivesizer.files.text import listed
 from drivesizer.files.yaml_source import Path_, field_name

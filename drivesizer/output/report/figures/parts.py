@@ -17,7 +17,7 @@ from drivesizer.output.part_curves import pull_out_conditions, reach_of, speed_t
 from drivesizer.output.report.figures.picture import DASHED, DOTTED, MIXED, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import torque_unit
 from drivesizer.physics.stepper import PULL_OUT_SHARE, pull_out_torque, rotor_teeth
-from drivesizer.spec.battery import Battery
+from drivesizer.spec.sections import Battery
 from drivesizer.units import from_si, label, show
 
 Array = NDArray[np.float64]
