@@ -1,4 +1,4 @@
-"""Export of parts: CSV with a row of units, or JSON in SI.
+"""Parts written out: CSV with a row of units, JSON in SI, a catalogue file.
 
 Numbers are written as the data sheet prints them where that is the same figure, so that what is exported and
 imported again is the same. An unknown figure is an empty cell, null in JSON. A text that a spreadsheet would take
@@ -18,6 +18,7 @@ from drivesizer.catalog import PARTS, Catalog, columns_of
 from drivesizer.catalog.law_check import Finding
 from drivesizer.catalog.parts import Column, printed
 from drivesizer.catalog.query import Hit, origins, tolerances
+from drivesizer.catalog.schema import SCHEMA
 from drivesizer.units import KINDS, from_si, scale
 
 ORIGIN = ("catalog", "document", "confidence", "excluded")  # columns of a CSV that are no figures of a part
@@ -103,3 +104,27 @@ def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: b
              for section in sections}  # fmt: skip
     digests = {name: digest for c in shelf.values() for name, digest in c.digests.items()}
     return {"catalogs": digests, "units": units, "parts": parts}
+
+
+def file_text(
+    section: str, maker: str, sources: Mapping[str, Mapping[str, str]], tables: Sequence[Mapping[str, Any]],
+    pairs: Mapping[str, Sequence[Mapping[str, str]]],
+) -> str:  # fmt: skip
+    """The text of a catalogue file, of cells that are YAML already: sources, tables of families, what goes together."""
+
+    def flow(group: Mapping[str, str]) -> str:
+        return f"{{{', '.join(f'{key}: {value}' for key, value in group.items())}}}"
+
+    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:"]
+    lines += [*(f"  {name}: {flow(source)}" for name, source in sources.items()), "", f"{section}:"]
+    for table in tables:
+        lines += [f"- family: {table['family']}", f"  source: {table['source']}"]
+        lines += [f"  common: {flow(table['common'])}"] if table.get("common") else []
+        lines += [f"  columns: [{', '.join(table['columns'])}]", "  rows:"]
+        lines += [f"  - [{', '.join(row)}]" for row in table["rows"]]
+        lines += ["  notes:", *(f"  - {flow(note)}" for note in table["notes"])] if "notes" in table else []
+        lines.append("")
+    lines += ["compatibility:"] if pairs else []
+    for relation, groups in pairs.items():
+        lines += [f"  {relation}:", *(f"  - {flow(group)}" for group in groups)]
+    return "\n".join(lines).rstrip("\n") + "\n"

@@ -17,10 +17,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drivesizer.catalog.catalog_file import RATIO, Reader, parse
-from drivesizer.catalog.exporting import plain
+from drivesizer.catalog.exporting import file_text, plain
 from drivesizer.catalog.parts import PARTS, RELATIONS, Column, columns_of
 from drivesizer.catalog.query import needed
-from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.sheets import Sheet, currency_of, decimal_sign, figure, plain_head, split_head, unit_of
@@ -428,9 +427,10 @@ def import_table(
             and "mounting" not in {*common, *(head.column for head in heads)}:  # fmt: skip
         common["mounting"] = "clamping hub"
         assumed.append("mounting clamping hub, which takes any motor whose shaft it holds (--set mounting=flange)")
-    named = given.source_name or "table"
-    text = _written(section, maker, groups, heads, common, named, source)
-    text += _compatibility(section, list(groups), named, partners or {})
+    named = _token(given.source_name or "table")
+    sources = {named: {key: _token(value) for key, value in source.items() if value}}
+    pairs = _compatibility(section, list(groups), named, partners or {})
+    text = file_text(section, maker, sources, _tables(section, groups, heads, common, named), pairs)
     try:
         catalog = parse(YamlSource(text, str(target)), target.stem, "")
     except (CatalogError, InputError) as error:
@@ -540,54 +540,47 @@ def _token(text: str) -> str:
     return '"' + "".join(c if c.isprintable() else "\\U" + f"{ord(c):08x}" for c in escaped) + '"'
 
 
-def _written(
-    section: str, maker: str, groups: Mapping[str, list[dict[str, str]]], heads: Sequence[Head],
-    common: Mapping[str, Any], name: str, source: Mapping[str, str],
-) -> str:  # fmt: skip
-    """The catalogue file: a table of each family, without columns that have no value."""
+def _tables(
+    section: str, groups: Mapping[str, list[dict[str, str]]], heads: Sequence[Head], common: Mapping[str, Any],
+    source: str,
+) -> list[dict[str, Any]]:  # fmt: skip
+    """A table of each family, without columns that have no value."""
     known, titles = columns_of(section), dict[str, str]()
     for head in heads:
         for column in (one for one in head.column.split() if one in known):
             bare = known[column].kind in _TEXTS or head.unit in ("", "1") or column in _words()["per_turn"]
             titles[column] = column if bare else f"{column} ({head.unit})"
     titles.setdefault("part", "part")
-    origin = ", ".join(f"{key}: {_token(value)}" for key, value in source.items() if value)
-    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:", f"  {_token(name)}: {{{origin}}}", ""]
-    lines.append(f"{section}:")
-    shared = ", ".join(
-        f"{one}: {'~' if value is None else value if isinstance(value, int | float) else _token(value)}"
-        for one, value in common.items()
-    )
+    shared = {
+        name: "~" if value is None else str(value) if isinstance(value, int | float) else _token(value)
+        for name, value in common.items()
+    }
+    found = []
     for family, rows in groups.items():
         names = sorted((one for one in titles if any(one in row for row in rows)), key=lambda one: one != "part")
-        lines += [f"- family: {family}", f"  source: {_token(name)}"]
-        lines += [f"  common: {{{shared}}}"] if shared else []
-        lines += [f"  columns: [{', '.join(_token(titles[one]) for one in names)}]", "  rows:"]
-        lines += [f"  - [{', '.join(row.get(one, '~') for one in names)}]" for row in rows]
-        lines.append("")
-    return "\n".join(lines).rstrip("\n") + "\n"
+        cells = [[row.get(one, "~") for one in names] for row in rows]
+        found.append({"family": family, "source": source, "common": shared,
+                      "columns": [_token(titles[one]) for one in names], "rows": cells})  # fmt: skip
+    return found
 
 
-def _compatibility(section: str, families: Sequence[str], source: str, partners: Mapping[str, Catalog]) -> str:
-    """The statement of compatibility: motors drive without a gearhead; parts of catalogues that are named fit."""
-    lists: dict[str, list[str]] = {}
-    own = f"[{', '.join(families)}]"
+def _compatibility(
+    section: str, families: Sequence[str], source: str, partners: Mapping[str, Catalog]
+) -> dict[str, list[dict[str, str]]]:
+    """Lists of what goes together: motors drive without a gearhead; parts of catalogues that are named fit."""
+    lists, own = dict[str, list[dict[str, str]]](), f"[{', '.join(families)}]"
     if section == "motors":
-        entry = f"  - {{name: direct drive, source: {_token(source)}, motors: {own}, gearheads: [direct]}}"
-        lists["motor_gearhead"] = [entry]
+        alone = {"name": "direct drive", "source": source, "motors": own, "gearheads": "[direct]"}
+        lists["motor_gearhead"] = [alone]
     for relation, other in RELATIONS.items():
         for name, catalog in partners.items() if section in ("motors", other) else ():
             side = other if section == "motors" else "motors"
             found = dict.fromkeys(str(one) for one in catalog.table(side)["family"] if one)
             across = ", ".join(f"{{{_token(name)}: {_token(one)}}}" for one in found)
-            sides = (
-                {"motors": own, other: f"[{across}]"} if section == "motors" else {"motors": f"[{across}]", other: own}
-            )
-            text = ", ".join(f"{key}: {value}" for key, value in sides.items())
+            sides = {"motors": own, other: own} | {side: f"[{across}]"}
             if found:
-                lists.setdefault(relation, []).append(f"  - {{name: assumed, source: {_token(source)}, {text}}}")
-    lines = [line for relation, entries in lists.items() for line in (f"  {relation}:", *entries)]
-    return "\n".join(["", "compatibility:", *lines, ""]) if lines else ""
+                lists.setdefault(relation, []).append({"name": "assumed", "source": source, **sides})
+    return lists
 
 
 def map_text(imported: Imported, given: Plan) -> str:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from math import isnan
+from typing import Any
 
 from drivesizer.catalog.catalog_file import parse
-from drivesizer.catalog.exporting import digits
+from drivesizer.catalog.exporting import digits, file_text
 from drivesizer.catalog.parts import Column, printed
 from drivesizer.catalog.query import Hit, partners
-from drivesizer.catalog.schema import SCHEMA
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.identification import declared
@@ -58,32 +58,24 @@ def _rounded(value: float, column: Column) -> str:
 
 
 def _text(found: Identification, hit: Hit | None, row: dict[str, str], measured: list[str], name: str) -> str:
-    columns = printed("motors")
-    cells = [quoted(x) if columns[n].kind == "text" else x for n, x in row.items()]
+    columns, source = printed("motors"), quoted(f"identified from {found.log}")
     family = quoted(f"{hit['family'] or hit.part} measured" if hit else row["part"])
-    source, sheet = f"identified from {found.log}", hit.catalog.sources[hit.table.source[hit.row]] if hit else None
-    lines = [f"catalog: {SCHEMA}", f"manufacturer: {quoted(hit['manufacturer'] or 'measured') if hit else 'measured'}",
-             "sources:", f"  log: {{document: {quoted(source)}, confidence: measured}}"]  # fmt: skip
-    if sheet is not None:
-        lines.append(f"  sheet: {{document: {quoted(sheet.document, 200)}, confidence: {sheet.confidence}}}")
-    heads = ", ".join(columns[n].head for n in row)
-    lines += ["motors:", f"- family: {family}", f"  source: {'sheet' if sheet else 'log'}",
-              f"  columns: [{heads}]", "  rows:", f"  - [{', '.join(cells)}]"]  # fmt: skip
-    if sheet is not None:
-        lines += [
-            "  notes:",
-            f"  - {{fields: [{', '.join(measured)}], text: {quoted(source)}, source: log, confidence: measured}}",
-        ]
-    lines += [
-        "compatibility:",
-        "  motor_gearhead:",
-        f"  - {{name: direct drive, source: log, motors: [{family}], gearheads: [direct]}}",
-    ]
+    sources = {"log": {"document": source, "confidence": "measured"}}
+    table: dict[str, Any] = {
+        "family": family, "source": "log", "columns": [columns[n].head for n in row],
+        "rows": [[quoted(x) if columns[n].kind == "text" else x for n, x in row.items()]],
+    }  # fmt: skip
+    pairs = [{"name": "direct drive", "source": "log", "motors": f"[{family}]", "gearheads": "[direct]"}]
     if hit is not None:
-        listed = list(partners(hit).get("gearheads", {}))
-        across = ", ".join(f"{{{quoted(hit.catalogue)}: {quoted(one)}}}" for one in listed)
-        if across:
-            lines.append(f"  - {{name: as the data sheet's, source: sheet, motors: [{family}], gearheads: [{across}]}}")
-    text = "\n".join(lines) + "\n"
+        sheet = hit.catalog.sources[hit.table.source[hit.row]]
+        sources["sheet"] = {"document": quoted(sheet.document, 200), "confidence": sheet.confidence}
+        fields = f"[{', '.join(measured)}]"
+        table |= {"source": "sheet",
+                  "notes": [{"fields": fields, "text": source, "source": "log", "confidence": "measured"}]}  # fmt: skip
+        if listed := [f"{{{quoted(hit.catalogue)}: {quoted(one)}}}" for one in partners(hit).get("gearheads", {})]:
+            across = f"[{', '.join(listed)}]"
+            pairs.append(pairs[0] | {"name": "as the data sheet's", "source": "sheet", "gearheads": across})
+    maker = quoted(hit["manufacturer"] or "measured") if hit else "measured"
+    text = file_text("motors", maker, sources, [table], {"motor_gearhead": pairs})
     parse(YamlSource(text, name), name, "")
     return text
