@@ -47,7 +47,7 @@ _FOLLOWS: dict[Figure, Figure] = {
     ("motors", name): ("gearheads", "efficiency") for name in ("torque_constant", "nominal_torque", "stall_torque")
 }
 _HOUSING: Figure = ("motors", "thermal_resistance_housing")
-_WITH_THE_HOUSING = ("motor_time_constant", "nominal_current", "nominal_torque")  # as ``catalog.view.mounted`` has them
+_WITH_THE_HOUSING = ("motor_time_constant", "nominal_current", "nominal_torque")  # as ``catalog.view`` has them
 
 
 class Turn(NamedTuple):
