@@ -19,7 +19,7 @@ from drivesizer.physics.thermal import COPPER, TwoBodies, resistance_at, steady_
 
 _NO_TIME = 1e-300  # s
 _EARLIEST, _LATEST = 1e-9, 1e5  # time constants, of winding and housing, between which an overload ends
-_TIMES, _ROUNDS = 4096, 5  # that are looked at in each round of that search
+_TIMES, _ROUNDS = 512, 7  # that are looked at in each round of that search, until no float lies between
 
 
 class State(NamedTuple):

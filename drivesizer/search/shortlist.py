@@ -53,8 +53,9 @@ def load_parts(spec: RobotSpec, catalog: Catalog | None = None) -> Catalog:
     _offers_motors(spec, catalog)
     limit = next((one.currency for one in spec.price_limits), "")
     catalog = priced(catalog, limit, spec.select.rates, spec.load.motors)
-    estimates = spec.select.estimates == "on"
-    return view_for(catalog, spec.select.motor.kind, estimates, spec.control.phase_current)
+    how = spec.select.motor.kind, spec.select.estimates == "on", spec.control.phase_current
+    found: Catalog = catalog.once(("view", *how), lambda: view_for(catalog, *how))
+    return found
 
 
 def _offers_motors(spec: RobotSpec, catalog: Catalog) -> None:
