@@ -49,6 +49,8 @@ class YamlSource:
         self.numbered = numbered  # whether its lines are those of a file
         self.data = _build(text, name, lambda path, line: None)
         self._lines: dict[Path_, int] = {}
+        # what was read of it of late, also with other data: by name and units, the data of a section and what it became
+        self.sections: dict[tuple[str, str], tuple[Any, Any]] = {}
 
     def with_data(self, data: Any) -> YamlSource:
         """The same document with other data, whose fields have its lines."""
@@ -289,7 +291,7 @@ class YamlOverlay(YamlSource):
     def __init__(self, whole: YamlSource, at: Path_, data: dict[str, Any]) -> None:
         self.whole, self.at = whole, at
         self.text, self.name, self.numbered = whole.text, whole.name, whole.numbered
-        self.data = data
+        self.data, self.sections = data, {}
 
     def line(self, path: Path_) -> int | None:
         """Line of the field at a path."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from copy import deepcopy
 from functools import lru_cache
 from math import nan
 from pathlib import Path
@@ -475,18 +474,22 @@ def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
     load = data["load"] if isinstance(data.get("load"), dict) else {}
     axis = AXES.get(str(load.get("kind")), "linear")  # in which units the motion is given
+    known, given = source.sections, dict(data)
+    for name, value in data.items():
+        if (name, axis) in known and known[name, axis][0] is value:
+            given[name] = known[name, axis][1]
     try:
-        spec = RobotSpec.model_validate(data, context={"axis": axis})
+        spec = RobotSpec.model_validate(given, context={"axis": axis})
     except ValidationError as error:
         raise explained(error, source, RobotSpec, data, at) from None
+    known |= {(name, axis): (value, getattr(spec, name)) for name, value in data.items() if isinstance(value, dict)}
     spec._source = source
     return spec
 
 
 def _case(source: YamlSource, whole: dict[str, Any], number: int) -> RobotSpec:
     """The spec changed by one of its cases, validated as a spec of its own."""
-    case, data = whole["cases"][number], deepcopy(whole)
-    del data["cases"]
+    case, data = whole["cases"][number], {name: value for name, value in whole.items() if name != "cases"}
     for section in _VARIED:
         if section in case:
             another = "kind" in case[section] or "profile" in case[section]  # another load or motion altogether
