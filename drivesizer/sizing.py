@@ -10,7 +10,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.prices import uncompared
 from drivesizer.load_cases import requirements, screw_requirements
 from drivesizer.loads.recorded import ComputedLoad
-from drivesizer.machine.budgets import check_battery, machine_requirements
+from drivesizer.machine.budgets import check_battery
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.results.check import Reliability, verdict
 from drivesizer.results.drive_set import DriveSet, Requirement
@@ -19,7 +19,7 @@ from drivesizer.results.sizing import Explanation, SizingResult
 from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.paper import vehicle
-from drivesizer.search.machine_filter import best_in_machine, weighing
+from drivesizer.search.machine_filter import InMachine, best_in_machine
 from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import title_of
 from drivesizer.search.relaxations import changes_for, relaxations, tried
@@ -154,7 +154,7 @@ def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:
         of_screw = screw_requirements([case.spec for case in problem.cases])
         return (*requirements([case.cycle for case in problem.cases]), *of_screw)
     if len(found.evaluation.candidates.motor):
-        return tuple(r.on(row) for r in found.evaluation.wheel.values())
+        return tuple(found.evaluation.requirements(row)[0])
     return tuple(vehicle(problem.spec, 0.0).steps.values())
 
 
@@ -219,7 +219,7 @@ def explained(
     combinations = candidates(narrowed, also=rows)
     found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1])).tolist()
     evaluation = evaluate(narrowed, combinations)
-    weigh = weighing(problem, machine_requirements(problem.machine))
+    machine = InMachine(problem)
     parts = {row: drive_parts(evaluation, row) for row in found}
     beside = {row: other_checks(problem, one) for row, one in parts.items()}
     reliability, uncertain = dict[int, Reliability](), None
@@ -230,13 +230,13 @@ def explained(
         passing = {  # which alone go through the closed loop
             row: one
             for row, one in parts.items()
-            if not evaluation.failed[row] and verdict(weigh(evaluation, row).checks) != "fail"
+            if not evaluation.failed[row] and verdict(machine.budget(evaluation, row).checks) != "fail"
         }
         reliability, uncertain = reliabilities(sampled, found, passing), uncertainty(sampled)
     sets = [
         drive_set(
             evaluation, row, rank,
-            budget=weigh(evaluation, row),
+            budget=machine.budget(evaluation, row),
             beside=beside[row],
             reliability=reliability.get(row),
             changes=changes_for(problem, one) if evaluation.failed[row] else (),

@@ -166,11 +166,9 @@ def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
 def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
     """Load of each contact at rest, and the share that an acceleration takes off it."""
     support_polygon(platform)  # on one line nothing keeps it upright
-    at_rest, forward, left = (
-        contact_loads(platform, ground=Ground(gravity=gravity), accelerated=a)
-        for a in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
-    )
-    return at_rest, np.stack([forward - at_rest, left - at_rest], axis=1)
+    forward_and_left = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    loads = contact_loads(platform, ground=Ground(gravity=gravity), accelerated=forward_and_left)
+    return loads[:, 0], loads[:, 1:] - loads[:, :1]
 
 
 def carrying(at_rest: Array) -> Array:
@@ -421,14 +419,15 @@ def grip_acceleration(
     unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
     floor = Ground(slope=slope, gravity=gravity)  # uphill is where the platform goes: turned to it by its heading
 
-    def at(share: float) -> tuple[Array, Array]:
-        force = floor_forces(d, Moving(0.0 * unit, share * unit, -angles, floor, unit))
-        return force, contact_loads(d.platform, -angles, floor, share * unit[:2])[: force.shape[1]]
-
+    # at rest, then gaining speed
+    facing, towards, gains = np.tile(-angles, 2), np.tile(unit, 2), np.concatenate([0.0 * unit, unit], axis=1)
+    force = floor_forces(d, Moving(0.0 * towards, gains, facing, floor, towards))
+    loads = contact_loads(d.platform, facing, floor, gains[:2])[: force.shape[1]]
+    before, after = zip(*(np.split(x, 2, axis=-1) for x in (force, loads)), strict=True)
     anywhere = len(angles) == _DIRECTIONS
     level = min(lift_off_acceleration(d.platform, None if anywhere else float(a), gravity) for a in angles[:2])
     lifts = max(level * math.cos(slope) - gravity * math.sin(slope), 0.0)
-    return min(_first_slip(at(0.0), at(1.0), friction), lifts)
+    return min(_first_slip(before, after, friction), lifts)
 
 
 def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> float:

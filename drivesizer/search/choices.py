@@ -28,8 +28,8 @@ from drivesizer.results.sizing import CRITERIA, Choice, Choices, used_share, wei
 from drivesizer.search import ranking
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
-from drivesizer.search.machine_filter import Weigh, least_power
-from drivesizer.search.search import Judge, SearchResult
+from drivesizer.search.machine_filter import InMachine, least_power
+from drivesizer.search.search import SearchResult
 from drivesizer.search.set_record import drive_parts
 from drivesizer.spec.drive import OBJECTIVES, Ranking, weights_of
 
@@ -50,9 +50,9 @@ def criteria(objective: Ranking, method: str) -> tuple[str, ...]:
     return tuple(name for name in names if method == "physics" or name not in ranking.COUNTED)
 
 
-def choices(problem: Problem, result: SearchResult, most: int, *, judge: Judge | None, weigh: Weigh) -> Choices | None:
+def choices(problem: Problem, result: SearchResult, most: int, machine: InMachine | None = None) -> Choices | None:
     """Drives to choose from by weights, each with all its figures."""
-    best, every = result.best, result.every.drives
+    best, every, judge = result.best, result.every.drives, machine and machine.judge
     if not len(best):
         return None
     names = criteria(problem.spec.select.objective, problem.spec.method)
@@ -65,7 +65,7 @@ def choices(problem: Problem, result: SearchResult, most: int, *, judge: Judge |
     few = picked(_objectives(found, names), given, _JUDGED if judge else most)
     found, first = found.on(few.rows), int(np.searchsorted(few.rows, given[0]))
     passing = judge(found.candidates, found.on, len(few.rows)).best if judge else np.arange(len(few.rows))
-    status = {row: _status(found, row, weigh if judge else None) for row in passing.tolist()}
+    status = {row: _status(found, row, machine if judge else None) for row in passing.tolist()}
     kept = _margin_order(found, [row for row, one in status.items() if one == status[first]])
     return Choices(
         drives=_records(found, kept, names), first=kept.index(first), weights=problem.spec.select.weights,
@@ -73,9 +73,9 @@ def choices(problem: Problem, result: SearchResult, most: int, *, judge: Judge |
     )  # fmt: skip
 
 
-def _status(found: Evaluation, row: int, weigh: Weigh | None) -> Status:
+def _status(found: Evaluation, row: int, machine: InMachine | None) -> Status:
     """Outcome of a drive's checks and of the machine's."""
-    budget = weigh(found, row).checks if weigh else ()
+    budget = machine.budget(found, row).checks if machine else ()
     return verdict((*found.checks_of(row), *budget)) if budget else found.status(row)
 
 

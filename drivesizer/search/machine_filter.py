@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 from math import nan
@@ -33,7 +33,7 @@ from drivesizer.search.columns.candidates import Candidates, Rows
 from drivesizer.search.columns.evaluation import Evaluation, figures_by_physics
 from drivesizer.search.columns.stages import in_motion, offers, parts_of
 from drivesizer.search.ranking import bought, chosen
-from drivesizer.search.search import BudgetFilter, Evaluated, Judge, SearchResult, any_drive, search
+from drivesizer.search.search import BudgetFilter, Evaluated, Judge, any_drive, search
 from drivesizer.search.set_record import drive_parts, drive_set
 from drivesizer.spec.drive import BOUGHT
 
@@ -185,49 +185,57 @@ _FIRST = 4  # times as many drives as are wanted are computed in full at first
 _FEWEST, _MORE, _MOST = 8, 8, 1 << 16  # at first at least, times as many each time, at most
 _FEW = 4  # whose records cost less than columns of what the paper's method does not compute
 _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long one each row costs
-Weigh = Callable[[Evaluation, int], MachineBudget]  # of the drive in a row of an evaluation
 
+class InMachine:
+    """A machine against its budgets with drives in it, of each drive once.
 
-def weighing(problem: Problem, machine: MachineBudget | None) -> Weigh:
-    """A function that gives the budgets of the machine with a drive in it, of each drive once."""
-    made: dict[tuple[int, int, float], MachineBudget] = {}
+    In brief without figures that have no limit, and without counts of the budgets that each drive fails on.
+    """
 
-    def weigh(sets: Evaluation, row: int) -> MachineBudget:
-        candidates = sets.candidates
-        key = int(candidates.motor[row]), int(candidates.gearhead[row]), float(candidates.belt[row])
-        if key not in made:
-            made[key] = machine_budget(problem, drive_parts(sets, row), machine)
-        return made[key]
+    def __init__(self, problem: Problem, aside: frozenset[str] = frozenset(), *, brief: bool = False) -> None:
+        self.problem, self.aside, self.brief = problem, aside, brief
+        self.requirements = machine_requirements(problem.machine, brief=brief)
+        self._budgets: dict[tuple[int, int, float], MachineBudget] = {}
 
-    return weigh
+    def budget(self, whole: Evaluation, row: int) -> MachineBudget:
+        """The budgets of the machine with the drive in a row of an evaluation."""
+        sets = whole.candidates
+        key = int(sets.motor[row]), int(sets.gearhead[row]), float(sets.belt[row])
+        if key not in self._budgets:
+            one = drive_parts(whole, row)
+            self._budgets[key] = machine_budget(self.problem, one, self.requirements)
+        return self._budgets[key]
 
+    def rejects(self, checks: Iterable[Check]) -> bool:
+        """Whether a machine's checks reject its drive: one fails, or is unknown where the spec rejects that."""
+        status = verdict(tuple(checks))
+        return status == "fail" or (status == "unknown" and self.problem.spec.select.unknown != "allow")
 
-def machine_filter(
-    problem: Problem,
-    machine: MachineBudget | None,
-    weigh: Weigh,
-    aside: frozenset[str] = frozenset(),
-    *,
-    counted: bool = True,
-) -> Judge | None:
-    """A function that separates drives that pass the machine's budgets from those that fail; None without budgets."""
-    spec = problem.spec
-    if not (spec.battery or spec.budget or machine or spec.limits_the_bus or spec.supply.stalled):
-        return None
+    def divided(self, whole: Evaluation, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
+        """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those."""
+        return list(islice((row for row in rows if self._fails(whole, row) == short), top))
 
-    def failing(whole: Evaluation, row: int) -> tuple[bool, Iterable[str]]:
-        checks = tuple(check for check in weigh(whole, row).checks if check.name not in aside)
-        return _fails(problem, checks), {check.name for check in checks if check.status == "fail"}
+    def _fails(self, whole: Evaluation, row: int) -> bool:
+        return whole.fails(row) or self.rejects(self.budget(whole, row).checks)
 
-    def known(found: dict[str, Mask]) -> dict[str, Mask]:
-        return {name: rows for name, rows in found.items() if name not in aside}
+    @property
+    def judge(self) -> Judge | None:
+        """A function that separates drives that pass the budgets from those that fail; None without budgets."""
+        spec = self.problem.spec
+        limited = spec.battery or spec.budget or self.requirements or spec.limits_the_bus or spec.supply.stalled
+        return self._judged if limited else None
 
-    def judge(sets: Candidates, evaluated: Evaluated, wanted: int) -> BudgetFilter:
+    def _judged(self, sets: Candidates, evaluated: Evaluated, wanted: int) -> BudgetFilter:
+        problem, machine, counted = self.problem, self.requirements, not self.brief
+
+        def known(found: dict[str, Mask]) -> dict[str, Mask]:
+            return {name: rows for name, rows in found.items() if name not in self.aside}
+
         count, best, by = len(sets.motor), list[int](), Counter[str]()
-        if machine and _fails(problem, machine.checks):
+        if machine and self.rejects(machine.checks):
             of_machine = {check.name for check in machine.checks if check.status == "fail"}
             return BudgetFilter(np.arange(0), np.arange(count), count, Counter(dict.fromkeys(of_machine, count)))
-        early = known(battery_failures(problem, sets)) if spec.method == "physics" else {}
+        early = known(battery_failures(problem, sets)) if problem.spec.method == "physics" else {}
         rejected = np.logical_or.reduce([np.zeros(count, bool), *early.values()])
         most = min(max(_FEWEST, _CELLS // problem.segments), _MOST)
         alone = 0 if counted else wanted  # these first: they are at hand, and mostly pass
@@ -236,8 +244,11 @@ def machine_filter(
             certain: dict[str, Mask] | None = None
             few = not counted and not whole.figures and len(rows) <= _FEW  # columns cost more than so many records
             for n, row in enumerate(rows.tolist()):
-                names = {name for name, column in (certain or {}).items() if column[n]}
-                fails, own = (True, names) if names else failing(whole, n)
+                own = {name for name, column in (certain or {}).items() if column[n]}
+                fails = bool(own)
+                if not fails:
+                    checks = [check for check in self.budget(whole, n).checks if check.name not in self.aside]
+                    fails, own = self.rejects(checks), {check.name for check in checks if check.status == "fail"}
                 if fails and certain is None and not few:  # in most machines there is no need of the columns
                     certain = known(certain_failures(whole))
                     own = {name for name, column in certain.items() if column[n]} or own
@@ -254,8 +265,6 @@ def machine_filter(
         by.update({name: int(np.count_nonzero(rows[:judged])) for name, rows in early.items()})
         return BudgetFilter(np.array(best, np.int64), np.flatnonzero(rejected[:judged]), judged, by)
 
-    return judge
-
 
 def _pieces(rows: Whole, alone: int, first: int, most: int) -> Iterator[Whole]:
     """Some rows alone, then a piece at a time, each larger than the one before: a piece costs much more than a row."""
@@ -270,40 +279,21 @@ def _pieces(rows: Whole, alone: int, first: int, most: int) -> Iterator[Whole]:
 
 def any_in_machine(problem: Problem) -> bool:
     """Whether any drive passes by itself and in its machine."""
-    machine = machine_requirements(problem.machine, brief=True)
-    return any_drive(problem, machine_filter(problem, machine, weighing(problem, machine)))
+    return any_drive(problem, InMachine(problem, brief=True).judge)
 
 
 def best_in_machine(problem: Problem, aside: frozenset[str] = frozenset()) -> DriveSet | None:
     """The best drive that passes the machine's budgets too; None where none does."""
-    machine = machine_requirements(problem.machine, brief=True)
-    judge = machine_filter(problem, machine, weighing(problem, machine), aside)
-    found = search(problem, top=1, misses=None, judge=judge)
+    found = search(problem, top=1, misses=None, judge=InMachine(problem, aside, brief=True).judge)
     return drive_set(found.evaluation, 0, 1) if found.passing else None
 
 
 def passes_budgets(problem: Problem, one: DriveParts) -> bool:
     """Whether a drive passes the budgets of its machine, which need not have been computed."""
-    machine = machine_requirements(problem.machine, brief=True)
-    if machine and _fails(problem, machine.checks):
+    machine = InMachine(problem, brief=True)
+    if machine.requirements and machine.rejects(machine.requirements.checks):
         return False
-    return not _fails(problem, machine_budget(problem, one, machine).checks)
-
-
-def _fails(problem: Problem, checks: tuple[Check, ...]) -> bool:
-    """Whether a machine's checks reject its drive: one fails, or is unknown where the spec rejects that."""
-    status = verdict(checks)
-    return status == "fail" or (status == "unknown" and problem.spec.select.unknown != "allow")
-
-
-def divided(found: SearchResult, weigh: Weigh, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
-    """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those."""
-    evaluation = found.evaluation
-
-    def fails(row: int) -> bool:
-        return evaluation.fails(row) or _fails(evaluation.problem, weigh(evaluation, row).checks)
-
-    return list(islice((row for row in rows if fails(row) == short), top))
+    return not machine.rejects(machine_budget(problem, one, machine.requirements).checks)
 
 
 def shortfall(short: Iterable[MachineBudget], better: int, *, any_passes: bool) -> list[str]:

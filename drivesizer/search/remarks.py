@@ -48,7 +48,7 @@ def assumptions(problem: Problem, spec: RobotSpec, sets: Iterable[DriveSet]) -> 
 def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: of a part that the method leaves out, of limits of the best drive."""
     found = picked.found
-    weighed = (picked.weigh(found.evaluation, row) for row in picked.short)
+    weighed = (picked.machine.budget(found.evaluation, row) for row in picked.short)
     budgets = shortfall(weighed, found.better, any_passes=bool(found.passing))
     return (
         *_mains(picked.problem.machine),

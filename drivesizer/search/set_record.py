@@ -98,7 +98,7 @@ def drive_set(
         **_sums(evaluation, index, parts),
         rank=rank,
         status=verdict((*checks, *budget.checks)) if budget.checks else evaluation.status(index),
-        requirements=tuple(r.on(index) for r in evaluation.shaft.values()),
+        requirements=tuple(evaluation.requirements(index)[1]),
         checks=checks,
         figures=_figures(evaluation, index, parts),
         beside=beside,

@@ -15,7 +15,7 @@ from drivesizer.catalog.typed import with_typed
 from drivesizer.catalog.view import STEPPER, view_for
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.budgets import check_battery, drive_mass, machine_requirements, mass_without_drive, settle
+from drivesizer.machine.budgets import check_battery, drive_mass, mass_without_drive, settle
 from drivesizer.machine.problem import problem
 from drivesizer.physics.figures import Mask
 from drivesizer.results.check import Reliability, Uncertainty
@@ -26,7 +26,7 @@ from drivesizer.results.problem import (
 )
 from drivesizer.results.sizing import Choices
 from drivesizer.search.columns.controllers import offered_buses, offers
-from drivesizer.search.machine_filter import Weigh, best_in_machine, divided, machine_filter, weighing
+from drivesizer.search.machine_filter import InMachine, best_in_machine
 from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import COUNTED
 from drivesizer.search.screw_choice import problem_with_screw
@@ -143,7 +143,7 @@ class Shortlist:
 
     problem: Problem
     found: SearchResult
-    weigh: Weigh  # budgets of the machine with a drive in it
+    machine: InMachine  # with a drive in it, against its budgets
     best: list[int]  # that pass, in order
     top: int  # how many were requested
     unsure: list[int]  # that pass with less than the required probability; the most probable first
@@ -157,7 +157,7 @@ class Shortlist:
     @property
     def short(self) -> list[int]:
         """Drives that pass their own checks but fail on a budget of the machine."""
-        return divided(self.found, self.weigh, self.top, self.found.short, short=True)
+        return self.machine.divided(self.found.evaluation, self.top, self.found.short, short=True)
 
     @property
     def rejected(self) -> Iterable[int]:
@@ -171,7 +171,7 @@ class Shortlist:
         """A drive with the machine's budgets, unless it fails by itself; what else is known is as for ``drive_set``."""
         evaluation = self.found.evaluation
         if not evaluation.fails(row):
-            known["budget"] = self.weigh(evaluation, row)
+            known["budget"] = self.machine.budget(evaluation, row)
         made = drive_in_brief if self.checks_alone else drive_set
         return made(evaluation, row, rank, **known)
 
@@ -204,19 +204,17 @@ def shortlist(
     problem = problem.ranked_by(spec.select.objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = machine_requirements(problem.machine, brief=checks_alone)
-    weigh = weighing(problem, machine)
-    judge = machine_filter(problem, machine, weigh, counted=not checks_alone)
+    machine = InMachine(problem, brief=checks_alone)
     found = search(
-        problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=judge,
+        problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=machine.judge,
         others=0 if pool else others, margins=choices > 0,
     )  # fmt: skip
     evaluation, rows = found.evaluation, list(range(found.passing))
     sampled = _sampled(found, rows[:pool], sampling, brief) if sampling and pool else None
-    best = divided(found, weigh, top, sampled.good if sampled else rows)
+    best = machine.divided(evaluation, top, sampled.good if sampled else rows)
     if sampling and not sampled and best:
         sampled = _sampled(found, best, sampling, brief)
-    unsure, alternatives = divided(found, weigh, top, sampled.bad) if sampled else [], list(found.others)
+    unsure, alternatives = machine.divided(evaluation, top, sampled.bad) if sampled else [], list(found.others)
     reliability, uncertainty = dict[int, Reliability](), None
     if sampled is not None:
         from drivesizer.search.uncertainty import probabilities
@@ -231,9 +229,9 @@ def shortlist(
     if choices and not pool:
         from drivesizer.search import choices as by_weights  # only a report needs them
 
-        offered = by_weights.choices(problem, found, choices, judge=judge, weigh=weigh)
+        offered = by_weights.choices(problem, found, choices, machine)
     return Shortlist(
-        problem=problem, found=found, weigh=weigh, best=best, top=top, unsure=unsure, reliability=reliability,
+        problem=problem, found=found, machine=machine, best=best, top=top, unsure=unsure, reliability=reliability,
         uncertainty=uncertainty, weighed=weighed, others=alternatives, choices=offered, checks_alone=checks_alone,
     )  # fmt: skip
 

@@ -97,7 +97,7 @@ def belt_axis(tmp_path_factory, catalog):
 
 
 def chosen(problem, every):
-    return choices(problem, every, 60, judge=None, weigh=None)
+    return choices(problem, every, 60)
 
 
 def key(parts):

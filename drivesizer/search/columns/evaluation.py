@@ -90,8 +90,6 @@ class Evaluation(NamedTuple):
 
     problem: Problem
     candidates: Candidates
-    wheel: Mapping[str, Requirement]  # (1)-(16), columns where they depend on the motor; by the paper's method
-    shaft: Mapping[str, Requirement]  # (17)-(20)
     checks: list[CheckColumn]
     encoder: Whole
     controller: Whole
@@ -152,6 +150,16 @@ class Evaluation(NamedTuple):
         sampled = {c.name for c in self.checks if c.least is not None and not np.isnan(c.least[index])}
         return self.open_checks(index) & sampled
 
+    def requirements(self, index: int) -> tuple[list[Requirement], list[Requirement]]:
+        """Requirements (1)-(16) of the load and (17)-(20) of the parts of one candidate; none by physics."""
+        if self.spec.method == "physics":
+            return [], []
+        one = self.candidates.on(np.array([index]))
+        motor, gearhead = Rows(self.catalog.motors, one.motor), Rows(self.catalog.gearheads, one.gearhead)
+        wheel = vehicle(self.spec, motor["rotor_inertia"]).steps
+        shaft = motor_requirements(self.spec, wheel, motor, gearhead, one.belt).steps
+        return [step.on(0) for step in wheel.values()], [step.on(0) for step in shaft.values()]
+
     def checks_of(self, index: int) -> tuple[Check, ...]:
         """The checks of one candidate, but for those that have no limit to it."""
         return tuple(self._at(check, index) for check in self.checks if check.limit[index] != np.inf)
@@ -189,18 +197,17 @@ def _by_the_paper(problem: Problem, candidates: Candidates, rejected: bool = Tru
     total = gearhead["ratio"] * candidates.belt
     checks.append(paper_rule.largest_allowed(catalog, candidates.motor, candidates.gearhead, total, gear))
     listed = fits("compatibility", True, candidates.listed)
-    found = Evaluation(problem, candidates, wheel, shaft, [listed, *checks], none, none, none, {})
+    torques = shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(shaft)
+    currents = [torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques]
+    found = Evaluation(problem, candidates, [listed, *checks], none, none, none, {})
     if not rejected:
-        found = found.on(np.flatnonzero(~found.failed))
-    sets = found.candidates
-    motor = Rows(catalog.motors, sets.motor)
-    torques = found.shaft["rms_torque_at_motor"].value, paper_rule.largest_torque_at_motor(found.shaft)
-    currents = (torque / motor["torque_constant"] + motor["no_load_current"] for torque in torques)
-    rms, peak = currents
+        left = np.flatnonzero(~found.failed)
+        found, currents = on((found, currents), left)
+    sets, (rms, peak) = found.candidates, currents
     controller, _ = controllers(spec, catalog, sets.motor, Required(rms, peak))
     usable, of_controller = usable_controllers(spec, catalog), Rows(catalog.controllers, controller)
     total = catalog.gearheads["ratio"].take(sets.gearhead) * sets.belt
-    speed = found.wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
+    speed = wheel["nominal_speed"].value * total  # of (1), as the paper's other limits of speed take it
     encoder, _ = encoders_for(spec, offered_encoders(spec, catalog), sets.motor, speed, total)
     checks = [
         *found.checks,
@@ -284,7 +291,7 @@ def at_figures(problem: Problem, candidates: Candidates, waveform: Waveform, eac
     order = list(CHECKS["physics"])  # in which people read them
     checks.sort(key=lambda check: order.index(check.name))
     columns = drives.encoder, drives.controller, drives.brake, drives.figures
-    return Evaluation(problem, candidates, {}, {}, checks, *columns)
+    return Evaluation(problem, candidates, checks, *columns)
 
 
 def _in_order_of_belts(
