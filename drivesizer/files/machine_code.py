@@ -91,7 +91,7 @@ def _callable(kernel: Kernel) -> Callable[..., int]:
         for (kind, dimensions), value in zip(wanted, given, strict=True):
             if not dimensions:
                 slots.append(value)
-            elif value.dtype.name == kind and value.ndim == dimensions and value.flags.c_contiguous:
+            elif value.dtype == kind and value.ndim == dimensions and value.flags.c_contiguous:
                 # as numba hands an array over: owner, parent, items, bytes of one, address, shape, strides
                 slots += (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
             else:

@@ -57,16 +57,18 @@ def evaluate(drives: Drive, cycle: Any, level: int, rows: Whole | None = None) -
     return Figures(*(found[:, k].reshape(shape) for k in range(found.shape[1])))
 
 
-def pieces(drive: Drive, cycle: Any, cuts: int = 1) -> tuple[Figures, Piece]:
-    """One drive over a load cycle that repeats: its figures, and its course over time."""
-    rows = np.empty((number_of_pieces(drive, cycle) * max(cuts, 1), len(Piece._fields)))  # unused it takes no memory
+def pieces(drive: Drive, cycle: Any, cuts: int = 1, most: int = 0, *, merged: bool = False) -> tuple[Figures, Piece]:
+    """One drive over a load cycle that repeats: its figures, and its course over time.
+
+    Each piece is cut into ``cuts`` parts; 0: pieces in a row that return nothing are one. Where ``most`` is given, there
+    are fewer cuts where these would be more parts in all, and none where the pieces alone are and may be ``merged``.
+    """
+    count = _of_one(drive, cycle, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
+    if most:
+        cuts = 0 if merged and count > most else max(1, min(cuts, most // count))
+    rows = np.empty((count * max(cuts, 1), len(Piece._fields)))  # unused it takes no memory
     figures = _of_one(drive, cycle, ACCOUNT, cuts, rows)[0]
     return figures, Piece(*rows[: int(figures.pieces[0])].T)
-
-
-def number_of_pieces(drive: Drive, cycle: Any) -> int:
-    """Number of pieces in which a cycle is cut for a drive."""
-    return _of_one(drive, cycle, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
 
 
 def _of_one(drive: Drive, cycle: Any, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:

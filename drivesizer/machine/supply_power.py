@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.catalog.parts import one_row
-from drivesizer.kernel.evaluate import number_of_pieces, pieces
+from drivesizer.kernel.evaluate import pieces
 from drivesizer.kernel.records import Drive
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.machine.set_cycle import SetCycle, driven, turned
@@ -116,9 +116,7 @@ def _of_a_servo(
     spec: RobotSpec, drive: Drive, cycle: AtGearhead, demand: Demands, feed: Feed, merged: bool
 ) -> DrivePower:
     """The same by the kernel."""
-    count = number_of_pieces(drive, cycle.load_cycle)
-    cuts = 0 if merged and count > _MOST else max(1, min(_FINEST, _MOST // count))
-    _, found = pieces(drive, cycle.load_cycle, cuts)
+    _, found = pieces(drive, cycle.load_cycle, _FINEST, _MOST, merged=merged)
     t, standby = found.duration, feed.stage.standby
     bus_drawn, heat = found.drawn / t + standby, found.source_heat / t
     one = DrivePower(

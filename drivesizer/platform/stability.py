@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from math import nan
 from typing import Any, NamedTuple
@@ -55,8 +56,13 @@ class TippingEdge(NamedTuple):
 
 def support_polygon(platform: Platform) -> tuple[int, ...]:
     """The contacts that are the hull of all, counterclockwise; places from 0."""
-    scale = max(math.dist(a, b) for a in platform.contacts for b in platform.contacts) or 1.0
-    places = [(round(x / scale * _GRID), round(y / scale * _GRID)) for x, y in platform.contacts]
+    return _hull(tuple(platform.contacts))
+
+
+@lru_cache(maxsize=8)
+def _hull(contacts: tuple[tuple[float, float], ...]) -> tuple[int, ...]:
+    scale = max(math.dist(a, b) for a in contacts for b in contacts) or 1.0
+    places = [(round(x / scale * _GRID), round(y / scale * _GRID)) for x, y in contacts]
     order = sorted(range(len(places)), key=lambda i: places[i])
     lower, upper = _chain(places, order), _chain(places, order[::-1])
     hull = tuple(lower[:-1] + upper[:-1])

@@ -186,6 +186,7 @@ _FEWEST, _MORE, _MOST = 8, 8, 1 << 16  # at first at least, times as many each t
 _FEW = 4  # whose records cost less than columns of what the paper's method does not compute
 _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long one each row costs
 
+
 class InMachine:
     """A machine against its budgets with drives in it, of each drive once.
 

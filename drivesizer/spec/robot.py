@@ -55,6 +55,9 @@ def _stages(volts: float, given: sections.PowerStage, assume: bool) -> Callable[
 AS_SPECIFIED = "as specified"  # the name of the first load case where there are others
 
 
+_NO_SOURCE = YamlSource("{}", "")
+
+
 class RobotSpec(fields.Section, OfFile):
     """A robot.yaml: the load, its motion, and what the drive may be made of."""
 
@@ -99,7 +102,7 @@ class RobotSpec(fields.Section, OfFile):
         "further load cases; a drive must pass all"
     )
 
-    _source: YamlSource = PrivateAttr(default_factory=lambda: YamlSource("{}", ""))
+    _source: YamlSource = PrivateAttr(default_factory=lambda: _NO_SOURCE)
     _toleranced: tuple[Toleranced, ...] = PrivateAttr(default=())
     _typed: tuple[Typed, ...] = PrivateAttr(default=())
     _cases: tuple[tuple[str, RobotSpec], ...] = PrivateAttr(default=())

@@ -143,7 +143,8 @@ class Evaluation(NamedTuple):
 
     def open_checks(self, index: int) -> set[str]:
         """Names of the checks of one candidate that are open; informational ones do not count."""
-        return {c.name for c in self.checks if np.any(c.on(index).opened) and not c.advice}
+        columns = [check for check in self.checks if not (check.advice or check.opened is False)]
+        return {check.name for check in columns if np.broadcast_to(check.opened, check.passed.shape)[index]}
 
     def sampled_checks(self, index: int) -> set[str]:
         """Those of them that are open by estimated figures, and not by a range that nobody knows more of."""
