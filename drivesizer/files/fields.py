@@ -14,6 +14,7 @@ from pydantic import (
     ConfigDict,
     Discriminator,
     Field,
+    ModelWrapValidatorHandler,
     PlainSerializer,
     Tag,
     ValidationInfo,
@@ -224,11 +225,15 @@ class Section(BaseModel):
         """Faults of its fields together, of which the first is reported."""
         yield from ()
 
-    @model_validator(mode="after")
-    def _agreeing(self) -> Self:
-        for said in self._contradictions():
+    @model_validator(mode="wrap")
+    @classmethod
+    def _agreeing(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        if isinstance(value, cls):  # read before
+            return value
+        made = handler(value)
+        for said in made._contradictions():
             raise ValueError(said)
-        return self
+        return made
 
 
 def exactly_one(section: BaseModel, *names: str) -> Iterator[str]:

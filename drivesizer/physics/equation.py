@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -113,7 +114,7 @@ class Equation(Declared):
             raise InputError(f"{self.label}: {error}; expected {wanted}") from None
         with_units = [value for value in given.values() if hasattr(value, "dimensionality")]
         listed = [term for term in self.terms if term.name in given]
-        plain = {term.name: _in_si(self.label, given[term.name], term, bool(with_units)) for term in listed}
+        plain = {term.name: _in_si(self, given[term.name], term, bool(with_units)) for term in listed}
         result = _result(self, plain)
         if not with_units:
             return result
@@ -130,17 +131,20 @@ class Equation(Declared):
 _KIND_OF = {kind.si: name for name, kind in reversed(KINDS.items())}  # the first of each unit
 _NEVER_BELOW_0 = {"length", "mass", "inertia", "density", "time", "dimensionless"}
 _PLAIN = {float, int, np.float64, np.ndarray}
+_LARGEST = sys.float_info.max
 
 
-def _in_si(label: str, value: Any, term: Term, with_units: bool) -> Any:
+def _in_si(declared: Equation, value: Any, term: Term, with_units: bool) -> Any:
     """An argument as a number or array in SI."""
+    if type(value) is float and not with_units and 0.0 <= value <= (1.0 if term.factor else _LARGEST):  # most
+        return value
     kind = _KIND_OF[term.unit]
 
     def refused(fault: str) -> InputError:
         found = f"{value:~C}" if hasattr(value, "dimensionality") else value
         got = quoted(found) if isinstance(value, str) else quoted(found)[1:-1]
         wanted = "a plain number" if term.unit == "1" else f"in {term.unit}, e.g. {KINDS[kind].example}"
-        return InputError(f"{label}: {term.name} ({term.meaning}) must be {wanted}; got {got}{fault}")
+        return InputError(f"{declared.label}: {term.name} ({term.meaning}) must be {wanted}; got {got}{fault}")
 
     figure = value
     if hasattr(value, "dimensionality"):

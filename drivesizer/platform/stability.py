@@ -169,6 +169,7 @@ def _tipping(platform: Platform, gravity: float) -> tuple[Array, Array]:
     return inside * gravity, platform.height * normal
 
 
+@lru_cache(maxsize=8)
 def _lifting(platform: Platform, gravity: float) -> tuple[Array, Array]:
     """Load of each contact at rest, and the share that an acceleration takes off it."""
     support_polygon(platform)  # on one line nothing keeps it upright

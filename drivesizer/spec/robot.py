@@ -478,14 +478,16 @@ def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> Robo
     load = data["load"] if isinstance(data.get("load"), dict) else {}
     axis = AXES.get(str(load.get("kind")), "linear")  # in which units the motion is given
     known, given = source.sections, dict(data)
-    for name, value in data.items():
-        if (name, axis) in known and known[name, axis][0] is value:
+    for name in RobotSpec.model_fields:
+        if (name, axis) in known and known[name, axis][0] is data.get(name):
             given[name] = known[name, axis][1]
     try:
         spec = RobotSpec.model_validate(given, context={"axis": axis})
     except ValidationError as error:
         raise explained(error, source, RobotSpec, data, at) from None
-    known |= {(name, axis): (value, getattr(spec, name)) for name, value in data.items() if isinstance(value, dict)}
+    spec.model_fields_set.intersection_update(data)
+    of_spec = ((name, getattr(spec, name)) for name in RobotSpec.model_fields)
+    known |= {(name, axis): (data.get(name), one) for name, one in of_spec if isinstance(one, fields.Section)}
     spec._source = source
     return spec
 

@@ -303,7 +303,10 @@ def over_waveform(case: InCase, parts: Parts, what: Waveform, alive: Mask, each:
         limits = waveform_limits(spec, *found, parts)
         every = not {check.name for check in limits}.isdisjoint(each)
         wanted = case.demand.complete & (alive | every)  # else it stays unknown whatever the waveform says
-        rows = np.flatnonzero(wanted & ~np.logical_and.reduce([check.passed for check in limits]))
+        decided = np.logical_and.reduce([check.passed for check in limits])
+        if not every:  # what fails by its bounds is left as it is
+            decided |= np.logical_or.reduce([check.failed for check in limits])
+        rows = np.flatnonzero(wanted & ~decided)
         few, own = parts.on(rows), on(found, rows)
         left = left_open(spec, own, few) & alive[rows]
         if every:
