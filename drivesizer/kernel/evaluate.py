@@ -60,8 +60,8 @@ def evaluate(drives: Drive, cycle: Any, level: int, rows: Whole | None = None) -
 def pieces(drive: Drive, cycle: Any, cuts: int = 1, most: int = 0, *, merged: bool = False) -> tuple[Figures, Piece]:
     """One drive over a load cycle that repeats: its figures, and its course over time.
 
-    Each piece is cut into ``cuts`` parts; 0: pieces in a row that return nothing are one. Where ``most`` is given, there
-    are fewer cuts where these would be more parts in all, and none where the pieces alone are and may be ``merged``.
+    Each piece is cut into ``cuts`` parts, or fewer, so that there are at most ``most`` where that is given; 0: pieces
+    in a row that return nothing are one, as they are with ``merged`` where there are more than ``most``.
     """
     count = _of_one(drive, cycle, _COUNT, 1, np.empty((0, len(Piece._fields))))[1]
     if most:
