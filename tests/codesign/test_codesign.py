@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from drivesizer import LoadCycle
 from drivesizer.cli import app
 from drivesizer.codesign.answer import answer, roundest
 from drivesizer.codesign.task import read_task
@@ -88,10 +89,14 @@ def test_a_trapezoid_of_thirds_takes_the_least_heat_and_a_parabola_less(folder):
   acceleration_time: {free: 0.3 s .. 1.49 s}, cruise_time: {expression: 3 - 2 * motion.acceleration_time}}"""
     found = best(folder, re.sub(r"motion: .*", f"motion: {move}", text))
     assert figure(found, "motion.acceleration_time") == pytest.approx(1.0, rel=2e-3)
-    thirds = found.choice.goals[0]
-    sums = 0.5 * 16 / 12, thirds / 13.5 * 16
     triangle = best(folder, re.sub(r"motion: .*", f"motion: {move}", text).replace("0.3 s .. 1.49 s", "[1.499999 s]"))
-    assert triangle.choice.goals[0] == pytest.approx(sums[1], rel=1e-3)
+    thirds, most = (one.choice.goals[0] for one in (found, triangle))
+    assert most == pytest.approx(16 / 13.5 * thirds, rel=1e-3)
+    time = np.linspace(0.0, 3.0, 301)  # 4 rad in 3 s, as the table's own trapezoid
+    parabola = LoadCycle.from_arrays(time, 8 / 9 * time * (3 - time), 0.02 * 8 / 9 * (3 - 2 * time), inertia=0.02)
+    sizings = (size(load_spec_of(text), load=load, brief=True).sets[0] for load in (parabola, None))
+    least, own = (next(one.value for one in found.figures if one.name == "joule_heat") for found in sizings)
+    assert own / least == pytest.approx(13.5 / 12, rel=1e-3)
 
 
 def test_a_wheel_and_a_ratio_of_which_only_the_quotient_counts_are_flat_together(folder):
