@@ -58,18 +58,15 @@ class Turn(NamedTuple):
     passes_below: bool
 
 
-def estimated_figures(problem: Problem, motor: int, gearhead: int, brake: int = -1) -> list[Figure]:
-    """Figures of a drive's motor, gearhead and brake that are not the same at both ends of their bands."""
+def estimated_figures(problem: Problem, one: Candidates) -> list[Figure]:
+    """Figures of a single candidate's motor, gearhead and brake that are not the same at both ends of their bands."""
     if not problem.catalog.ends:
         return []
-    low, high = problem.catalog.ends
-    inside = problem.catalog.motors["inside"][motor] != ""
-    motors = problem.catalog.motors
+    (low, high), motors, motor = problem.catalog.ends, problem.catalog.motors, int(one.motor[0])
+    inside, found = motors["inside"][motor] != "", []
     own_limit = motors["kind"][motor] == "brushed" or np.isnan(motors["nominal_current"][motor])
-    found = []
-    own = {"motors": motor, "gearheads": gearhead} | ({"brakes": brake} if brake >= 0 else {})
     follows = _followers(problem.catalog, motor)
-    for section, row in own.items():
+    for section, row in _rows_of(one).items():
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
             leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or own_limit)
@@ -92,7 +89,7 @@ def passing(
     problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES, *, each: bool = True
 ) -> dict[str, float]:
     """Probability that each check of a drive passes, by name; under "" that all of these pass."""
-    figures = estimated_figures(problem, *_rows_of(one))
+    figures = estimated_figures(problem, one)
     points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
     checks = [
         check
@@ -104,9 +101,10 @@ def passing(
     return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
 
 
-def _rows_of(one: Candidates) -> tuple[int, int, int]:
-    """Motor, gearhead and brake of a single candidate; -1 no brake."""
-    return int(one.motor[0]), int(one.gearhead[0]), -1 if one.brake is None else int(one.brake[0])
+def _rows_of(one: Candidates) -> dict[str, int]:
+    """Motor, gearhead and brake of a single candidate, as rows of their sections; without a brake where it has none."""
+    rows = {"motors": one.motor, "gearheads": one.gearhead, "brakes": one.brake}
+    return {section: int(row[0]) for section, row in rows.items() if row is not None and row[0] >= 0}
 
 
 @cache
@@ -126,7 +124,7 @@ def _normal(samples: int, figures: int) -> Array:
 
 def turns(problem: Problem, one: Candidates, names: Set[str]) -> dict[str, Turn]:
     """For some checks of a drive the estimated figure that moves each most, and the value at which it turns."""
-    figures = estimated_figures(problem, *_rows_of(one))
+    figures = estimated_figures(problem, one)
     if not figures or not names:
         return {}
     coarse = [np.linspace(-_FARTHEST, _FARTHEST, _STEPS)] * len(figures)
@@ -171,7 +169,7 @@ def _nearest_change(steps: Sequence[Array], passed: Sequence[Mask]) -> tuple[int
 def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: Mask) -> Turn:
     """The value at which a check turns, between two steps of a figure."""
     step = int(np.flatnonzero(passed != passed[0])[0]) - 1
-    row = dict(zip(("motors", "gearheads", "brakes"), _rows_of(one), strict=True))[figure[0]]
+    row = _rows_of(one)[figure[0]]
     three = np.array([steps[step], (steps[step] + steps[step + 1]) / 2.0, steps[step + 1]])
     below, value, above = _moved(problem.catalog, figure, np.array([row, row, row]), three).tolist()
     return Turn(figure, value, bool(passed[step]) == (below < above))
@@ -182,29 +180,23 @@ def drive_at_points(
 ) -> Evaluation:
     """A drive with its estimated figures at several points of their bands, a row each."""
     catalog, every = problem.catalog, np.arange(count)
-    motor, gearhead = (np.full(count, rows[0]) for rows in (one.motor, one.gearhead))
-    tables = {
-        "motors": _table(catalog, "motors", motor, points),
-        "gearheads": _table(catalog, "gearheads", gearhead, points),
-    }
-    brake = _rows_of(one)[2]
-    if brake >= 0:
-        tables["brakes"] = _table(catalog, "brakes", np.full(count, brake), points)
+    rows = {section: np.full(count, row) for section, row in _rows_of(one).items()}
+    tables = {section: _table(catalog, section, row, points) for section, row in rows.items()}
     fitting = catalog.motor_encoder
     mine = fitting.left == one.motor[0]
     sides = np.repeat(every, mine.sum()), np.tile(fitting.right[mine], count), np.tile(fitting.source[mine], count)
     pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides)), **_braked(catalog, one, every)}
     varied = replace(catalog.with_tables(tables, pairs), ends=())
     given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
-    if brake >= 0:
+    if "brakes" in rows:
         given = given._replace(brake=every)
     return at_figures(replace(problem, catalog=varied), given, "open", each=names)
 
 
 def _braked(catalog: Catalog, one: Candidates, every: Whole) -> dict[str, Pairs]:
     """The list of what goes together of the motor at each point and its brake."""
-    motor, _, brake = _rows_of(one)
-    rows = (every if is_listed(catalog, motor, brake) else every[:0]).astype(np.int32)
+    brake = _rows_of(one).get("brakes", -1)
+    rows = (every if is_listed(catalog, int(one.motor[0]), brake) else every[:0]).astype(np.int32)
     return {"motor_brake": Pairs(rows, rows, np.zeros_like(rows))}
 
 
@@ -243,14 +235,6 @@ def _moved(catalog: Catalog, figure: Figure, rows: Whole, by: Array) -> Array:
 # -- Estimated figures of one drive: which they are, and which of its open checks depend on them.
 
 
-_PART = {
-    "motors": "motor",
-    "gearheads": "gearhead",
-    "encoders": "encoder",
-    "controllers": "controller",
-    "actuators": "actuator",
-    "brakes": "brake",
-}
 _CONTROLLING = ("encoders", "controllers")  # their masses count in the budget of a machine alone
 
 
@@ -290,13 +274,11 @@ def _stage_loss(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ..
 
 
 def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
-    names = catalog.estimates.get(section, {})
+    names, part = catalog.estimates.get(section, {}), section.removesuffix("s")
     found = {name: one for name in names if (one := catalog.estimate_of(section, row, name)) is not None}
-    columns = columns_of(section)
+    columns, laws = columns_of(section), shipped_laws()
     return [
-        EstimatedFigure(
-            _PART[section], name, *one[:3], columns[name].kind, columns[name].unit, law_text(shipped_laws()[one.fit])
-        )
+        EstimatedFigure(part, name, *one[:3], columns[name].kind, columns[name].unit, law_text(laws[one.fit]))
         for name, one in found.items()
     ]
 
@@ -315,7 +297,7 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
         if check.name in names:
             turn = turning.get(check.name)
             note = "; ".join(text for text in (_turning(turn, own), check.note) if text)
-            figure = figure_words(_PART[turn.figure[0]], turn.figure[1]) if turn else ""
+            figure = figure_words(turn.figure[0].removesuffix("s"), turn.figure[1]) if turn else ""
             check = replace(check, probability=probable[check.name], note=note, turns_on=figure)
         found.append(check)
     return tuple(found), probable[""]
@@ -351,4 +333,4 @@ def _turning(turn: Turn | None, actuator: bool) -> str:
     if actuator and turn.figure in _OF_ACTUATORS:
         figure = _OF_ACTUATORS[turn.figure].replace("_", " ")
         return f"passes with a {figure} of {side} {value}; the maker prints none as a limit"
-    return f"passes with a {figure_words(_PART[section], name)} of {side} {value}, which is estimated"
+    return f"passes with a {figure_words(section.removesuffix('s'), name)} of {side} {value}, which is estimated"

@@ -49,16 +49,11 @@ def movable(problem: Problem) -> Iterator[tuple[MovableFigure, float]]:
         now = next(
             filter(None, (_given(case, figure) for case in (spec, *(case.spec for case in problem.cases)))), None
         )
-        if now is None or (figure.path == HOLDING and not _may_hold_less(spec)):
-            continue
+        if now is None or (figure.path == HOLDING and not (spec.needs.hold_unpowered and now > 1.0)):
+            continue  # it must hold without power, and with a factor of 1 at least
         if figure.path == ("load", "friction_coefficient") and spec.load.kind == "wheeled_vehicle":
             continue
         yield figure, now
-
-
-def _may_hold_less(spec: RobotSpec) -> bool:
-    """Whether a drive must hold without power, with a factor above 1: below that nothing is held."""
-    return spec.needs.hold_unpowered and spec.needs.holding_factor > 1.0
 
 
 def _given(spec: RobotSpec, figure: MovableFigure) -> float | None:
