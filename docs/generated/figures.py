@@ -21,8 +21,8 @@ from drivesizer.control.path_following import FollowingRun
 from drivesizer.control.path_following import drawn as drawn_runs
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.platform_budget import permitted_speeds
+from drivesizer.output.document.bench import bench_document
 from drivesizer.output.report.figures.all_figures import report_drawings
-from drivesizer.output.report.figures.cycle import bench
 from drivesizer.output.report.figures.machine import path_and_errors, speed_by_direction
 from drivesizer.output.report.figures.style import Drawing
 from drivesizer.prediction.predict import completed, predict
@@ -99,7 +99,9 @@ def _at_the_bench() -> Drawing:
     motor, gearhead = (Hit("maxon", maxon, name, maxon.table(name).rows[part]) for name, part in parts.items())
     given = Conditions(voltage=nan, ambient=298.15, load=0.4, hold=nan, inertia=0.0, duration=3600.0, warm=nan,
                        resistance=0.0)  # fmt: skip
-    return bench(predict(motor, gearhead, None, completed(given, motor, gearhead)))
+    drawing = bench_document(predict(motor, gearhead, None, completed(given, motor, gearhead))).pictures["bench"].paper
+    assert isinstance(drawing, Drawing)
+    return drawing
 
 
 def _followed() -> Drawing:

@@ -12,7 +12,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from drivesizer.commands.common import answer, at_a_terminal, file_argument, file_option, print_json, whole_option
+from drivesizer.commands.common import (
+    Report,
+    accept_reports,
+    answer,
+    at_a_terminal,
+    file_argument,
+    file_option,
+    present,
+    print_json,
+    show_blocks,
+    whole_option,
+)
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.words import number_of
 
@@ -112,7 +123,7 @@ def take_in(
     from drivesizer.catalog.law_check import check as checked
     from drivesizer.files.sheets import sheets
     from drivesizer.files.writing import new
-    from drivesizer.output.terminal import catalog as terminal_catalog
+    from drivesizer.output.document import catalogue
 
     if output is None and not dry_run:
         raise InputError("--output: no file to write is named; expected -o my_parts.yaml, or --dry-run")
@@ -141,10 +152,10 @@ def take_in(
         assumed = "what fits is assumed at its end: look at it" if "\ncompatibility:" in imported.text else ""
         fits = assumed or "it states no compatibility: name a catalogue by --with, or add it at its end"
         written.append(f"{target} written; {fits}")
-    terminal_catalog.imported(imported, guessed=map_ is None)
+    show_blocks(catalogue.imported(imported, guessed=map_ is None))
     wrong = [one for one in checked(imported.catalog) if one.unexplained]
     if wrong:
-        terminal_catalog.findings(wrong)
+        show_blocks(catalogue.findings(wrong))
     for line in written:
         typer.echo(line)
 
@@ -199,7 +210,7 @@ def add(
     from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
     from drivesizer.files.writing import write_files
     from drivesizer.files.yaml_source import written
-    from drivesizer.output.terminal import catalog as terminal_catalog
+    from drivesizer.output.document import catalogue
 
     known_section(section)
     _target(output)
@@ -226,9 +237,9 @@ def add(
     made = with_part(output.read_text(encoding="utf-8") if output.exists() else empty, str(output), part)
     write_files({output: made.encode()})
     catalog = catalog_of_text(Path("added.yaml"), part.encode())
-    terminal_catalog.added(catalog, section, output)
+    show_blocks(catalogue.added(catalog, section, output))
     if wrong := [one for one in checked(catalog) if one.unexplained]:
-        terminal_catalog.findings(wrong)
+        show_blocks(catalogue.findings(wrong))
 
 
 def _question(section: str, name: str) -> str:
@@ -276,18 +287,19 @@ def listed(
     limit: Limit = 40,
     json: Json = False,
     csv: Csv = None,
+    report: Report = None,
 ) -> None:
     """List the parts that meet conditions, or all families."""
-    from drivesizer.catalog import columns_of
     from drivesizer.catalog.exporting import as_document
     from drivesizer.catalog.query import name_of
-    from drivesizer.output.terminal import catalog as terminal_catalog
+    from drivesizer.output.document import catalogue
 
+    accept_reports(report)
     shelf = open_named(catalog)
     options = {"family": family, "voltage": voltage, "diameter": diameter, "power": power, "kind": kind}
     wanted = [*filter(None, options.values()), *(where or ()), sort]
     if section is None and not any(wanted) and not (json or csv):
-        terminal_catalog.overview(shelf)
+        present(catalogue.overview(shelf), report)
         return
     found = _selected(shelf, section, options, where or [], sort=sort, excluded=excluded)
     hits = [hit for selection in found.values() for hit in selection.hits]
@@ -297,11 +309,9 @@ def listed(
         undecided = sum(selection.undecided for selection in found.values())
         print_json({"found": len(hits), "undecided": undecided} | as_document(shelf, hits))
         raise typer.Exit(0 if hits else 1)
-    extra = [*(name_of(text) for text in where or []), sort.removeprefix("-")]  # columns that conditions name
-    for name, selection in found.items():
-        if selection.hits or section or not hits:
-            shown = [column for column in extra if column in columns_of(name)]
-            terminal_catalog.listing(name, selection, limit, shown)
+    named = [*(name_of(text) for text in where or []), sort.removeprefix("-")]  # columns that conditions name
+    shown = {name: one for name, one in found.items() if one.hits or section or not hits}
+    present(catalogue.listing(shown, limit, named), report)
     raise typer.Exit(0 if hits else 1)
 
 
@@ -327,11 +337,13 @@ def show(
     catalog: Names = None,
     source: Annotated[bool, typer.Option("--source", help="Source and confidence of each figure.")] = False,
     json: Json = False,
+    report: Report = None,
 ) -> None:
     """Show one part as a data sheet, with matching parts; one of several voltages as a column for each."""
     from drivesizer.catalog.exporting import as_document
     from drivesizer.catalog.query import find, partners, side_by_side
 
+    accept_reports(report)
     shelf = open_named(catalog)
     hits = find(shelf, part)
     if json:
@@ -343,17 +355,19 @@ def show(
             one["estimates"] = as_records(hit.table, hit.row)
         print_json(document)
         return
-    from drivesizer.output.terminal import catalog as terminal_part
+    from drivesizer.output.document import catalogue
 
     same: dict[Any, list[Any]] = {}  # rows of what is bought under one number, at several voltages
     for hit in hits:
         number = hit["order_number"] if hit.section in ("motors", "actuators") else ""
         same.setdefault((hit.catalogue, hit.section, number or hit.part), []).append(hit)
+    if report and len(same) > 1:
+        raise InputError(f"{quoted(part)} is several parts; expected a report of one, of --catalog {hits[0].catalogue}")
     for rows in same.values():
         if len(rows) == 1:
-            terminal_part.page(rows[0], sources=source)
+            present(catalogue.page(rows[0], sources=source), report)
             continue
-        terminal_part.comparison(rows, side_by_side(rows))
+        present(catalogue.comparison(rows, side_by_side(rows)), report)
         print(f"\nwith curves and what goes with it: drivesizer catalog show {shlex.quote(rows[0].part)}")
 
 
@@ -363,11 +377,13 @@ def compare(
     catalog: Names = None,
     differing: Annotated[bool, typer.Option("--differing", help="Only rows that differ, or may.")] = False,
     json: Json = False,
+    report: Report = None,
 ) -> None:
     """Set parts side by side, the rows that differ marked."""
     from drivesizer.catalog.exporting import as_document
     from drivesizer.catalog.query import find, side_by_side
 
+    accept_reports(report)
     shelf = open_named(catalog)
     hits = [hit for part in dict.fromkeys(parts) for hit in find(shelf, part)]
     if len(hits) < 2:
@@ -376,9 +392,9 @@ def compare(
     if json:
         print_json(as_document(shelf, hits) | {"differs": {row.column.name: row.differs for row in rows}})
         return
-    from drivesizer.output.terminal import catalog as terminal_catalog
+    from drivesizer.output.document import catalogue
 
-    terminal_catalog.comparison(hits, rows)
+    present(catalogue.comparison(hits, rows), report)
 
 
 @app.command(epilog="Example: drivesizer catalog search 'RE 25'")
@@ -398,9 +414,9 @@ def search(
         names = {section: {name: len(hits) for name, hits in group.items()} for section, group in groups.items()}
         print_json({"families": names, "parts": [{"section": h.section, "part": h.part} for h in parts]})
     elif found:
-        from drivesizer.output.terminal import catalog as terminal_catalog
+        from drivesizer.output.document import catalogue
 
-        terminal_catalog.searched(groups, parts, limit)
+        show_blocks(catalogue.searched(groups, parts, limit))
     else:
         known = {name for group in families(shelf).values() for name in group} | {hit.part for hit in every(shelf)}
         typer.echo(f"drivesizer: {quoted(text)} is in no number, family or kind{nearest(text, known)}", err=True)
@@ -408,8 +424,9 @@ def search(
 
 
 @app.command(epilog="Example: drivesizer catalog stats --catalog maxon")
-def stats(catalog: Names = None, json: Json = False) -> None:
+def stats(catalog: Names = None, json: Json = False, report: Report = None) -> None:
     """Show the completeness of the catalogues and the confidence of their figures."""
+    accept_reports(report)
     shelf = open_named(catalog)
     if json:
         from drivesizer.catalog import PARTS
@@ -418,9 +435,9 @@ def stats(catalog: Names = None, json: Json = False) -> None:
         sections = {name: {s: coverage(c, s)._asdict() for s in PARTS} for name, c in shelf.items()}
         print_json({"catalogs": {n: {"pairs": pairs_of(c), **sections[n]} for n, c in shelf.items()}})
         return
-    from drivesizer.output.terminal import catalog as terminal_catalog
+    from drivesizer.output.document import catalogue
 
-    terminal_catalog.statistics(shelf)
+    present(catalogue.statistics(shelf), report)
 
 
 @app.command(epilog="Example: drivesizer catalog check --catalog my_parts.yaml")
@@ -438,9 +455,9 @@ def check(
 
         print_json({"findings": [as_finding(one) for one in found if one.unexplained or everything]})
     else:
-        from drivesizer.output.terminal import catalog as terminal_catalog
+        from drivesizer.output.document import catalogue
 
-        terminal_catalog.findings(found, everything=everything)
+        show_blocks(catalogue.findings(found, everything=everything))
     raise typer.Exit(1 if any(one.unexplained for one in found) else 0)
 
 

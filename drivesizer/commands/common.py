@@ -21,6 +21,7 @@ from drivesizer.errors import DrivesizerError, InputError, NoLoopError, UnknownC
 if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
     from drivesizer.files.yaml_source import YamlSource
+    from drivesizer.output.document import records as doc
     from drivesizer.results.drive_set import DriveSet
     from drivesizer.results.machine import MachineSizing
     from drivesizer.spec.machine import MachineSpec
@@ -290,6 +291,41 @@ def print_json(document: Any) -> None:
     from drivesizer.output.json.documents import as_text
 
     typer.echo(as_text(document))
+
+
+Report = Annotated[
+    list[Path] | None,
+    file_option("--report", metavar="FILE", help="Also as report.pdf, .html or .xlsx; may be repeated."),
+]
+
+
+def accept_reports(paths: Sequence[Path] | None) -> None:
+    """Refuse reports that cannot be written, before time is spent on what goes into them."""
+    if paths:
+        from drivesizer.output.report import MEDIA, accept
+
+        accept(paths, known=MEDIA)
+
+
+def present(document: doc.Document, reports: Sequence[Path] | None = None) -> None:
+    """Print a document, and write it to the files that are wanted."""
+    from drivesizer.output.terminal import render
+
+    written = []
+    if reports:
+        from drivesizer.output.report import write_document
+
+        written = write_document(document, reports)
+    render.document(document)
+    print_written(written)
+
+
+def show_blocks(blocks: Iterable[doc.Block]) -> None:
+    """Print blocks of a document."""
+    from drivesizer.output.terminal import render
+    from drivesizer.output.terminal.tables import console
+
+    render.blocks(console(), blocks)
 
 
 def print_written(paths: Iterable[Path]) -> None:

@@ -143,18 +143,9 @@ def _terminal() -> Iterator[Finding]:
 
 def print_findings(findings: Sequence[Finding]) -> None:
     """Print what was examined, and the remedy where something does not work."""
-    from rich.text import Text
+    from drivesizer.commands.common import show_blocks
+    from drivesizer.output.document import records as doc
 
-    from drivesizer.output.terminal.tables import STYLE, bare, console
-
-    table = bare(("", "left"), ("found", "left"), ("", "left"))
-    for one in findings:
-        mark = Text("ok", style=STYLE["pass"]) if one.works else Text("WRONG", style=STYLE["fail"])
-        table.add_row(one.subject, one.found, mark)
-    shown = console()
-    shown.print(table)
-    wrong = [one for one in findings if not one.works]
-    for one in wrong:
-        shown.print(Text(f"{one.subject}: {one.remedy}"))
-    if not wrong:
-        shown.print("Everything works.")
+    rows = [(one.subject, one.found, "ok" if one.works else (doc.Strong("WRONG"),)) for one in findings]
+    remedies = [doc.Words(f"{one.subject}: {one.remedy}") for one in findings if not one.works]
+    show_blocks([doc.table("installation", "", rows), *(remedies or [doc.Words("Everything works.")])])

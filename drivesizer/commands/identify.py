@@ -16,9 +16,12 @@ from drivesizer.commands.common import (
     More,
     OfAxis,
     Profile,
+    Report,
+    accept_reports,
     file_argument,
     file_option,
     number_option,
+    present,
     print_json,
     print_notes,
     print_written,
@@ -63,13 +66,15 @@ def predict(
     figure: Annotated[
         Path | None, file_option(metavar="FILE", help="Also draw line and temperatures: .svg or .png.")
     ] = None,
+    report: Report = None,
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
     from drivesizer.errors import FieldError
     from drivesizer.files.writing import ready, write_files
-    from drivesizer.output.terminal.sizing import at_the_bench
+    from drivesizer.output.document.bench import bench_document
     from drivesizer.prediction.bench import predict_set
 
+    accept_reports(report)
     if figure is not None:
         if figure.suffix.lower() not in _FORMS:
             expected = f"expected {' or '.join(_FORMS)}"
@@ -86,15 +91,13 @@ def predict(
         raise InputError(f"--{error}") from None
     drawn = {}
     if figure is not None:
-        from drivesizer.output.report.figures.cycle import bench
-
         form: Any = figure.suffix.lower().removeprefix(".")
-        drawn = {figure: bench(found)(form)}
+        drawn = {figure: bench_document(found).pictures["bench"].paper(form)}
     try:  # none of the figure where the answer cannot be given, but to a reader who has enough
         if json:
             print_json(found)
         else:
-            at_the_bench(found)
+            present(bench_document(found), report)
             print_notes(found.warnings)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first
@@ -137,12 +140,14 @@ def identify(
     ] = None,
     axis: OfAxis = None,
     catalogs: Names = None,
+    report: Report = None,
 ) -> None:
     """Identify a drive by its log: figures with bands, what it cannot separate, what is wrong with it."""
     from drivesizer.identification.identify import identify as identified
     from drivesizer.identification.part_file import part_file
 
     paths = _targets(output, "a row of a catalogue")
+    common.accept_reports(report)
     if motor and spec:
         raise InputError("--motor: the spec has the motor; expected one of --motor and --spec")
     if not ratio > 0.0:
@@ -154,7 +159,7 @@ def identify(
         found = identified(log, of, scales=_factors(scale), named=_heads(column))
     files = {path: part_file(found, hit, path.name) for path in paths if path.suffix.lower() in _SPECS}
     files |= {path: _drawn(path, found.time, found.traces) for path in paths if path.suffix.lower() in _DRAWN}
-    _answer(found, files, json=json)
+    _answer(found, files, report, json=json)
 
 
 def _drawn(path: Path, time: Any, traces: Any) -> bytes:
@@ -242,6 +247,7 @@ def compare(
     ] = None,
     axis: OfAxis = None,
     catalogs: More = None,
+    report: Report = None,
 ) -> None:
     """Hold a machine's log against its sizing: margins that are really left, and what explains the difference."""
     from drivesizer.identification.compare import compare as compared
@@ -251,6 +257,7 @@ def compare(
     from drivesizer.simulate import hardest_case, validate
 
     paths = _targets(output, "the corrected spec")
+    common.accept_reports(report)
     logged = scaled(read_log(log, _heads(column)), _factors(scale))
     own, drive = common.one_drive(spec, chosen, catalogs, axis, _ONE)
     with common.simulating("simulating what was promised"):
@@ -264,7 +271,7 @@ def compare(
             raise InputError(f"{path}: no figure of the load explains a difference: the spec stays as it is")
         else:
             files[path] = corrected(own, found.explanations[0])
-    _answer(found, files, json=json)
+    _answer(found, files, report, json=json)
     raise typer.Exit(int(any(one.status == "fail" for one in found.checks)))
 
 
@@ -280,14 +287,16 @@ def _targets(output: list[Path] | None, data: str) -> list[Path]:
     return output or []
 
 
-def _answer(found: Identification | Comparison, files: dict[Path, bytes], *, json: bool) -> None:
+def _answer(
+    found: Identification | Comparison, files: dict[Path, bytes], report: list[Path] | None, *, json: bool
+) -> None:
     """Print what was found, and write the files."""
     from drivesizer.files.writing import write_files
 
     if json:
         common.print_json(found)
     else:
-        from drivesizer.output.terminal.sizing import at_the_bench
+        from drivesizer.output.document.bench import bench_document
 
-        at_the_bench(found)
+        common.present(bench_document(found), report)
     common.print_written(write_files(files))

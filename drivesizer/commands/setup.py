@@ -137,24 +137,27 @@ def equations(
         Path | None, file_argument(metavar="ROBOT.YAML", help="A spec, of which the numbers are put in.")
     ] = None,
     axis: OfAxis = None,
+    report: common.Report = None,
 ) -> None:
     """List the paper's equations, or show one: as printed, as computed, why they differ, units, source; of a spec."""
     from drivesizer.output import derivation
-    from drivesizer.output.terminal import equations as terminal_equations
+    from drivesizer.output.document import equations as documents
     from drivesizer.platform import robot_figures
     from drivesizer.platform.equations import PLATFORM
 
+    common.accept_reports(report)
     if number is None:
-        terminal_equations.equations()
+        common.present(documents.equations(), report)
         return
     sizing, platform = derivation.find(number), robot_figures.find(number)
     if sizing is None and platform is None:
         raise InputError(f"there is no equation {quoted(number)}; expected 1 to {max(PLATFORM)}")
     robot = None if spec is None else common.load_axis(spec, None, axis)
     if sizing is not None:
-        terminal_equations.equation(sizing, *(_steps(sizing, robot) if robot else ()))
+        common.present(documents.equation(sizing, *(_steps(sizing, robot) if robot else ())), report)
     elif platform is not None:
-        terminal_equations.platform_equation(platform, _robot_equation(platform, robot) if robot else None)
+        numbers = _robot_equation(platform, robot) if robot else None
+        common.present(documents.platform_equation(platform, numbers), report)
 
 
 def _steps(declared: Any, robot: Any) -> tuple[Any, str]:

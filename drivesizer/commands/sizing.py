@@ -152,7 +152,7 @@ def quote(
     from drivesizer.output.terminal import sizing as terminal
 
     robot = common.load(spec, catalogs, axis, fields)
-    reports.accept_quote(output)
+    reports.accept(output, known=(".csv", ".xlsx"), kind="quote")
     result = common.sized(robot, 1, objective)
     if result.status == "fail":
         raise common.NothingFitsError(f"{spec}: no drive meets all limits: there is nothing to order; "

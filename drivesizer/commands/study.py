@@ -12,8 +12,10 @@ from drivesizer.commands.common import (
     DEFAULT,
     Fields,
     Processes,
+    Report,
     Scheduler,
     Spec,
+    accept_reports,
     file_argument,
     file_option,
     print_notes,
@@ -39,10 +41,12 @@ def study(
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew; results that are there are lost.")] = False,
     over: Annotated[str | None, typer.Option("--map", metavar="A,B", help="The two fields that maps are over.")] = None,
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
+    report: Report = None,
 ) -> None:
     """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
     from drivesizer.study.workers import one_thread_each
 
+    accept_reports(report)
     target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()
     with one_thread_each():  # before NumPy is loaded
@@ -61,6 +65,12 @@ def study(
     typer.echo(f"{variants}: {status}; {drives} examined")
     for written in found.written:
         typer.echo(written)
+    if report:
+        from drivesizer.output.report import write_document
+        from drivesizer.study.document import document_of
+
+        for one in write_document(document_of(found), report):
+            typer.echo(one)
     print_notes(tuple(found.notes))
     raise typer.Exit(0 if any(found.variants[name] for name in ("pass", "open", "unknown")) else 1)
 

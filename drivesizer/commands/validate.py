@@ -46,8 +46,8 @@ def commission(
 ) -> None:
     """Write the drive's gains and limits as its controller takes them, and what they stand for after rounding."""
     from drivesizer.files.writing import write_files
+    from drivesizer.output.document import records as doc
     from drivesizer.output.export import device_file
-    from drivesizer.output.terminal.tables import bare, console
     from drivesizer.simulate import commissioned, hardest_case
 
     own, found = common.one_drive(spec, chosen, catalogs, axis, "a file is that of one drive")
@@ -63,26 +63,15 @@ def commission(
     rows, proof = made.rows, made.rounded
     if output:
         common.print_written(write_files(device_file.files(one, rows, _remarks(one, made, board), output)))
-    out = console()
     shared = rows[0].parameter.name.rpartition(".")[0] + "."
     if len(shared) < _LONG or not all(row.parameter.name.startswith(shared) for row in rows):
         shared = ""
-    room = out.width - max(
-        len(row.parameter.name) - len(shared) for row in rows
-    )  # for what they stand for, and what they mean
-    heads = (("in SI", "left"),) * (room > 60) + (("", "left"),) * (room > 100)
-    table = bare(("parameter", "left"), ("value", "right"), ("unit", "left"), *heads)
-    table.columns[0].no_wrap = True
-    for row in rows:
-        more = (row.in_si, row.parameter.meaning)[: len(heads)]
-        table.add_row(row.parameter.name.removeprefix(shared), row.text, row.unit, *more)
-    out.print(f"{one.title}: {found.label}", markup=False)
-    if shared:
-        out.print(f"below {shared.removesuffix('.')}:", markup=False)
-    out.print(table)
+    table = doc.table("device", "", [
+        (row.parameter.name.removeprefix(shared), row.text, row.unit, row.in_si, row.parameter.meaning) for row in rows
+    ])  # fmt: skip
+    head = [f"{one.title}: {found.label}", *([f"below {shared.removesuffix('.')}:"] if shared else [])]
     said = [*loops(made), *_warned(one, made, board), *(f"{word}: {one.words[word]}" for word in ("first", "load"))]
-    for line in said:
-        out.print(line, markup=False)
+    common.show_blocks([*map(doc.Words, head), table, *map(doc.Words, said)])
     raise typer.Exit(int(proof.status == "fail"))
 
 

@@ -17,9 +17,8 @@ from drivesizer.files.sheets import tables_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output.document import part as sheets
+from drivesizer.output.document.catalogue import import_words, still_needed
 from drivesizer.output.document.paper import as_data
-from drivesizer.output.document.records import Picture, Words
-from drivesizer.output.terminal.catalog import import_words, still_needed
 from drivesizer.output.words import figure, first_columns
 from drivesizer.spec.drive import Select
 from drivesizer.spec.machine import named_catalogs
@@ -178,15 +177,12 @@ def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 def fit(path: Path, content: bytes) -> Piece:
     """The figures of a drive by its log as ``drivesizer identify`` prints them, and its model beside the log."""
     from drivesizer.identification.identify import identify
-    from drivesizer.output.document.bench import bench_blocks
-    from drivesizer.output.report.figures.cycle import measured_and_model
+    from drivesizer.output.document.bench import bench_document
     from drivesizer.output.report.html.plots import movable
 
-    found = identify(path, content=content)
-    drawn = {"part-fit": movable(measured_and_model(found.time, found.traces))} if len(found.time) else {}
-    picture = [Picture("part-fit", "Measured, and the model with these figures.", "the log and its model over time")]
-    blocks = [*bench_blocks(found)[1], *(picture if drawn else [])]
-    return {"kind": "fit", "name": path.name, "html": html(blocks, drawn), "figures": drawn}
+    document = bench_document(identify(path, content=content))
+    drawn = {name: movable(one.page[0]) for name, one in document.pictures.items()}
+    return {"kind": "fit", "name": path.name, "html": html(document.sections[0].blocks, drawn), "figures": drawn}
 
 
 # -- One part on the page as ``drivesizer catalog show`` prints it, with its curves, and several side by side.

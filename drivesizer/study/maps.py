@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from itertools import product
 from math import ceil, inf, isfinite, nan
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,6 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.output.derivation import clean, short
-from drivesizer.output.report.figures.all_figures import figures_into
 from drivesizer.output.report.figures.style import COLOURS, Drawing, figure
 from drivesizer.study.plan import Plan
 from drivesizer.study.rows import Row, columns_of
@@ -125,12 +123,11 @@ def points(plan: Plan, over: MapAxes, rows: Iterable[Row]) -> Points:
     return found
 
 
-def draw_maps(plan: Plan, rows: Iterable[Row], over: MapAxes, folder: Path) -> tuple[list[Path], list[str]]:
-    """Write the maps of a study into a folder; files and notes."""
+def drawn_maps(plan: Plan, rows: Iterable[Row], over: MapAxes) -> tuple[dict[str, Drawing], list[str]]:
+    """Maps of a study by name; and why there are none, or not of all panels."""
     if plan.total > MOST_POINTS:
-        return [], [f"no maps: more than {MOST_POINTS} variants; the tables have all"]
-    found, left_out = drawings(over, points(plan, over, rows))
-    return figures_into(found, folder) if found else [], left_out
+        return {}, [f"no maps: more than {MOST_POINTS} variants; the tables have all"]
+    return drawings(over, points(plan, over, rows))
 
 
 def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str]]:

@@ -17,7 +17,7 @@ from itertools import product
 from math import isnan, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,9 @@ from drivesizer.study.figures import row_figures
 from drivesizer.study.plan import Places, Plan, planned
 from drivesizer.study.rows import Column, Row, columns_of, forget_files, rows_of, spec_figures
 from drivesizer.study.workers import Progress, Workers, computed, cores, workers
+
+if TYPE_CHECKING:
+    from drivesizer.output.report.figures.style import Drawing
 
 _GOOD = ("pass", "open", "unknown")
 _PARTS = 10  # of a sampled range, for its influence
@@ -150,6 +153,8 @@ class Outcome:
     columns: Sequence[Column] = ()
     every_row: Callable[[], Iterator[Row]] = lambda: iter(())
     answers: list[Table] = field(default_factory=list)
+    maps: dict[str, Drawing] = field(default_factory=dict)
+    plan: Plan | None = None  # with what refinement added
 
 
 def carry_out(
@@ -195,11 +200,13 @@ def carry_out(
             folders.write_csv(folder / name, heads, rows)
             outcome.written.append(folder / name)
         if over is not None:
-            from drivesizer.study.maps import draw_maps
+            from drivesizer.output.report.figures.all_figures import figures_into
+            from drivesizer.study.maps import drawn_maps
 
-            written, notes = draw_maps(plan, outcome.every_row(), over, folder / "maps")
-            outcome.written += written
+            outcome.maps, notes = drawn_maps(plan, outcome.every_row(), over)
+            outcome.written += figures_into(outcome.maps, folder / "maps") if outcome.maps else []
             outcome.notes += notes
+        outcome.plan = plan
     return outcome
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 from catalog_texts import MAP, SHEET
+from printed import text_of
 
 from drivesizer.catalog import PARTS, columns_of, load, query, shipped
 from drivesizer.catalog.query import find, open_catalogs, select, side_by_side, where
@@ -267,6 +270,30 @@ def test_parts_side_by_side(run, small):
     assert document["differs"]["assigned_power"] is None
     hits = find(open_catalogs([str(small)]), "M1") + find(open_catalogs([str(small)]), "007")
     assert next(row for row in side_by_side(hits) if row.column.name == "mass").differs is None
+
+
+def every_medium(run, *args) -> tuple[str, dict[str, list]]:
+    """The words of terminal, PDF and page as one text; the rows of the workbook by their names."""
+    status, out, err = run(*args, *(word for kind in ("pdf", "html", "xlsx") for word in ("--report", f"r.{kind}")))
+    assert status == 0 and err.count("written") == 3
+    book = openpyxl.load_workbook("r.xlsx")
+    rows = {str(row[1] if row[0] in (None, "≠", "?") else row[0]): row
+            for page in book for row in page.iter_rows(values_only=True)}  # fmt: skip
+    page = re.sub(r"<[^>]+>", " ", Path("r.html").read_text(encoding="utf-8").partition("<script")[0])
+    return " ".join(map(words, (out, text_of(Path("r.pdf").read_bytes()), page))), rows
+
+
+def test_a_document_says_the_same_in_every_medium(run, small):
+    said, rows = every_medium(run, "compare", "M1", "M2", "--catalog", small)
+    assert said.count("9560 rpm") == said.count("28.6 mN·m") == said.count("differs (") == 3
+    assert rows["nominal torque"][2:4] == (26.3, "mN·m") and rows["assigned power"][4] in ("", None, "unknown")
+    said, rows = every_medium(run, "show", "M1", "--catalog", small)
+    assert said.count("nominal torque 26.3 mN·m") == 3 and said.count("G 26 (1)") == 3 and "Speed over torque" in said
+    said, rows = every_medium(run, "list", "motors", "--catalog", small, "--voltage", "24 V")
+    assert said.count("M1") == 3 and rows["M1"][1:3] == ("M 20", 20)
+    assert every_medium(run, "stats", "--catalog", small)[0].count("motors: figures known") >= 2
+    refused(run, 'r.csv" does not say which kind of report; expected .pdf, .html or .xlsx',
+            "compare", "M1", "M2", "--catalog", small, "--report", "r.csv")  # fmt: skip
 
 
 def test_search(run, small):

@@ -12,7 +12,8 @@ import pytest
 
 from drivesizer.catalog.query import Hit, find, open_catalogs
 from drivesizer.machine.part_curves import continuous_curve, line, overload_times, permitted_current
-from drivesizer.output.terminal import catalog as terminal_part
+from drivesizer.output.document.catalogue import page
+from drivesizer.output.terminal import render
 from drivesizer.physics.thermal import COPPER
 
 RPM = pi / 30
@@ -63,7 +64,7 @@ def shown(monkeypatch, capsys):
 
     def show(hit: Hit, width: int = 80) -> str:
         monkeypatch.setenv("COLUMNS", str(width))
-        terminal_part.page(hit)
+        render.document(page(hit))
         return capsys.readouterr().out
 
     return show

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 
+import openpyxl
 import pytest
 from studies import CHEAP, laid
 
 from drivesizer import size_variants
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.output.report import write_document
+from drivesizer.study.document import document_of as document_of_study
 from drivesizer.study.plan import read_study
 from drivesizer.study.rows import document_of
 from drivesizer.study.run import carry_out
@@ -32,11 +35,28 @@ def table(path):
         return list(csv.DictReader(file))
 
 
+@pytest.fixture(scope="module")
+def outcome(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    return carry_out(read_study(laid(folder, STUDY)), folder / "study", processes=1)
+
+
 @pytest.fixture
-def done(tmp_path):
-    plan = read_study(laid(tmp_path, STUDY))
-    written = carry_out(plan, tmp_path / "study", processes=1, maps=None).written
-    return plan, {path.name: table(path) for path in written if path.suffix == ".csv"}
+def done(outcome):
+    return outcome.plan, {path.name: table(path) for path in outcome.written if path.suffix == ".csv"}
+
+
+def test_the_report_has_the_rows_the_answers_and_the_maps(outcome, done, tmp_path):
+    page, book = write_document(document_of_study(outcome), [tmp_path / "s.html", tmp_path / "s.xlsx"])
+    sheets = openpyxl.load_workbook(book)
+    assert sheets.sheetnames == ["Outcome", "Best", "Front", "Influence", "Variants"]
+    heads, *rows = sheets["Variants"].iter_rows(values_only=True)
+    of, (_, tables) = heads.index("load.mass (kg)"), done
+    assert [row[of] for row in rows] == [float(row["load.mass (kg)"]) for row in tables["results.csv"]]
+    assert sheets["Outcome"]["B2"].value == outcome.variants["pass"] > 0
+    text = page.read_text(encoding="utf-8")
+    assert all(f'alt="{title}"' in text for title in ("Best drive", "Smallest margin (%)"))
+    assert "The front: no variant beats these in all goals" in text
 
 
 def test_a_field_follows_from_another(done):

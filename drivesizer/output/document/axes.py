@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from drivesizer.control.validation import Validation
-from drivesizer.output.document import SECTIONS, Chapter, printed, summary, wide
+from drivesizer.output.document import SECTIONS, Chapter, printed, summary
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
 from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
@@ -496,15 +496,24 @@ def chapters(content: Content | MachineContent, *, of_all_drives: bool = False) 
     return [Chapter(content, (*FRONT, *BACK)), *(Chapter(one.content, own, one.name) for one in content.axes)]
 
 
-def document_of(content: Content | MachineContent) -> doc.Document:
-    """The machine on paper, but for the figures."""
+Reportable = Content | MachineContent | doc.Document  # of which there are reports
+
+
+def document_of(content: Reportable) -> doc.Document:
+    """The machine on paper, but for the figures; what is no sizing is one already."""
+    if isinstance(content, doc.Document):
+        return content
     return doc.Document(name=content.name, machine=content.words, block=content.title_block,
                         sections=[*printed(chapters(content))], found=content.is_found)  # fmt: skip
 
 
-def wide_of(content: Content | MachineContent, media: frozenset[str]) -> Iterator[doc.Printed]:
+def wide_of(content: Reportable, media: frozenset[str]) -> Iterable[doc.Printed]:
     """Sections of workbook and CSV."""
-    return wide(chapters(content, of_all_drives=True), media)
+    return (
+        content.sections
+        if isinstance(content, doc.Document)
+        else printed(chapters(content, of_all_drives=True), media, of_all_drives=True)
+    )
 
 
 def content_of(

@@ -26,13 +26,26 @@ _TITLES = {
 }
 
 
-def bench_blocks(found: Prediction | Identification | Comparison) -> tuple[str, Iterator[doc.Block]]:
-    """Prediction of a set, or figures of a log: its title, tables and sentences."""
+def bench_document(found: Prediction | Identification | Comparison) -> doc.Document:
+    """Prediction of a set, or figures of a log, with their course over time."""
+    from drivesizer.output.report.figures.cycle import bench, measured_and_model
+    from drivesizer.output.report.figures.picture import Pictured, abreast, on_paper
+
     if isinstance(found, Prediction):
-        return found.label, _prediction(found)
-    if isinstance(found, Identification):
-        return f"{found.log}: {found.label}" if found.label else found.log, _identification(found)
-    return f"{found.log}: {found.label}, {found.over}", _comparison(found)
+        name, subject, blocks = found.label, "prediction", _prediction(found)
+        plots = bench(found)
+        pictures = {"bench": Pictured(abreast(plots, 1.46, names=4), plots)}
+    else:
+        plot = measured_and_model(found.time, found.traces) if len(found.traces) and len(found.time) else None
+        pictures = {"bench": Pictured(on_paper(plot), [plot])} if plot else {}
+        if isinstance(found, Identification):
+            name, subject = f"{found.log}: {found.label}" if found.label else found.log, "identification"
+            blocks = _identification(found)
+        else:
+            name, subject = f"{found.log}: {found.label}, {found.over}", "comparison"
+            blocks = _comparison(found)
+    sections = [doc.section("bench", subject.capitalize(), [*blocks, doc.picture(subject, "bench")])]
+    return doc.Document(name=name, subject=subject, sections=sections, pictures=pictures)
 
 
 def _prediction(found: Prediction) -> Iterator[doc.Block]:

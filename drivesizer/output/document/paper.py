@@ -22,8 +22,8 @@ def paper_data(document: doc.Document, date: str | None = None) -> dict[str, Any
     sections = sections_data(document.sections)
     made: dict[str, Any] = cleaned({"name": document.name, "header": short(header), "block": document.block,
                                     "machine": document.machine, "version": __version__, "date": short(date or "", 40),
-                                    "found": document.found, "sections": sections, "depth": 2
-                                    if len(sections) <= _MOST_LISTED else 1})  # fmt: skip
+                                    "found": document.found, "subject": document.subject, "sections": sections,
+                                    "depth": 2 if len(sections) <= _MOST_LISTED else 1})  # fmt: skip
     return made
 
 

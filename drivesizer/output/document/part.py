@@ -11,14 +11,12 @@ import numpy as np
 from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.estimates import estimates_of
 from drivesizer.catalog.estimates.estimate import SAME_FAMILY, family_limits, law_text
-from drivesizer.catalog.parts import HELD
+from drivesizer.catalog.parts import HELD, Column
 from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.view import CLAMPING_HUB
 from drivesizer.machine.part_curves import HEAT, overload_times, permitted_current
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.records import listed
-from drivesizer.output.part_curves import pull_out_conditions
 from drivesizer.output.words import figure, number_of
 from drivesizer.physics.thermal import DATA_TEMPERATURE
 from drivesizer.results.drive_set import DriveSet, section_of
@@ -28,7 +26,6 @@ from drivesizer.units import show
 
 
 _NAMES = {"part", "family", "manufacturer"}  # in the heading already
-_LEFT, _RIGHT = ("", "left"), ("", "right")  # heads
 
 
 def datasheets(drive_set: DriveSet, catalog: Catalog) -> list[dict[str, Any]]:
@@ -82,10 +79,17 @@ def figures_of(hit: Hit, *, sources: bool = False) -> doc.Table:
         cells |= {"mark": (doc.Mark(source.confidence if sources else row["mark"]),)}
         cells |= {"source": f"[{named.index(source.document) + 1}]"} if sources else {}
         rows.append(doc.Row(cells))
-    heads = ("figure", "confidence") if sources else ("", "")
-    columns = (doc.Column("title", heads[0], "name"), doc.Column("value", "", "number"),
-               doc.Column("mark", heads[1], "mark"), doc.Column("source", "source", "number"))  # fmt: skip
-    return doc.Table("", columns[: 4 if sources else 3], rows, look="figures", halves=True)
+    heads = {"title": "figure", "mark": "confidence"} if sources else {}
+    return doc.table("part_figures", "", rows, heads=heads, without=() if sources else ["source"])
+
+
+def cell(value: Any, column: Column, *, unit: bool = True) -> doc.Cell:
+    """A figure as a data sheet prints it; without its unit where the head has that, and then a dash where unknown."""
+    if isinstance(value, str) or isnan(value):
+        said = figure(value, column)
+        return "–" if said == "unknown" and not unit else said
+    kind = "money" if column.kind.startswith("price") else column.kind
+    return doc.Quantity(value, column.unit, kind, 5, own=figure(value, column, unit=unit))
 
 
 def documents_of(hit: Hit) -> list[str]:
@@ -106,10 +110,8 @@ def behaviour(hit: Hit) -> Iterator[doc.Block]:
     """Tables of a part, and its curves in their place."""
     if hit.section in ("motors", "actuators"):
         schema = columns_of(hit.section)
-        rows = [(name, *(figure(hit[c], schema[c]) if c else "0" for c in columns))
-                for name, *columns in _POINTS]  # fmt: skip
-        heads = (_LEFT, ("speed", "right"), ("torque", "right"), ("current", "right"))
-        yield listed(heads, rows, "Torque and speed")
+        rows = [(name, *(cell(hit[c], schema[c]) if c else "0" for c in columns)) for name, *columns in _POINTS]
+        yield doc.table("at_torque", "Torque and speed", rows)
         yield doc.Picture(f"part-{CURVES[hit.section][0]}", "", "speed over torque")
         yield from _heat(hit)
     for name in CURVES.get(hit.section, ()) if hit.section not in ("motors", "actuators") else ():
@@ -128,9 +130,8 @@ def _prices(hit: Hit) -> Iterator[doc.Block]:
     rows = [(f"{one.amount:.2f} {one.currency}", str(one.pieces), one.date, one.seller,
              one.order_number, "; ".join(filter(None, (one.delivery, one.note))))
             for one in sorted(found, key=lambda one: one.date, reverse=True)]  # fmt: skip
-    heads = ("price", "right"), ("from pieces", "right"), ("date", "left"), ("seller", "left"), ("order number", "left")
     if rows:
-        yield listed((*heads, _LEFT), rows, "Prices of lists")
+        yield doc.table("list_prices", "Prices of lists", rows)
 
 
 CURVES = {  # names of a part's curves, of which some have several
@@ -149,12 +150,15 @@ def _discharges(hit: Hit) -> Iterator[doc.Block]:
             cells = [draw[(own.time == time) & (own.cutoff_voltage == end)] for end in ends]
             lasts = show(float(time), "min" if float(time) < 3600.0 else "h", "time")
             rows.append((lasts, *(f"{c[0]:g}" if len(c) else "–" for c in cells)))
-        heads = (("lasts", "right"), *((show(float(end), "V", "voltage"), "right") for end in ends))
-        yield listed(heads, rows, f"Constant {held} ({unit}), down to")
+        columns = [doc.Column("lasts", "lasts", "number")]
+        columns += [doc.Column(f"{end:g}", show(float(end), "V", "voltage"), "number") for end in ends]
+        yield doc.table("across", f"Constant {held} ({unit}), down to", rows, without=["title"], more=columns)
 
 
 def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
     """The printed pull-out curves of a stepper, one after the other."""
+    from drivesizer.output.report.figures.parts import pull_out_conditions
+
     own = hit.catalog.pull_outs.on(hit.catalog.pull_outs.stepper == hit.row)
     for curve in np.unique(own.curve).tolist():
         one = own.on(own.curve == curve)
@@ -162,8 +166,7 @@ def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
             (show(speed, "rpm", "rotary_speed", 4), show(torque, "N*m", "torque", 3))
             for speed, torque in zip(one.speed.tolist(), one.torque.tolist(), strict=True)
         ]
-        heads = (("speed", "right"), ("pull-out torque", "right"))
-        yield listed(heads, rows, f"Pull-out torque: {pull_out_conditions(one)}")
+        yield doc.table("pull_outs", f"Pull-out torque: {pull_out_conditions(one)}", rows)
 
 
 def _estimates(hit: Hit) -> Iterator[doc.Block]:
@@ -178,14 +181,14 @@ def _estimates(hit: Hit) -> Iterator[doc.Block]:
         value, low, high = (shown(one.figure, figure, 2) for figure in (one.value, one.low, one.high))
         rows.append((one.figure.replace("_", " "), value, f"{low} to {high}", law_text(one.fit)))
     if rows:
-        yield listed((("estimated from peers", "left"), _RIGHT, ("5 to 95 %", "right"), ("from", "left")), rows)
+        yield doc.table("part_estimates", "", rows)
         yield doc.Words("Sizing takes these unless the spec has select: {estimates: off}.", "note")
     limits = []
     for found in family_limits(hit.table, hit.row):
         alike = "the one other part prints it" if found.members == 1 else f"{found.members} parts print it, all alike"
         limits.append((found.figure.replace("_", " "), shown(found.figure, found.value, 3), f"{SAME_FAMILY}; {alike}"))
     if limits:
-        yield listed((("limits of the family", "left"), _RIGHT, ("from", "left")), limits)
+        yield doc.table("family_limits", "", limits)
         yield doc.Words("Sizing does not use them.", "note")
 
 
@@ -215,11 +218,11 @@ def _ambients(hit: Hit) -> doc.Table | None:
     currents = [permitted_current(hit, ambient) for ambient in _AMBIENTS]
     if all(map(isnan, currents[1:])):
         return None
-    heads = (_LEFT, *((show(ambient, "degC", "temperature"), "right") for ambient in _AMBIENTS))
+    columns = [doc.Column(f"{x:g}", show(x, "degC", "temperature"), "number") for x in _AMBIENTS]
     all_permitted = _AMBIENTS[-1] <= hit["ambient_max"] or isnan(hit["ambient_max"])
     title = f"Continuous current by ambient{'' if all_permitted else ' (– not permitted)'}"
     name = "at standstill" if isnan(hit["nominal_current"]) else "nominal"
-    return listed(heads, [(name, *map(_amperes, currents))], title)
+    return doc.table("across", title, [(name, *map(_amperes, currents))], more=columns)
 
 
 def _overloads(hit: Hit) -> doc.Table | None:
@@ -234,8 +237,8 @@ def _overloads(hit: Hit) -> doc.Table | None:
             each = ((x, "h" if x > 7200.0 else "min" if x > 120.0 else "s") for x in row)
             rows.append((name, *(show(x, unit, "time", 3) for x, unit in each)))
     limit = show(hit["max_winding_temperature"], "degC", "temperature")
-    heads = (_LEFT, *((f"{times:g} ×", "right") for times in _OVERLOADS))
-    return listed(heads, rows, f"Overload at standstill, 25 °C, to {limit}")
+    columns = [doc.Column(f"{times:g}", f"{times:g} ×", "number") for times in _OVERLOADS]
+    return doc.table("across", f"Overload at standstill, 25 °C, to {limit}", rows, more=columns)
 
 
 def _bounds(hit: Hit) -> list[str]:
@@ -261,21 +264,14 @@ def _amperes(current: float) -> str:
 EXCLUDED = "excluded from sizing by a note"
 
 
-def family_count(count: int) -> str:
-    """A number of families.
-
-    >>> family_count(1), family_count(2)
-    ('1 family', '2 families')
-    """
-    return number_of(count, "family", "families")
-
-
 def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
     """Parts that go with a part: a line for each kind, and of each of its families how many."""
     found: list[tuple[str, dict[str, int]]] = []
     for section, counts in partners(hit).items():
         if counts:
-            found.append((f"{section}: {sum(counts.values())} in {family_count(len(counts))}: ", counts))
+            found.append(
+                (f"{section}: {sum(counts.values())} in {number_of(len(counts), 'family', 'families')}: ", counts)
+            )
         else:
             found.append((f"{section}: none is listed; one may still exist", {}))
     if hit.section == "gearheads" and hit["mounting"] == CLAMPING_HUB:
@@ -316,13 +312,12 @@ def comparison(hits: Sequence[Hit], rows: Sequence[Row], most: int) -> Iterator[
     """Parts side by side, so many in a table; a row in which they differ is marked, ? where some are unknown."""
     for start in range(0, len(hits), most):
         some = range(start, min(start + most, len(hits)))
-        columns = [doc.Column("mark"), doc.Column("title", "", "name")]
-        columns += [doc.Column(str(n), f"{hits[n].part}\n{hits[n].catalogue}", "number") for n in some]
+        columns = [doc.Column(str(n), f"{hits[n].part}\n{hits[n].catalogue}", "number") for n in some]
         made = []
         for row in rows:
-            name, cells = row.column.name.replace("_", " "), {str(n): figure(row.values[n], row.column) for n in some}
+            name, cells = row.column.name.replace("_", " "), {str(n): cell(row.values[n], row.column) for n in some}
             mark = {True: "≠", False: "", None: "?"}[row.differs]
             made.append(doc.Row({"mark": mark, "title": (doc.Strong(name),) if row.differs else name, **cells}))
-        yield doc.Table("", columns, made, look="beside")
+        yield doc.table("beside", "", made, more=columns)
     differing = sum(row.differs is True for row in rows)
     yield doc.Words(f"≠ differs ({differing} of {len(rows)} rows), ? undecided: a figure is unknown")

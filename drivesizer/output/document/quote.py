@@ -94,7 +94,7 @@ def quote_sections(content: Content | MachineContent) -> Iterator[doc.Printed]:
         heads = [column for column in doc.declared()["quote"][1] if column.key in lacks[0].cells]
         tables["Missing"] = doc.Table("Missing to order", heads, lacks)
     for title, table in tables.items():
-        yield doc.Printed(doc.Section(name="quote", title=title, blocks=lambda _: ()), title, [table])
+        yield doc.section("quote", title, [table])
 
 
 def quote_lines(content: Content | MachineContent) -> doc.Table:

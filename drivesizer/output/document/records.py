@@ -277,12 +277,6 @@ def table(
     return Table(caption, columns, made, **looks | look)
 
 
-def listed(heads: Sequence[tuple[str, str]], rows: Iterable[Sequence[Cell]], caption: Text = "") -> Table:
-    """A table of texts: the head and the side of each column, left or right, and its rows."""
-    columns = [Column(str(n), head, "number" if side == "right" else "text") for n, (head, side) in enumerate(heads)]
-    return Table(caption, columns, [Row({str(n): text for n, text in enumerate(row)}) for row in rows])
-
-
 @dataclass(frozen=True, slots=True)
 class Series:
     """Columns over the first of them, usually time: a sheet, and a CSV file of its own."""
@@ -299,7 +293,7 @@ class Words:
     """A paragraph."""
 
     text: Text
-    look: str = ""  # "note": small and grey; "alarm": in the colour of what fails
+    look: str = ""  # "note": small and grey; "alarm": in the colour of what fails; "names": no line ends inside one
     media: Media = "all"
 
 
@@ -318,6 +312,7 @@ class Heading:
 
     title: str
     media: Media = "all"
+    note: str = ""  # at its right
 
 
 @dataclass(frozen=True, slots=True)
@@ -455,12 +450,21 @@ class Printed(NamedTuple):
     axis: str = ""
 
 
+def section(name: str, title: str, blocks: Iterable[Block], level: int = 1) -> Printed:
+    """A section of a document that is no sizing; a terminal prints its blocks alone."""
+    declared = Section(name=name, title=title, blocks=lambda _: (), level=level, early="answer")
+    return Printed(declared, title, [*blocks])
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Document:
     """A title block, and sections in their order."""
 
     name: str
-    machine: str  # in words
-    block: Sequence[tuple[str, str]]  # customer, project, author, revision
+    machine: str = ""  # in words
+    block: Sequence[tuple[str, str]] = ()  # customer, project, author, revision
     sections: Sequence[Printed]
     found: bool = True
+    subject: str = "drive sizing"
+    headed: bool = True  # whether a terminal prints its name
+    pictures: Mapping[str, Any] = field(default_factory=dict)  # figures by name, of one that is no sizing

@@ -48,10 +48,12 @@ def check_row(c: Check) -> doc.Row:
 
 
 def _worst_end(c: Check) -> Iterator[doc.Row]:
-    """The same at the unfavourable end of estimated figures; without a limit that is estimated too and moves."""
+    """The same at the unfavourable end of estimated figures, where it is seen; without a limit that moves too."""
     if not c.band or c.status not in ("open", "pass") or not c.band.least_margin < _CLOSE:
         return
     high, least = c.band.high, c.band.least_margin
+    if margin(least) == margin(c.margin):
+        return
     alike = high > 0.0 and abs(c.limit / high - 1.0 - least) < _ALIKE
     ends = doc.quantities(c.unit, c.kind, value=high, limit=c.limit) if alike else {"value": "", "limit": ""}
     yield doc.Row({

@@ -17,23 +17,27 @@ if TYPE_CHECKING:
     from drivesizer.control.path_following import Followed
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
+    from drivesizer.output.document.records import Document
     from drivesizer.results.machine import MachineSizing
     from drivesizer.results.sizing import SizingResult
 
 __all__ = [
-    "KNOWN", "accept", "accept_quote", "write", "write_driving", "write_figures", "write_loop_figures", "write_path",
-    "write_quote", "write_series", "write_sets",
+    "KNOWN", "MEDIA", "accept", "write", "write_document", "write_driving", "write_figures", "write_loop_figures",
+    "write_path", "write_quote", "write_series", "write_sets",
 ]  # fmt: skip
 
 KNOWN = (".pdf", ".html", ".xlsx", ".csv", ".json")
+MEDIA = KNOWN[:3]  # of a document that is no sizing
 
 
-def accept(paths: Sequence[Path], tables: Sequence[Path] = ()) -> None:
+def accept(
+    paths: Sequence[Path], tables: Sequence[Path] = (), *, known: Sequence[str] = KNOWN, kind: str = "report"
+) -> None:
     """Refuse what :func:`write` would refuse, before time is spent on what goes into it."""
     for path in paths:
-        if path.suffix.lower() not in KNOWN:
-            known = f"{', '.join(KNOWN[:-1])} or {KNOWN[-1]}"
-            raise InputError(f"{quoted(path.name)} does not say which kind of report; expected {known}")
+        if path.suffix.lower() not in known:
+            expected = f"{', '.join(known[:-1])} or {known[-1]}"
+            raise InputError(f"{quoted(path.name)} does not say which kind of {kind}; expected {expected}")
     check_targets((*paths, *tables))
 
 
@@ -74,7 +78,16 @@ def write(
     from drivesizer.output.document.axes import content_of
 
     accept(paths)
-    content, files = content_of(result, proof), dict[Path, bytes]()  # one for all kinds: it keeps what takes time
+    return _write(content_of(result, proof), paths, paper, date)
+
+
+def write_document(document: Document, paths: Sequence[Path]) -> list[Path]:
+    """Write a document that is no sizing, such as a data sheet, as PDF, page or workbook."""
+    return _write(document, paths, "a4", None)
+
+
+def _write(content: Any, paths: Sequence[Path], paper: str, date: str | None) -> list[Path]:
+    files = dict[Path, bytes]()  # of one content, which keeps what takes time
     for path in paths:
         made = _files(content, path, paper, date)
         twice = files.keys() & made.keys()
@@ -149,14 +162,6 @@ def write_quote(result: SizingResult | MachineSizing, paths: Sequence[Path]) -> 
 
             files[path] = table_csv(quote_lines(content))
     return write_files(files)
-
-
-def accept_quote(paths: Sequence[Path]) -> None:
-    """Refuse what :func:`write_quote` would refuse."""
-    for path in paths:
-        if path.suffix.lower() not in (".csv", ".xlsx"):
-            raise InputError(f"{quoted(path.name)} does not say which kind of quote; expected .csv or .xlsx")
-    check_targets(paths)
 
 
 def write_series(validation: Validation, path: Path) -> list[Path]:

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.output.document.axes import MachineContent, document_of
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import Reportable, document_of
 from drivesizer.output.document.paper import paper_data, pictures_of
 
 _LAST_OWN_LETTER = "\u2fff"  # what the fonts at hand cover ends here; beyond begin the scripts of East Asia and emoji
@@ -23,7 +22,7 @@ PAPERS = ("a4", "us-letter")
 _SOURCE = ("page", "fragments", "blocks", "report")  # files of one source, in order
 
 
-def report_pdf(content: Content | MachineContent, *, paper: str = "a4", date: str | None = None) -> bytes:
+def report_pdf(content: Reportable, *, paper: str = "a4", date: str | None = None) -> bytes:
     """The report as a PDF file."""
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")

@@ -16,8 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.axes import MachineContent, wide_of
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.axes import Reportable, wide_of
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.thinning import curve_points
 from drivesizer.output.words import likely, visible
@@ -133,7 +132,7 @@ class _Place(NamedTuple):
     form: str = ""
 
 
-def report_xlsx(content: Content | MachineContent) -> bytes:
+def report_xlsx(content: Reportable) -> bytes:
     """The report as an XLSX file; the same input gives the same bytes."""
     return written(wide_of(content, doc.BOOK))
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from io import StringIO
+from typing import Any
 
 from rich.console import Console
 from rich.padding import Padding
@@ -12,10 +14,21 @@ from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
 from drivesizer.output.document import records as doc
-from drivesizer.output.terminal.tables import MARK, STYLE, width_of
+from drivesizer.output.report.figures.picture import DASHED, DOTTED, Plot
+from drivesizer.output.terminal.tables import MARK, STYLE, Axis, Series, chart, console, heading, width_of
+from drivesizer.units import label
 
 _APART = 2  # characters between tables beside each other
 _MANY = 6  # columns, beyond which heads take several lines
+
+
+def document(shown: doc.Document) -> None:
+    """Print a document that is no sizing: its heading, unless it has none, and its blocks."""
+    out = console()
+    if shown.headed:
+        heading(out, shown.name, shown.machine)
+    for section in shown.sections:
+        blocks(out, section.blocks, shown.pictures)
 
 
 def sections(console: Console, found: Iterable[doc.Printed]) -> None:
@@ -26,8 +39,8 @@ def sections(console: Console, found: Iterable[doc.Printed]) -> None:
         blocks(console, section.blocks)
 
 
-def blocks(console: Console, found: Iterable[doc.Block]) -> None:
-    """Print texts and tables; pictures, equations and what else is for paper are left out."""
+def blocks(console: Console, found: Iterable[doc.Block], pictures: Mapping[str, Any] | None = None) -> None:
+    """Print texts and tables, and those pictures that are given; equations and what else is for paper are left out."""
     for block in found:
         if isinstance(block, doc.Pair):
             if not _beside(console, [*doc.flat([block])]):
@@ -37,6 +50,11 @@ def blocks(console: Console, found: Iterable[doc.Block]) -> None:
             halves = [replace(block, caption="", rows=rows) for rows in (block.rows[:half], block.rows[half:])]
             if not (block.halves and _beside(console, halves, doc.text_of(block.caption))):
                 _table(console, block)
+        elif isinstance(block, doc.Picture) and pictures and block.name in pictures:
+            for plot in pictures[block.name].page:
+                _picture(console, plot)
+        elif isinstance(block, doc.Words) and block.look == "names":
+            console.print(_names(doc.text_of(block.text), console.width))
         elif isinstance(block, doc.Words) and block.media in doc.TERMINAL:
             console.print(rich_text(block.text, {"note": "dim", "alarm": "bold red"}.get(block.look, "")))
         elif isinstance(block, doc.Verdict):
@@ -46,6 +64,8 @@ def blocks(console: Console, found: Iterable[doc.Block]) -> None:
             console.print(rich_text(block.intro, "red" if block.look == "alarm" else ""))
             for item in block.items:
                 console.print(Padding(RichText(item, style="" if block.look == "alarm" else "dim"), (0, 0, 0, 2)))
+        elif isinstance(block, doc.Heading) and block.note:
+            heading(console, block.title, block.note)
         elif isinstance(block, doc.Heading):
             console.print(RichText(f"\n{block.title}", style="bold"))
 
@@ -55,6 +75,37 @@ def text_of_blocks(found: Iterable[doc.Block], width: int = 120) -> str:
     written = StringIO()
     blocks(Console(file=written, width=width, highlight=False, emoji=False), found)
     return "\n".join(line.rstrip() for line in written.getvalue().splitlines())
+
+
+def _names(text: str, width: int) -> RichText:
+    """Names behind a colon and between commas; no line ends inside one."""
+    head, colon, names = text.rpartition(": ")
+    glued = ", ".join(name.replace(" ", "\u00a0").replace("-", "\u2011") for name in names.split(", "))
+    lines = textwrap.fill(f"{head}{colon}{glued}", width, break_long_words=False)
+    return RichText(lines.replace("\u00a0", " ").replace("\u2011", "-"))
+
+
+_WIDEST, _HEIGHT = 160, 8  # columns of a chart, however wide the terminal, and of those to a line of its field
+_GAPS: dict[Any, int] = {DASHED: 2, DOTTED: 4}  # of a line's dots one in so many is drawn
+_INKS = {"green": "green", "vermillion": "yellow"}
+
+
+def _picture(console: Console, plot: Plot) -> None:
+    """The first diagram of a picture as a chart where it is from 0 on; of one of decades or of areas there is none."""
+    one = plot.diagrams[0]
+    if plot.log or one.log or not one.whole or any(curve.filled for curve in one.curves):
+        return
+    series = [
+        Series(curve.name, curve.x, curve.y, _GAPS.get(curve.dashes, 1), "" if curve.joined else "●",
+               _INKS.get(curve.colour, ""))
+        for curve in one.curves
+    ]  # fmt: skip
+    width = min(console.width, _WIDEST)
+    end = plot.ends[1] if plot.ends else max(max(curve.x) for curve in one.curves)
+    level = Axis(plot.across, label(plot.unit), end)
+    upright = Axis(one.name, label(one.unit), max(max(curve.y) for curve in one.curves))
+    console.print()
+    console.print(*chart(series, level, upright, width, width // _HEIGHT), sep="\n")
 
 
 def _beside(console: Console, found: Sequence[doc.Block], caption: str = "") -> bool:
@@ -145,7 +196,8 @@ def _table(console: Console, block: doc.Table) -> None:
 
 
 def _made(block: doc.Table, columns: Sequence[doc.Column]) -> RichTable:
-    made = RichTable(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim underline",
+    apart = 1 if block.look == "listing" else _APART
+    made = RichTable(box=None, pad_edge=False, padding=(0, apart, 0, 0), header_style="dim underline",
                      show_header=any(column.head for column in columns))  # fmt: skip
     for column in columns:
         head = column.head.replace(" ", "\n") if len(columns) > _MANY else column.head

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
     from drivesizer.machine.platform_budget import PermittedSpeeds
-    from drivesizer.results.identification import Comparison, Identification
-    from drivesizer.results.prediction import Prediction
 
 
 DETAILS = frozenset({"derivation", "checks", "paper", "ranking", "rejected"})
@@ -199,15 +197,6 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
 
 
 # -- a set at the bench, a platform on its path
-
-
-def at_the_bench(found: Prediction | Identification | Comparison) -> None:
-    """Print what was predicted of a set, identified from a log, or a log beside its sizing."""
-    from drivesizer.output.document.bench import bench_blocks
-
-    out, (title, blocks) = console(), bench_blocks(found)
-    heading(out, title, "")
-    render.blocks(out, blocks)
 
 
 def driven(

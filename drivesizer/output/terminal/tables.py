@@ -8,7 +8,6 @@ from itertools import pairwise
 from math import ceil, floor, isfinite, log10
 from typing import NamedTuple
 
-from rich import box
 from rich.console import Console, RenderableType
 from rich.measure import Measurement
 from rich.rule import Rule
@@ -29,15 +28,6 @@ def console() -> Console:
     if shown.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
         shown.width = _WIDTH
     return shown
-
-
-def bare(*columns: tuple[str, str], title: str = "", headed: bool = True, edged: bool = True) -> Table:
-    """A plain table."""
-    table = Table(box=box.SIMPLE_HEAD, title=title or None, title_justify="left", title_style="bold", pad_edge=False,
-                  padding=(0, 2, 0, 0), show_header=headed, show_edge=edged)  # fmt: skip
-    for header, justify in columns:
-        table.add_column(header, justify=justify, overflow="fold")  # type: ignore[arg-type]
-    return table
 
 
 def width_of(table: RenderableType) -> int:

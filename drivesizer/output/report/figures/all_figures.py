@@ -21,12 +21,12 @@ from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
 from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow, energy_flow
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
-from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, on_paper, scatter
+from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, abreast, on_paper, scatter
 from drivesizer.output.report.figures.style import CASES, FILES, Drawing, Ready
 from drivesizer.output.sketch import SKETCHES, sketch
 from drivesizer.output.words import first_wheel, reported
 from drivesizer.physics.stepper import copper_loss, idle_loss
-from drivesizer.results.check import Figure
+from drivesizer.results.check import Figure, figures_of
 from drivesizer.results.check_kinds import sorted_by_part
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.problem import Problem
@@ -128,7 +128,8 @@ class Behaviour:
             name, found = self.hottest
             ambient = next(case.spec for case in self.problem.cases if case.name == name).environment.ambient
             permitted = self.drive_set.motor.max_winding_temperature
-            made["heat"] = Pictured(cycle.temperatures(found, ambient, permitted))
+            plots = cycle.temperatures(found, ambient, permitted)
+            made["heat"] = Pictured(abreast(plots, 1.21, names=4), plots)
         if self.energy.known:
             made["energy"] = Pictured(cycle.energy_bars(self.energy))
         if self.permitted:
@@ -154,7 +155,7 @@ class Behaviour:
         return "unknown" if isnan(net) else show(net, "J", "energy")
 
     @property
-    def heat(self) -> list[Figure]:
+    def heat(self) -> tuple[Figure, ...]:
         """Losses and temperatures of the case as specified."""
         found, motor = self.specified, self.drive_set.motor
         copper = float(found.figures.copper[0]) if found.known else float("nan")
@@ -164,19 +165,13 @@ class Behaviour:
             copper *= float(idle_loss(moved.speed, idle) @ moved.duration) / moved.total
         winding = found.winding if found.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
-        rows = [
-            ("Copper loss, mean", copper, "W", "power"),
-            ("Friction and iron loss, mean", float(found.heat.mean[0]), "W", "power"),
-            ("Thermal resistance, winding to housing", motor.thermal_resistance_winding, "K/W", "thermal_resistance"),
-            ("Thermal resistance, housing to ambient", motor.thermal_resistance_housing, "K/W", "thermal_resistance"),
-            ("Ambient", found.spec.environment.ambient, "degC", "temperature"),
-            ("Housing in periodic steady state, mean", housing, "degC", "temperature"),
-            ("Winding in periodic steady state, mean", winding, "degC", "temperature"),
-            ("Winding, permitted", motor.max_winding_temperature, "degC", "temperature"),
-        ]
-        return [Figure(name="_".join(title.lower().replace(",", "").split()), title=title, value=value, kind=kind,
-                       unit=unit)
-                for title, value, unit, kind in rows]  # fmt: skip
+        return figures_of("heat", {
+            "copper_loss_mean": copper, "friction_and_iron_loss_mean": found.heat.mean[0],
+            "thermal_resistance_winding_to_housing": motor.thermal_resistance_winding,
+            "thermal_resistance_housing_to_ambient": motor.thermal_resistance_housing,
+            "ambient": found.spec.environment.ambient, "housing_in_periodic_steady_state_mean": housing,
+            "winding_in_periodic_steady_state_mean": winding, "winding_permitted": motor.max_winding_temperature,
+        })  # fmt: skip
 
     @property
     def heat_lacks(self) -> str:
@@ -243,7 +238,7 @@ def loop_pictures(validation: Validation) -> dict[str, Pictured]:
     if validation.loops:
         response = loops.bode(validation.loops)
         made["bode"] = Pictured(on_paper(response), [response])
-        made["step"] = Pictured(loops.step(validation.loops), loops.answers(validation.loops))
+        made["step"] = Pictured(abreast(loops.steps(validation.loops), 0.76), loops.answers(validation.loops))
     return made
 
 

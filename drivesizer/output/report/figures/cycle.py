@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,12 +21,11 @@ from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import CASES, COLOURS, Drawing, Window, figure, placed, reads
 from drivesizer.physics.load_cycle import LoadCycle, end_times
 from drivesizer.results.identification import Trace
-from drivesizer.results.prediction import Prediction
+from drivesizer.results.prediction import Band, Prediction
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -268,37 +267,33 @@ def _celsius(kelvin: Any) -> Any:
     return from_si(kelvin, "degC", "temperature")
 
 
-@figure
-def temperatures(figure: Figure, found: WarmUp, ambient: float, permitted: float) -> None:
-    """Two diagrams: the way from cold, with the winding in each cycle as a band, and one cycle of those that repeat."""
-    ((way, cycle),) = placed(figure, 2.05, 1, 2, top=0.42, gaps=(0.0, 0.16))
+def temperatures(found: WarmUp, ambient: float, permitted: float) -> list[Plot]:
+    """The way from cold, with the winding in each cycle as a band, and one cycle of those that repeat."""
+    limits = [(name, _celsius(x)) for name, x in (("ambient", ambient), ("permitted", permitted)) if x == x]
+    rise = np.nanmax([permitted, found.peak]) - ambient
+    ends = _celsius(ambient) - 0.04 * rise, _celsius(ambient) + 1.16 * rise
+
+    def plot(title: str, across: str, time: Array, unit: str, curves: Sequence[Curve]) -> Plot:
+        diagram = Diagram(name="temperature", unit="degC", curves=curves, levels=limits, ends=ends)
+        return Plot(diagrams=[diagram], across=across, unit=unit, ends=(0.0, float(time[-1])), title=title)
+
     unit, repeats = time_unit(found.time[-1]), found.in_cycle
     time = from_si(found.time, unit, "time")
-    low, high = (_celsius(np.append(x[0], x)) for x in (found.lowest, found.highest))
-    way.fill_between(time, low, high, step="pre", label="winding, in each cycle", linewidth=0.6,
-                     facecolor="#F4C9A8", edgecolor=COLOURS["vermillion"])  # fmt: skip
-    winding: dict[str, Any] = {"color": COLOURS["vermillion"]}
-    housing: dict[str, Any] = {"color": COLOURS["blue"], "linestyle": (0, (5, 2))}
-    way.plot(time, _celsius(found.housing), label="housing", **housing)
-    way.set(xlim=(0.0, time[-1]), xlabel=reads("time from cold", unit), title="from cold")
-    unit = time_unit(repeats[-1])
-    time = from_si(repeats, unit, "time")
-    for values, look in ((found.winding_in_cycle, winding), (found.housing_in_cycle, housing)):
+    steps, band = np.repeat(time, 2)[1:-1], [np.repeat(_celsius(x), 2) for x in (found.lowest, found.highest)]
+    way = [Curve(name="winding, in each cycle", x=np.concatenate([steps, steps[::-1]]), filled=0.4,
+                 y=np.concatenate([band[0], band[1][::-1]]), colour="vermillion"),
+           Curve(name="housing", x=time, y=_celsius(found.housing), dashes=picture.DASHED)]  # fmt: skip
+    of, cycle = time_unit(repeats[-1]), list[Curve]()
+    for name, values, colour, dashes in (("winding", found.winding_in_cycle, "vermillion", "solid"),
+                                         ("housing", found.housing_in_cycle, "blue", picture.DASHED)):  # fmt: skip
         rows = style.thinned(repeats, values, Window("", 0.0, float(repeats[-1])))
-        cycle.plot(time[rows], _celsius(values[rows]), **look)
-    peak = (float(from_si(found.peak_time, unit, "time")), float(_celsius(found.peak)))
-    cycle.plot(*peak, "o", markersize=4, color=COLOURS["vermillion"])
-    style.beside(cycle, f"{peak[1]:.1f} °C", peak, (4, 4))
-    cycle.set(xlim=(0.0, time[-1]), xlabel=reads("time in the cycle", unit), title="over the cycle that repeats")
-    limits = [("ambient", ambient, 1), *([("permitted", permitted, 0)] if permitted == permitted else [])]
-    for axes in (way, cycle):
-        for name, value, dashes in limits:
-            said = f"{name} {_celsius(value):.4g} °C" if axes is cycle else ""
-            style.limit(axes, _celsius(value), said, dashes)
-    rise = np.nanmax([permitted, found.peak]) - ambient
-    way.set_ylim(_celsius(ambient) - 0.04 * rise, _celsius(ambient) + 1.12 * rise)
-    way.set_ylabel("temperature (°C)")
-    style.heading(figure, *way.get_legend_handles_labels(), 3)
+        cycle.append(Curve(name=name, x=from_si(repeats[rows], of, "time"), y=_celsius(values[rows]), colour=colour,
+                           dashes=dashes))  # fmt: skip
+    cycle.append(Curve(name=f"peak {_celsius(found.peak):.1f} °C", x=[from_si(found.peak_time, of, "time")],
+                       y=[_celsius(found.peak)], colour="vermillion", mark="o", joined=False))  # fmt: skip
+    time_in_cycle = from_si(repeats, of, "time")
+    return [plot("from cold", "time from cold", time, unit, way),
+            plot("over the cycle that repeats", "time in the cycle", time_in_cycle, of, cycle)]  # fmt: skip
 
 
 # -- Measured against model over time: figures of a log.
@@ -329,43 +324,42 @@ def measured_and_model(time: Array, traces: Sequence[Trace]) -> Plot:
 # -- A set at the bench.
 
 
-@figure
-def bench(figure: Figure, found: Prediction) -> None:
-    """Three diagrams of a set at the bench: speed over torque; temperatures over time while running at the load.
+def bench(found: Prediction) -> list[Plot]:
+    """Speed over torque; temperatures over time while running at the load, and while holding.
 
     Nominal courses are lines, 5 to 95 % are areas.
     """
-    ((line, work, hold),) = placed(figure, 2.3, 1, 3, top=0.42, gaps=(0.0, 0.7), shared=False)
-
-    def banded(axes: Axes, along: Any, band: Sequence[Any], colour: str, dashes: Any, name: str) -> None:
-        p5, nominal, p95 = band
-        axes.fill_between(along, p5, p95, color=COLOURS[colour], alpha=0.18, linewidth=0.0, label=f"5 to 95 %{name}")
-        axes.plot(along, nominal, color=COLOURS[colour], linestyle=dashes, label=f"nominal{name}")
-
-    unit, band = style.torque_unit(float(found.torque[-1])), found.speed
-    speeds = [from_si(x, "rpm", "rotary_speed") for x in (band.p5, band.nominal, band.p95)]
-    banded(line, from_si(found.torque, unit, "torque"), speeds, "green", "solid", "")
-    line.set(xlim=(0.0, None), ylim=(0.0, None), xlabel=reads("torque", unit), ylabel="speed (rpm)")
-    line.set_title("at full voltage")
-    for axes, name, title in ((work, "work", "winding, running at the load"), (hold, "hold", "winding, holding")):
-        courses = [one for one in found.courses if one.name.startswith(name)]
+    unit = style.torque_unit(float(found.torque[-1]))
+    across = from_si(found.torque, unit, "torque")
+    speed = Diagram(name="speed", unit="rpm", whole=True,
+                    curves=[*_banded(across, found.speed, "rpm", "rotary_speed", colour="green")])  # fmt: skip
+    made = [Plot(diagrams=[speed], across="torque", unit=unit, ends=(0.0, float(across[-1])), title="at full voltage")]
+    hottest = [float(np.nanmax(one.winding.p95)) for one in found.courses] + [found.limit]
+    ends = _celsius(found.conditions.ambient) - 2.0, _celsius(np.nanmax(hottest)) + 8.0
+    limits = [("permitted", _celsius(found.limit))] if found.limit == found.limit else []
+    for name, title in (("work", "winding, running at the load"), ("hold", "winding, holding")):
+        courses, curves = [one for one in found.courses if one.name.startswith(name)], list[Curve]()
+        longest = max((float(one.time[-1]) for one in courses), default=1.0)
+        of = time_unit(longest / 6.0)
         for one in courses:
-            start, unit = one.name.rsplit("_", 1)[1], time_unit(float(one.time[-1]) / 6.0)
-            colour, dashes = {"cold": ("blue", "solid"), "warm": ("vermillion", (0, (5, 2)))}[start]
-            time, warm = from_si(one.time, unit, "time"), one.winding
-            banded(
-                axes, time, [_celsius(x) for x in (warm.p5, warm.nominal, warm.p95)], colour, dashes, f", from {start}"
-            )
-            axes.set(xlim=(0.0, float(time[-1])), xlabel=reads("time", unit))
-        axes.set_title(title if courses else f"{title}: unknown")
-        if courses and found.limit == found.limit:
-            style.limit(axes, _celsius(found.limit), f"permitted {_celsius(found.limit):.4g} °C")
-    work.set_ylabel("temperature (°C)")
-    top = max(work.get_ylim()[1], hold.get_ylim()[1])
-    for axes in (work, hold):
-        axes.set_ylim(_celsius(found.conditions.ambient) - 2.0, top)
-    shown = next((axes for axes in (work, hold) if axes.get_legend_handles_labels()[0]), line)
-    style.heading(figure, *shown.get_legend_handles_labels(), 4)
+            start = one.name.rsplit("_", 1)[1]
+            colour, dashes = {"cold": ("blue", "solid"), "warm": ("vermillion", picture.DASHED)}[start]
+            curves += _banded(from_si(one.time, of, "time"), one.winding, "degC", "temperature", f", from {start}",
+                              colour=colour, dashes=dashes)  # fmt: skip
+        diagram = Diagram(name="temperature", unit="degC", curves=curves, levels=limits if courses else (),
+                          ends=ends if courses else None)  # fmt: skip
+        made.append(Plot(diagrams=[diagram], across="time", unit=of, ends=(0.0, float(from_si(longest, of, "time"))),
+                         title=title if courses else f"{title}: unknown"))  # fmt: skip
+    return made
+
+
+def _banded(along: Array, band: Band, unit: str, kind: str, name: str = "", **look: Any) -> Iterator[Curve]:
+    """A nominal course as a line, and the area of 5 to 95 % around it."""
+    low, nominal, high = (from_si(np.asarray(x), unit, kind) for x in (band.p5, band.nominal, band.p95))
+    known = np.isfinite(low + high)
+    yield Curve(name=f"5 to 95 %{name}", x=np.concatenate([along[known], along[known][::-1]]), filled=0.18,
+                y=np.concatenate([low[known], high[known][::-1]]), colour=look["colour"])  # fmt: skip
+    yield Curve(name=f"nominal{name}", x=along, y=nominal, **look)
 
 
 # -- Flow of the energy of a cycle, as bars that follow one another from the energy drawn down to nothing.

@@ -17,7 +17,7 @@ from drivesizer.machine.set_cycle import SetCycle
 from drivesizer.output.report.figures import picture, style
 from drivesizer.output.report.figures.cycle import TOGETHER
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
-from drivesizer.output.report.figures.style import CASES, COLOURS, figure, named, placed, reads, torque_unit
+from drivesizer.output.report.figures.style import CASES, COLOURS, Drawing, figure, named, placed, reads, torque_unit
 from drivesizer.physics.cycle_at_gearhead import AT_REST, SPEED
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.results.problem import Problem
@@ -171,27 +171,15 @@ def torque_speed(panel: Panel, *, plain: bool = False) -> Plot:
     return Plot(diagrams=[field], across="torque at the motor's shaft", unit=unit, ends=(low, right), legend="right")
 
 
-@figure
-def torque_speed_panels(figure: Figure, panels: Sequence[Panel]) -> None:
+def torque_speed_panels(panels: Sequence[Panel]) -> Drawing:
     """The motor's field once for each load case, as small diagrams with one legend."""
     shown = panels[:MOST_FIELDS]
-    rows = -(-len(shown) // _ABREAST)
-    several = len({conditions(panel) for panel in shown}) > 1
-    grid = placed(figure, (_SMALL + 0.62) * rows + 0.32, rows, _ABREAST, top=0.52, gaps=(0.62, 0.62), shared=False)
-    places = [axes for row in grid for axes in row]
-    lines: dict[str, Any] = {}  # those of a name once: a stepper has others than a motor
-    for axes, panel in zip(places, shown, strict=False):
-        plot = torque_speed(panel, plain=True)
-        picture.draw(axes, plot.diagrams[0])
-        axes.axvline(0, color="black", linewidth=0.6)
-        axes.set(xlim=plot.ends, xlabel=reads(plot.across, plot.unit))
+    several, made = len({conditions(panel) for panel in shown}) > 1, []
+    for panel in shown:
         name = named(panel.cases[0][1], _NAME).strip()
-        axes.set_title(f"{name}: {conditions(panel).replace(' usable, ambient', ',')}" if several else name)
-        for line, said in zip(*axes.get_legend_handles_labels(), strict=True):
-            lines.setdefault(said, line)
-    for axes in places[len(shown) :]:
-        axes.set_visible(False)
-    style.heading(figure, [*lines.values()], [*lines], 5)
+        title = f"{name}: {conditions(panel).replace(' usable, ambient', ',')}" if several else name
+        made.append(torque_speed(panel, plain=True).titled(title))
+    return picture.abreast(made, _SMALL, columns=_ABREAST, names=5)
 
 
 def _rpm(speed: Any) -> Any:

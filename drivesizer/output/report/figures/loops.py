@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Validation
 from drivesizer.output.loop_table import cell, loop_figures, loop_name, settled
-from drivesizer.output.report.figures import picture
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
-from drivesizer.output.report.figures.style import COLOURS, figure, placed, reads
+from drivesizer.output.report.figures.style import COLOURS, figure
 from drivesizer.output.thinning import curve_points
 from drivesizer.units import label, show
 
@@ -315,20 +314,11 @@ def answers(loops: Sequence[Loop]) -> list[Plot]:
     return made
 
 
-@figure
-def step(figure: Figure, loops: Sequence[Loop]) -> None:
-    """The answers beside each other; of an unstable loop that it has none."""
+def steps(loops: Sequence[Loop]) -> list[Plot]:
+    """The answers; of an unstable loop that it has none."""
     stable = iter(answers(loops))
-    (grid,) = placed(figure, 1.4, 1, len(loops), top=0.22, gaps=(0.0, 0.4), shared=False)
-    for axes, loop in zip(grid, loops, strict=True):
-        axes.set_title(loop_name(loop))
-        if len(loop.step):
-            plot = next(stable)
-            picture.draw(axes, plot.diagrams[0])
-            axes.set(xlim=plot.ends, xlabel=reads("time", plot.unit))
-            if axes is not grid[0]:
-                axes.set_ylabel("")
-            continue
-        axes.set(xticks=[], yticks=[])
-        said = f"unstable:\nlargest pole {loop.pole_radius:.4g},\nits answer has no end"
-        axes.text(0.5, 0.5, said, transform=axes.transAxes, ha="center", va="center")
+    none = Diagram(name="answer to a step", unit="%", curves=[])
+    return [next(stable) if len(loop.step) else Plot(
+        diagrams=[none], across="time", unit="ms",
+        title=f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}",
+    ) for loop in loops]  # fmt: skip

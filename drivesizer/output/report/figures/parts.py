@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from math import isnan
+from collections.abc import Callable, Iterator, Sequence
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import HELD
+from drivesizer.catalog import columns_of
+from drivesizer.catalog.parts import HELD, PullOuts
 from drivesizer.catalog.query import Hit
 from drivesizer.machine.battery import pack_of, run_time
-from drivesizer.machine.part_curves import gear_efficiency, nominal_voltage_curves
-from drivesizer.output.part_curves import pull_out_conditions, reach_of, speed_torque
+from drivesizer.machine.part_curves import continuous_curve, gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.figures.picture import DASHED, DOTTED, MIXED, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import torque_unit
+from drivesizer.output.words import figure
 from drivesizer.physics.stepper import PULL_OUT_SHARE, pull_out_torque, rotor_teeth
+from drivesizer.physics.thermal import data_temperature, rated_ambient
 from drivesizer.spec.sections import Battery
 from drivesizer.units import from_si, label, show
 
@@ -25,10 +27,6 @@ Made = Iterator[tuple[str, Plot]]
 _POINTS = 121
 _SUPPLIES = (24.0, 48.0)  # V, of a stepper without a printed curve
 _USEFUL = 0.15  # of its torque at rest
-_LOOKS: dict[str, dict[str, Any]] = {  # of a curve of speed over torque
-    "line": {}, "continuous": {"colour": "green", "dashes": DASHED}, "peak": {"colour": "vermillion",
-    "dashes": DOTTED}, "nominal": {"colour": "green", "mark": "o", "joined": False},
-}  # fmt: skip
 _COLOURS = ("blue", "vermillion", "green", "purple", "orange", "grey")
 _DASHES = ("solid", DASHED, DOTTED, MIXED)
 
@@ -47,22 +45,77 @@ def _alone(curves: list[Curve]) -> str:
     return f": {curves[0].name}" if len(curves) == 1 else ""
 
 
+_READ = 3.0  # times the nominal torque, the end of the axis; a large motor's stall is at 40 times
+
+
+def reach_of(hit: Hit) -> float:
+    """End of the torque axis [N*m]: stall, or less where stall is far beyond the nominal torque; NaN unknown."""
+    ends, continuous = line(hit), continuous_curve(hit)[0]
+    nominal = hit["nominal_torque"]
+    if isnan(nominal):
+        own = 0.0 if isnan(hit["no_load_current"]) else hit["no_load_current"]
+        nominal = hit["torque_constant"] * (hit["nominal_current"] - own)
+    cut = ends.torque * (1.0 - min(hit["max_speed"] / ends.speed, 1.0))  # where the line starts, at the top speed
+    wanted = [x for x in (_READ * nominal, _READ * max(continuous, default=nan), 2.0 * cut) if x > 0.0]
+    return min([*([max(wanted)] if wanted else []), *([] if isnan(ends.torque) else [ends.torque])], default=nan)
+
+
+def _speeds(hit: Hit, unit: str, reach: float) -> Iterator[Curve]:
+    """Speed over torque: the line, the continuous region, peak and nominal torque, as far as known."""
+
+    def curve(name: str, torque: Sequence[float], speed: Sequence[float], **look: Any) -> Curve:
+        return Curve(name=name, x=from_si(np.asarray(torque), unit, "torque"),
+                     y=from_si(np.asarray(speed), "rpm", "rotary_speed"), **look)  # fmt: skip
+
+    ends, drawn, (torque, speed) = line(hit), [0.0], continuous_curve(hit)
+    if not isnan(ends.torque):
+        start = min(ends.speed, hit["max_speed"]) if hit["max_speed"] > 0.0 else ends.speed
+        at = [0.0, ends.torque * (1.0 - start / ends.speed), ends.torque]
+        yield curve(_line_name(hit, ends, start, reach), at, [start, start, 0.0])
+        drawn.append(start)
+    if torque:
+        around = show(float(rated_ambient(hit)), "degC", "temperature")
+        yield curve(f"continuous, at {around} around the motor", torque, speed, colour="green", dashes=DASHED)
+        drawn += speed
+    peak, nominal, fast = hit["peak_torque"], hit["nominal_torque"], hit["nominal_speed"]
+    if len(drawn) > 1 and peak <= reach:
+        yield curve(
+            "peak torque, for a short time", [peak, peak], [0.0, max(drawn)], colour="vermillion", dashes=DOTTED
+        )
+    name = "nominal torque, on the line" if isnan(fast) else "nominal point"
+    fast = ends.speed * (1.0 - nominal / ends.torque) if isnan(fast) else fast
+    if len(drawn) > 1 and not isnan(nominal + fast):
+        yield curve(name, [nominal], [fast], colour="green", mark="o", joined=False)
+
+
+def _line_name(hit: Hit, ends: Any, start: float, reach: float) -> str:
+    schema = columns_of(hit.section)
+
+    def shown(name: str) -> str:
+        return figure(hit[name], schema[name])
+
+    at = "nominal voltage" if isnan(hit["nominal_voltage"]) else shown("nominal_voltage")
+    name = f"at {at}, winding at {show(float(data_temperature(hit)), 'degC', 'temperature')}"
+    name += ", computed from R, k_t and the no-load speed" if ends.computed else ""
+    name += f"; cut at the permitted {shown('max_speed')}" if start < ends.speed else ""
+    stall = figure(ends.torque, schema["stall_torque"])
+    name += f"; stall, {stall}, is beyond the chart" if ends.torque > reach else ""
+    return name
+
+
 def _motor(hit: Hit) -> Made:
     """Speed, current and efficiency over one axis of torque, of a motor or an actuator."""
-    curves, reach = speed_torque(hit), reach_of(hit)
-    if not curves or isnan(reach):
+    reach = reach_of(hit)
+    unit = torque_unit(reach)
+    speeds = [*_speeds(hit, unit, reach)]
+    if not speeds or isnan(reach):
         return
-    unit, torque = torque_unit(reach), reach * np.linspace(0.0, 1.0, _POINTS) ** 2  # dense where the efficiency rises
+    torque = reach * np.linspace(0.0, 1.0, _POINTS) ** 2  # dense where the efficiency rises
     _, current, efficiency = nominal_voltage_curves(hit, torque)
     below = [("current", "A", "vermillion", current)]
     if np.nanmax(efficiency, initial=0.0) <= 1.0:  # else its figures contradict one another
         below.append(("efficiency", "%", "purple", 100.0 * efficiency))
     below = [one for one in below if not np.isnan(one[-1]).all()]
-    speeds = [
-        Curve(name=one.name, x=from_si(np.asarray(one.torque), unit, "torque"),
-              y=from_si(np.asarray(one.speed), "rpm", "rotary_speed"), **_LOOKS[one.kind])
-        for one in curves
-    ]  # fmt: skip
     across = from_si(torque, unit, "torque")
     diagrams = [Diagram(name="speed", unit="rpm", curves=speeds, whole=True, height=1.0 if below else 1.5)]
     diagrams += [
@@ -118,6 +171,15 @@ def _stepper(hit: Hit) -> Made:
     if curves:
         diagram = Diagram(name="pull-out torque", unit=unit, curves=curves, whole=True)
         yield "pull-out", Plot(diagrams=[diagram], across="speed", unit="rpm", title=title)
+
+
+def pull_out_conditions(curve: PullOuts) -> str:
+    """Supply voltage, current and driver with which a curve was measured."""
+    amps = float(curve.current[0])
+    with_ = [show(float(curve.voltage[0]), "V", "voltage")]
+    with_ += [] if np.isnan(amps) else [f"{show(amps, 'A', 'current')} amplitude"]
+    with_ += [str(curve.driver[0])] if curve.driver[0] else []
+    return ", ".join(with_)
 
 
 def _modelled(hit: Hit, unit: str) -> Iterator[Curve]:

@@ -160,6 +160,38 @@ def on_paper(figure: Figure, plot: Plot) -> None:
         style.heading(figure, [handles[said] for said in listed], listed, plot.columns)
 
 
+@style.figure
+def abreast(figure: Figure, plots: Sequence[Plot], height: float, *, columns: int = 0, names: int = 3) -> None:
+    """Pictures of a diagram each beside one another as paper has them: each under its title, one legend above all."""
+    columns = columns or len(plots)
+    rows = ceil(len(plots) / columns)
+    listed = {curve.name for plot in plots for curve in plot.diagrams[0].curves if curve.listed}
+    top = 0.22 + (0.04 + _LINE * ceil(len(listed) / names) if len(listed) > 1 else 0.0)
+    grid = style.placed(figure, (height + _APART) * rows - _APART + top + 0.42, rows, columns, top=top,
+                        gaps=(_APART, _APART), shared=False)  # fmt: skip
+    seen: dict[str, Any] = {}  # lines of a name once: a picture may have others than the first
+    for n, axes in enumerate(axes for row in grid for axes in row):
+        axes.set_visible(n < len(plots))
+        if n >= len(plots):
+            continue
+        (one,), before = plots[n].diagrams, plots[n - 1].diagrams[0]
+        draw(axes, one)
+        if plots[n].ends:
+            axes.set_xlim(plots[n].ends)
+        axes.axvline(0.0, color="black", linewidth=0.6)
+        axes.set_xlabel(style.reads(plots[n].across, plots[n].unit))
+        axes.set_title(short(clean(plots[n].title), int(_LETTERS * 3 / columns)))
+        if n % columns and (one.name, one.unit) == (before.name, before.unit):
+            axes.set_ylabel("")
+        for line, said in zip(*axes.get_legend_handles_labels(), strict=True):
+            seen.setdefault(said, line)
+    if len(seen) > 1:
+        style.heading(figure, [*seen.values()], [*seen], names)
+
+
+_APART = 0.62  # in, between small diagrams
+
+
 def _on_a_line(curve: Curve) -> str:
     return style.named(curve.name)
 
@@ -204,6 +236,8 @@ def draw(
         axes.set_ylim(one.ends)
     elif one.whole:
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]) if axes.dataLim.y0 < 0.0 else 0.0)
+    if one.log:
+        axes.set_yscale("log")
     if one.tick:
         from matplotlib.ticker import MultipleLocator
 
@@ -247,9 +281,10 @@ def _limits(axes: Axes, one: Diagram) -> None:
 def _decades(axes: Axes, ends: tuple[float, float] | None) -> None:
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    assert ends is not None
     plain = FuncFormatter(lambda x, _: f"{x:g}")
-    axes.set(xscale="log", xlim=ends)
+    axes.set(xscale="log")
+    ends = ends or axes.get_xlim()
+    axes.set_xlim(ends)
     axes.xaxis.set_major_formatter(plain)
     axes.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     axes.tick_params(axis="x", which="minor", pad=5.0)  # on the line of the longer ticks

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from drivesizer.output.document.axes import MachineContent, document_of
+from drivesizer.output.document.axes import MachineContent, Reportable, document_of
 from drivesizer.output.document.candidates import candidate_numbers
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import paper_data, pictures_of
@@ -75,19 +75,18 @@ def _dark(colour: str) -> str:
 SCRIPTS = ("tables.js", "plots.js", "weights.js", "weights_view.js", "page.js")  # one after the other, as one script
 
 
-def report_html(content: Content | MachineContent, *, date: str | None = None) -> bytes:
+def report_html(content: Reportable, *, date: str | None = None) -> bytes:
     """The report as one HTML file."""
     return filled_page(*page_parts(content, date))
 
 
 def page_parts(
-    content: Content | MachineContent, date: str | None = None
+    content: Reportable, date: str | None = None
 ) -> tuple[dict[str, Any], dict[str, Data], dict[str, Drawing]]:
     """The document of a report, its figures that can be moved, and those that cannot, by name."""
-    filled, pictures = paper_data(document_of(content), date), content.pictures
-    several = isinstance(content, MachineContent) and len(content.axes) > 1
-    if not several:
-        alone = content.axes[0].content if isinstance(content, MachineContent) else content
+    filled, pictures = paper_data(document_of(content), date), dict(content.pictures)
+    alone = content.axes[0].content if isinstance(content, MachineContent) and len(content.axes) == 1 else content
+    if isinstance(alone, Content):
         filled["sections"] = [*_with_weights(filled["sections"], alone)]
         pictures = pictures | _of_candidates(alone)
     wanted = {name: one for name in dict.fromkeys(pictures_of(filled["sections"])) if (one := pictures.get(name))}

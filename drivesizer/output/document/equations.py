@@ -1,4 +1,4 @@
-"""The paper's equations at the terminal: all of them in lines, or one with its terms, notes and source.
+"""The paper's equations as documents: all of them in lines, or one with its terms, notes, source and numbers.
 
 Those of the sizing, (1)-(20), are scalars and those of the platform, (21)-(59), matrices; both are printed alike.
 """
@@ -8,15 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from rich.console import Console
-from rich.text import Text
 
 from drivesizer.output import derivation
-from drivesizer.output.derivation import numbers_in
-from drivesizer.output.document.records import Cell, Small, Strong, Table, listed
+from drivesizer.output.document import records as doc
 from drivesizer.output.platform import EquationNumbers, Printed, cell, printed
-from drivesizer.output.terminal import tables
-from drivesizer.output.terminal.render import blocks
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
 from drivesizer.platform import equations as platform_equations
 from drivesizer.platform import robot_figures
@@ -26,9 +21,8 @@ from drivesizer.results.drive_set import Requirement
 from drivesizer.units import label
 
 
-def equations() -> None:
-    """Print all equations, a line each."""
-    console = tables.console()
+def equations() -> doc.Document:
+    """All equations, a line each."""
     rows = []
     for declared in [*EQUATIONS.values(), *COMPANIONS.values()]:
         number = f"({declared.number})" if declared.number else ""
@@ -38,20 +32,20 @@ def equations() -> None:
     for _, matrix in sorted(PLATFORM.items()):
         mark = " *" if any(robot_figures.finding(matrix)) else ""
         computed = f"{matrix.symbol} = {platform_equations.text(matrix.computed)}{mark}"
-        rows.append((f"({matrix.number})", matrix.title, computed, _unit(matrix.result.unit)))
-    blocks(console, [listed((("", "right"), ("quantity", "left"), ("computed", "left"), ("unit", "left")), rows)])
-    console.print("* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why.")
+        unit = matrix.result.unit
+        short = "" if "," in unit or "per" in unit else label(unit)  # the unit of a vector where it is short
+        rows.append((f"({matrix.number})", matrix.title, computed, short))
+    said = "* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why."
+    return _document("Equations of the paper", "", [doc.table("equations", "", rows), doc.Words(said)])
 
 
-def _unit(unit: str) -> str:
-    """The unit of a vector where it is short."""
-    return "" if "," in unit or "per" in unit else label(unit)
+def _document(name: str, words: str, blocks: Sequence[doc.Block]) -> doc.Document:
+    sections = [doc.section("equations", "Equations", blocks)]
+    return doc.Document(name=name, machine=words, subject="equations", headed=bool(words), sections=sections)
 
 
-def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = "") -> None:
-    """Print one equation: as printed, as computed, why they differ, units, source."""
-    console = tables.console()
-    tables.heading(console, declared.title, f"equation ({declared.number})" if declared.number else "not in the paper")
+def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = "") -> doc.Document:
+    """One equation: as printed, as computed, why they differ, units, source; and its numbers of a spec."""
     rows = []
     failure = derivation.printed_failure(declared)
     if declared.printed:
@@ -64,28 +58,25 @@ def equation(declared: Equation, steps: Sequence[Requirement] = (), of: str = ""
     rows += [
         (derivation.symbol_text(term.name), f"{term.meaning} [{label(term.unit) or '1'}]") for term in declared.terms
     ]
-    _print_rows(console, [*rows, ("source", robot_figures.SOURCE)])
-    if of:
-        console.print(Text(of, style="bold"))
+    blocks: list[doc.Block] = [_rows([*rows, ("source", robot_figures.SOURCE)])]
+    blocks += [doc.Words((doc.Strong(of),))] if of else []
     for r in steps:
-        if len(steps) > 1:
-            console.print(Text(r.title))
-        console.print(Text(f"{r.symbol} = {numbers_in(r)} = {r.text}"))
+        blocks += [doc.Words(r.title)] if len(steps) > 1 else []
+        blocks.append(doc.Words(f"{r.symbol} = {derivation.numbers_in(r)} = {r.text}"))
+    return _document(declared.title, f"equation ({declared.number})" if declared.number else "not in the paper", blocks)
 
 
-def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None = None) -> None:
-    """Print one equation of the platform: as printed, as computed, where they differ, units, source."""
-    console = tables.console()
-    tables.heading(console, declared.title, f"equation ({declared.number})")
-    _print_rows(console, robot_figures.rows(declared))
+def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None = None) -> doc.Document:
+    """One equation of the platform: as printed, as computed, where they differ, units, source."""
+    blocks: list[doc.Block] = [_rows(robot_figures.rows(declared))]
     if numbers is not None:
-        console.print(Text(numbers.of, style="bold"))
-        if numbers.remarks:
-            console.print(Text(" ".join(numbers.remarks)))
-        blocks(console, _tables(numbers.tables))
+        blocks.append(doc.Words((doc.Strong(numbers.of),)))
+        blocks += [doc.Words(" ".join(numbers.remarks))] if numbers.remarks else []
+        blocks += _tables(numbers.tables)
+    return _document(declared.title, f"equation ({declared.number})", blocks)
 
 
-def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
+def _tables(every: Sequence[Numbers]) -> Iterator[doc.Table]:
     """Matrices one by one; vectors with the same labels beside each other, scalars below each other."""
     columns: dict[tuple[str, ...], list[Numbers]] = {}
     for one in every:
@@ -95,8 +86,8 @@ def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
             yield _matrix(one, printed(one), one.symbol)
     for rows, alike in columns.items():
         if rows == ("",):
-            every_one = [(one.symbol, cell(one.values.item(), one.units[0][0])) for one in alike]
-            yield listed((("", "left"), ("", "right")), every_one)
+            scalars = [(one.symbol, cell(one.values.item(), one.units[0][0])) for one in alike]
+            yield doc.table("across", "", scalars, more=[doc.Column("value", "", "number")])
         else:
             units = [[u for one in alike for u in one.units[i]] for i in range(len(rows))]
             values = np.hstack([one.values for one in alike])
@@ -104,20 +95,20 @@ def _tables(every: Sequence[Numbers]) -> Iterator[Table]:
             yield _matrix(together, printed(together, above=False))
 
 
-def _matrix(numbers: Numbers, shown: Printed, symbol: str = "") -> Table:
+def _matrix(numbers: Numbers, shown: Printed, symbol: str = "") -> doc.Table:
     """Numbers with their labels, symbol and unit in the corner."""
     corner = f"{symbol} ({shown.unit})" if shown.unit else symbol
-    heads = ((corner, "left"), *((head, "right") for head in shown.heads))
-    return listed(heads, [(name, *cells) for name, cells in zip(numbers.rows, shown.cells, strict=True)])
+    rows = [(name, *cells) for name, cells in zip(numbers.rows, shown.cells, strict=True)]
+    columns = [doc.Column(f"n{n}", head, "number") for n, head in enumerate(shown.heads)]
+    return doc.table("across", "", rows, heads={"title": corner}, more=columns)
 
 
 _NAMES = ("as printed", "unit check", "value check", "as computed", "note", "result", "source")
 
 
-def _print_rows(console: Console, rows: list[tuple[str, str]]) -> None:
+def _rows(rows: Sequence[tuple[str, str]]) -> doc.Table:
     """Rows of a name, or a symbol, and words."""
-    made: list[tuple[Cell, Cell]] = [
-        ((Small(name),) if name in _NAMES else name, (Strong(words),) if words.startswith("fails") else words)
+    return doc.table("words", "", [
+        ((doc.Small(name),) if name in _NAMES else name, (doc.Strong(words),) if words.startswith("fails") else words)
         for name, words in rows
-    ]
-    blocks(console, [listed((("", "left"), ("", "left")), made)])
+    ])  # fmt: skip
