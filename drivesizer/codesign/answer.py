@@ -93,7 +93,7 @@ class Answer:
         goal = self.task.minimise
         best = f"{_title(goal)}: {_figure(self, goal, self.choice.goals[0])}"
         yield doc.Table(best, _FREE, [doc.Row(cells) for cells in _free(self)])
-        yield doc.listed((("", "left"), ("", "left")), _drive(self, self.choice), "The drive")
+        yield doc.table("words", "The drive", _drive(self, self.choice))
         if self.rounded and (one := self.rounded.choice()):
             yield doc.Words(f"Rounded: {_values(self, self.rounded)}: {_figure(self, goal, one.goals[0])}")
         if self.front:

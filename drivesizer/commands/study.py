@@ -99,17 +99,18 @@ def design(
     processes: Processes = 0,
     scheduler: Scheduler = None,
     fields: Fields = None,
+    report: Report = None,
 ) -> None:
     """Find the best machine with its drive: free figures, limits, a front; what holds it and what may be rounded."""
     from drivesizer.study.workers import one_thread_each
 
+    accept_reports(report)
     with one_thread_each():  # before NumPy is loaded
         from drivesizer.codesign.answer import answer
         from drivesizer.codesign.task import read_task
         from drivesizer.files.writing import write_files
         from drivesizer.files.yaml_source import read
-        from drivesizer.output.terminal import render
-        from drivesizer.output.terminal.tables import console
+        from drivesizer.output.document import records as doc
 
         source = common.with_fields(read(spec), fields or [])
         fronts = [one.strip() for one in pareto.split(",")] if pareto else None
@@ -117,7 +118,8 @@ def design(
         kept = f"{folder}: what was sized is kept, and the same command resumes" if folder else "nothing is kept"
         with common.stoppable(f"stopped; {kept}"), common.progress("machines") as advance:
             found = answer(task, processes=processes, folder=folder, fresh=fresh, scheduler=scheduler, progress=advance)
-    render.blocks(console(), found.blocks())
+    sections = [doc.section("design", "The best machine", found.blocks())]
+    common.present(doc.Document(name=source.name, subject="design", headed=False, sections=sections), report)
     if output and found.best:
         write_files({output: found.filled(rounded=rounded).encode()})
         typer.echo(f"\n{output}")

@@ -19,6 +19,7 @@ from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output.document import part as sheets
 from drivesizer.output.document.catalogue import import_words, still_needed
 from drivesizer.output.document.paper import as_data
+from drivesizer.output.document.records import Words
 from drivesizer.output.words import figure, first_columns
 from drivesizer.spec.drive import Select
 from drivesizer.spec.machine import named_catalogs
