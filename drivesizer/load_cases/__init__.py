@@ -25,7 +25,7 @@ from drivesizer.loads.screw import screw_life
 from drivesizer.loads.springs import Lever, spring_force, with_springs
 from drivesizer.loads.stage_losses import force_along, through_gear
 from drivesizer.physics.figures import Alike, Figure
-from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, mean_product, rms
+from drivesizer.physics.load_cycle import LoadCycle, OwnLimit, end_times, mean_product, rms
 from drivesizer.results.drive_set import Requirement
 from drivesizer.spec.drive import BeltStage
 from drivesizer.spec.robot import RobotSpec
@@ -243,8 +243,7 @@ def _sprung_recording(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
     springs = load_springs(spec)
     if not springs:
         return cycle
-    travel = np.cumsum(cycle.duration * cycle.speed.mean(axis=1), axis=0)
-    position = np.stack([travel - cycle.duration * cycle.speed.mean(axis=1), travel], axis=1)
+    position = end_times(cycle.duration * cycle.speed.mean(axis=1))
     with located(spec):
         resisting = sum(spring_force(one, position, cycle.direction) for one in springs)
     return replace(cycle, torque=cycle.torque + resisting / spec.load.motors).split()

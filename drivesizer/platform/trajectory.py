@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.physics.load_cycle import places
+from drivesizer.physics.load_cycle import end_times, places
 from drivesizer.physics.motion_curves import local_parabola
 from drivesizer.platform.equations import Array
 from drivesizer.platform.kinematics import seen_by_robot
@@ -40,8 +40,7 @@ class Trajectory:
     @property
     def time(self) -> Array:
         """Time at both ends of each piece, from the start [s]; shape (n, 2)."""
-        end = np.cumsum(self.duration)
-        return np.stack([end - self.duration, end], axis=1)
+        return end_times(self.duration)
 
     def at(self, time: Any) -> Array:
         """Posture at any times [m, m, rad], shape (3, ...): a cubic of time in each piece, exact for a constant jerk.

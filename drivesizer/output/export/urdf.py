@@ -14,7 +14,7 @@ all but the wheels. A wheel's joint turns about its axle and rolls forwards wher
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import isnan, pi
 from xml.etree.ElementTree import Element, SubElement
@@ -26,6 +26,7 @@ from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array
 from drivesizer.output.export import common
 from drivesizer.output.export.common import brief, identifier, number, remark, texts, vector
+from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.machine import MachineExport, RobotExport, free_name, head, in_urdf
 from drivesizer.output.export.platform import BASE as PLATFORM_BASE
 from drivesizer.output.export.platform import PlatformExport, wheel_name
@@ -56,28 +57,34 @@ def robot_of(of: MachineExport, direction: float = 1.0) -> Element:
     if of.platform:
         _platform(root, of.platform, direction)
         return root
-    remark(root, *(common.remarks(of.alone) if of.alone else head(of)))
+    remark(root, *head(of))
     if of.robot:
         described = in_urdf(of.robot)
         _robot(root, described)
         base = next(name for name in described.robot.links if name not in described.robot.above)
     else:
         SubElement(root, "link", name=BASE)
-    for name, drive in of.shafts:
-        one, before = drive.of, drive.joint.removesuffix("shaft")
-        if name:
-            remark(root, f"Axis {identifier(name)}.", *common.remarks(one))
-        moved = common.link_of(one, reflected=True)
-        link = SubElement(root, "link", name=f"{before}load")
-        remark(link, moved.said)
+    for drive, moved, link in _shafts(root, of):
+        one = drive.of
         _inertial(link, Body(moved.mass, np.array(moved.centre), moved.inertia * np.eye(3)), shifted=any(moved.centre))
         _joint(
-            root, drive.joint, "continuous", base, f"{before}load", axis={"xyz": vector(moved.axis)},
+            root, drive.joint, "continuous", base, link.attrib["name"], axis={"xyz": vector(moved.axis)},
             limit=_required(one.label, drive.limits),
             dynamics={"damping": number(one.damping), "friction": number(one.friction)},
         )  # fmt: skip
-        common.refuse_doubles(root, ("link", "joint"), name)
     return root
+
+
+def _shafts(parent: Element, of: MachineExport) -> Iterator[tuple[JointDrive, common.Link, Element]]:
+    """Axes that are joints of their own, each with its load as it moves and the link for that."""
+    for name, drive in of.shafts:
+        if name:
+            remark(parent, f"Axis {identifier(name)}.", *common.remarks(drive.of))
+        moved = common.link_of(drive.of, reflected=True)
+        link = SubElement(parent, "link", name=f"{drive.joint.removesuffix('shaft')}load")
+        remark(link, moved.said)
+        yield drive, moved, link
+        common.refuse_doubles(parent, ("link", "joint"), name)
 
 
 def _joint(
@@ -209,29 +216,27 @@ def render_sdf(of: MachineExport) -> bytes:
     of = replace(of, robot=None, axes=of.exports)
     root = Element("sdf", version=_SDF)
     no_transmission = "SDFormat has no transmission: the reduction is in the figures alone."
-    remark(root, *(common.remarks(of.alone) if of.alone else head(of)), no_transmission)
+    remark(root, *head(of), no_transmission)
     model = SubElement(root, "model", name=identifier(of.name))
     base = SubElement(model, "link", name=BASE)
     remark(base, "The base stands on the world; its own figures do not count.")
     texts(SubElement(model, "joint", name="stand", type="fixed"), parent="world", child=BASE)
-    for name, drive in of.shafts:
-        one, before = drive.of, drive.joint.removesuffix("shaft")
-        if name:
-            remark(model, f"Axis {identifier(name)}.", *common.remarks(one))
-        moved = common.link_of(one, reflected=True)
-        link = SubElement(model, "link", name=f"{before}load")
-        remark(link, moved.said)
+    for drive, moved, link in _shafts(model, of):
         inertial = SubElement(link, "inertial")
         if any(moved.centre):
             texts(inertial, pose=f"{vector(moved.centre)} 0 0 0")
         texts(inertial, mass=number(moved.mass))
         texts(SubElement(inertial, "inertia"), **_moments(moved.inertia * np.eye(3)))
         joint = SubElement(model, "joint", name=drive.joint, type="revolute")
-        texts(joint, parent=BASE, child=f"{before}load")
+        texts(joint, parent=BASE, child=link.attrib["name"])
         axis = SubElement(joint, "axis")
         texts(axis, xyz=vector(moved.axis))
         texts(SubElement(axis, "limit"), lower="-1e16", upper="1e16", **drive.limits)
         springs = {"spring_reference": "0", "spring_stiffness": "0"}  # required by the format
-        texts(SubElement(axis, "dynamics"), damping=number(one.damping), friction=number(one.friction), **springs)
-        common.refuse_doubles(root, ("link", "joint"), name)
+        texts(
+            SubElement(axis, "dynamics"),
+            damping=number(drive.of.damping),
+            friction=number(drive.of.friction),
+            **springs,
+        )
     return common.document(root)
