@@ -20,13 +20,13 @@ import numpy as np
 
 from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
-from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.load_cases.of_machine import distance_of
 from drivesizer.machine.supply_power import AxisOnBus, Draw, DrivePower, OnBus
 from drivesizer.physics import battery as laws
 from drivesizer.physics.figures import Alike, Array, Range
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.results.check import Check, Figure, verdict
+from drivesizer.results.check import Check, Figure, figures_of, verdict
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.check_kinds import BATTERY_LASTING, BATTERY_SAMPLED, BATTERY_VOLTAGES
 from drivesizer.results.drive_set import Consumption, EnergyBudget, loss_assumptions
@@ -155,15 +155,18 @@ def mass_of(section: Battery | None, catalog: Catalog) -> float | None:
     return pack_of(section, catalog).mass if section else None
 
 
+def row_of(catalog: Catalog, section: str, part: str, field: tuple[str, ...]) -> int:
+    """Row of a part that a field of a spec names, which some catalogue must list."""
+    rows = catalog.table(section).rows
+    if part not in rows:
+        hint = nearest(part, rows) or "; a catalogue of its maker belongs under select.catalogs"
+        raise FieldError(field, f"{quoted(part)} is not in {', '.join(catalog.digests)}{hint}")
+    return rows[part]
+
+
 def _pack(section: Battery, catalog: Catalog) -> Pack:
-    record, row = parts.Battery(), None
-    if section.part is not None:
-        row = catalog.batteries.rows.get(section.part)
-        if row is None:
-            hint = nearest(section.part, catalog.batteries.rows)
-            hint = hint or "; a catalogue of its maker belongs under select.catalogs"
-            raise InputError(f"battery.part: {quoted(section.part)} is not in {', '.join(catalog.digests)}{hint}")
-        record = catalog.batteries.record(row)
+    row = None if section.part is None else row_of(catalog, "batteries", section.part, ("battery", "part"))
+    record = parts.Battery() if row is None else catalog.batteries.record(row)
     one = {name: getattr(record, name) if getattr(section, name) is None else getattr(section, name) for name in _ONE}
     s, p, rest, more = section.series, section.parallel, section.open_circuit, section.polarisation
     at_rest = (rest.full, rest.empty) if rest else (one["nominal_voltage"],) * 2
@@ -566,26 +569,24 @@ def _figures(spec: RobotSpec, pack: Pack, load: Load, worn: float) -> tuple[Figu
         charging = float(charged / (battery.charger.current * battery.charger.efficiency))
     lacking |= {"autonomy_per_watt": isnan(less), "charging_time": battery.charger is None}
     lacking |= dict.fromkeys(("charge_left", "capacity_needed", "strings_needed"), isnan(load.required))
-    rows = (
-        ("mean_power", "Mean power from the battery", load.mean, "power", "W"),
-        ("peak_power", "Largest power, all at once", load.peak, "power", "W"),
-        ("mission_energy", "Energy of the mission", load.mean * mission, "energy", "W*h"),
-        ("rated_energy", "Rated energy of the battery", pack.capacity * pack.nominal_voltage, "energy", "W*h"),
-        ("mean_current", "Mean current", load.mean / pack.mean_voltage, "current", "A"),
-        ("charge_drawn", "Charge that this load draws in all", drawn, "charge", "A*h"),
-        ("autonomy", "Autonomy, of the usable share", load.full * pack.available, "time", "h"),
-        ("autonomy_per_watt", "Autonomy that one watt more takes", less * pack.available, "time", "h"),
-        ("autonomy_worn", "Autonomy, every moment worn as a steady load", worn, "time", "h"),
-        ("range", "Range, at the cycle's mean speed", load.speed * load.full * pack.available, "length", "km"),
-        ("charge_left", "Charge left at the end of what is required", load.charge, "dimensionless", "%"),
-        ("charging_time", "Charging time, at least, of the charge drawn", charging, "time", "h"),
-        ("capacity_needed", "Rated capacity for what is required", needed, "charge", "A*h"),
-        ("strings_needed", "Parallel strings for it", strings_needed(pack, needed), "dimensionless", "1"),
-        ("battery_mass", "Mass of the battery", pack.mass, "mass", "kg"),
-    )
-    return tuple(
-        Figure(name=n, title=t, value=float(v), kind=k, unit=u) for n, t, v, k, u in rows if not lacking.get(n)
-    )
+    values = {
+        "mean_power": load.mean,
+        "peak_power": load.peak,
+        "mission_energy": load.mean * mission,
+        "rated_energy": pack.capacity * pack.nominal_voltage,
+        "mean_current": load.mean / pack.mean_voltage,
+        "charge_drawn": drawn,
+        "autonomy": load.full * pack.available,
+        "autonomy_per_watt": less * pack.available,
+        "autonomy_worn": worn,
+        "range": load.speed * load.full * pack.available,
+        "charge_left": load.charge,
+        "charging_time": charging,
+        "capacity_needed": needed,
+        "strings_needed": strings_needed(pack, needed),
+        "battery_mass": pack.mass,
+    }
+    return figures_of("battery", {name: value for name, value in values.items() if not lacking.get(name)})
 
 
 def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINTS) -> tuple[Array, Array]:

@@ -13,9 +13,11 @@ import numpy as np
 
 from drivesizer.catalog import BrakeResistor, Catalog, PowerSupply
 from drivesizer.errors import InputError, nearest, quoted
+from drivesizer.load_cases import located
+from drivesizer.machine.battery import row_of
 from drivesizer.machine.supply_power import Burnt, Regenerated
 from drivesizer.physics import braking as laws
-from drivesizer.results.check import GRAVEST, Check, Figure, verdict, worst_of_cases
+from drivesizer.results.check import GRAVEST, Check, Figure, figures_of, verdict, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, fits
 from drivesizer.results.drive_set import BrakingBudget
 from drivesizer.spec.robot import RobotSpec
@@ -135,12 +137,8 @@ def with_parts_of_supply(machine: RobotSpec, catalog: Catalog) -> RobotSpec:
     """A spec with the figures of its power supply, and of the chopper that its brake resistor brings."""
     part, section, supply = machine.supply.part, machine.brake_resistor, machine.supply
     if part is not None:
-        rows = catalog.power_supplies.rows
-        if part not in rows:
-            hint = nearest(part, rows) or "; a catalogue of its maker belongs under select.catalogs"
-            where = machine.where(("supply", "part"))
-            raise InputError(f"{where}: {quoted(part)} is not in {', '.join(catalog.digests)}{hint}")
-        unit = catalog.power_supplies.record(rows[part])
+        with located(machine):
+            unit = catalog.power_supplies.record(row_of(catalog, "power_supplies", part, ("supply", "part")))
         ends = (unit.voltage_min, unit.nominal_voltage, unit.voltage_max)
         least, most = float(np.nanmin(ends)), float(np.nanmax(ends))
         if not least <= supply.nominal <= most:
@@ -201,7 +199,7 @@ def bus_budget(
     return BrakingBudget(
         resistor=resistor,
         checks=checks,
-        figures=tuple(_figures(main, resistor, volts, most_voltage(main.spec))),
+        figures=_figures(main, resistor, volts, most_voltage(main.spec)),
         assumptions=tuple(_assumptions(main, section, resistor, volts)),
     )
 
@@ -259,36 +257,26 @@ def _over_voltage(case: Regenerated, resistor: BrakeResistor | None) -> list[Che
     return [at_most("supply_overvoltage", highest, supply.overvoltage_trip, undecided=_STAYS)]
 
 
-def _figures(case: Regenerated, resistor: BrakeResistor | None, volts: float, limit: float) -> Iterator[Figure]:
+def _figures(case: Regenerated, resistor: BrakeResistor | None, volts: float, limit: float) -> tuple[Figure, ...]:
     """Figures that decide the choice of a resistor, or of capacitors in its place."""
     section, highest = case.spec.brake_resistor, case.spec.supply.highest
-    window = section.averaging_time if section else _WINDOW
-    worst = f"Braking power, mean of the worst {show(window, 's', 'time')}"
+    window, current = (section.averaging_time, section.chopper_current) if section else (_WINDOW, None)
     stores = _capacity(case, resistor, volts)
     burnt: Burnt = case.burnt(stores, window)
-    at = f", at {show(volts, 'V', 'voltage')}"
-    rows = [
-        ("energy_regenerated", "Regenerated energy per cycle, not stored by the supply", case.energy, "energy", "J"),
-        ("energy_stored", f"Energy that the bus stores{at}", stores or nan, "energy", "J"),
-        ("energy_burnt", "Energy to burn per cycle", burnt.energy, "energy", "J"),
-        ("braking_mean_power", worst, burnt.mean, "power", "W"),
-        ("braking_peak_power", "Braking power, largest", burnt.peak, "power", "W"),
-        ("braking_pulse", "Energy of the largest single braking", burnt.pulse, "energy", "J"),
-        ("capacitance_needed", "Bus capacitance that needs no resistor",
-         float(laws.least_bus_capacitance(case.stored, limit, highest)), "capacitance", "mF"),
-        ("resistance_largest", f"Largest resistance{at}", float(laws.largest_resistance(volts, burnt.peak)),
-         "resistance", "ohm"),
-    ]  # fmt: skip
-    current = section.chopper_current if section else None
+    values = {
+        "energy_regenerated": case.energy, "energy_burnt": burnt.energy, "braking_mean_power": burnt.mean,
+        "braking_peak_power": burnt.peak, "braking_pulse": burnt.pulse,
+        "capacitance_needed": laws.least_bus_capacitance(case.stored, limit, highest),
+    }  # fmt: skip
+    if stores > 0.0:
+        values["energy_stored"] = stores
+    if not isnan(most := float(laws.largest_resistance(volts, burnt.peak))):
+        values["resistance_largest"] = most
     if current is not None:
-        least = float(laws.smallest_resistance(volts, current))
-        rows.append(("resistance_smallest", f"Smallest resistance that the chopper can switch{at}", least,
-                     "resistance", "ohm"))  # fmt: skip
-    yield from (
-        Figure(name=n, title=t, value=resolved(v, k), kind=k, unit=u)
-        for n, t, v, k, u in rows
-        if not (isnan(v) and n in ("energy_stored", "resistance_largest"))
-    )
+        values["resistance_smallest"] = laws.smallest_resistance(volts, current)
+    at, worst = f", at {show(volts, 'V', 'voltage')}", show(window, "s", "time")
+    found = figures_of("braking", values, at=at, window=worst)
+    return tuple(replace(one, value=resolved(one.value, one.kind)) for one in found)
 
 
 def _assumptions(

@@ -24,14 +24,14 @@ from drivesizer.catalog import Catalog
 from drivesizer.catalog.estimates.estimate import assumed_mass
 from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.tolerances import END
-from drivesizer.errors import InputError
+from drivesizer.load_cases import located
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
-from drivesizer.machine.battery import energy_budget, mass_of, pack_of
+from drivesizer.machine.battery import energy_budget, mass_of
 from drivesizer.machine.braking import bus_budget
 from drivesizer.machine.supply_power import OnBus, on_bus
 from drivesizer.physics.figures import Alike, no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
-from drivesizer.results.check import Check, Figure, worst_of_cases
+from drivesizer.results.check import Check, Figure, figures_of, worst_of_cases
 from drivesizer.results.check_columns import CheckColumn, at_most, over_ends
 from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget, MassRow, section_of
 from drivesizer.results.problem import Problem
@@ -178,10 +178,9 @@ class MassBudget:
 
     def figures(self) -> tuple[Figure, ...]:
         """The sum of what is known, and what the limit leaves beside it."""
-        title = f"Mass, sum of what is {'known or estimated' if self.estimated else 'known'}"
-        known = Figure(name="mass_known", title=title, value=self.known, kind="mass", unit="kg")
-        left = replace(known, name="mass_left", title="Mass left of what is allowed", value=self.limit - self.known)
-        return (known,) if isnan(self.limit) else (known, left)
+        left = {} if isnan(self.limit) else {"mass_left": self.limit - self.known}
+        words = "known or estimated" if self.estimated else "known"
+        return figures_of("mass", {"mass_known": self.known} | left, known=words)
 
 
 def mass_columns(known: Alike, lacking: Alike, limit: float | None, sized_for: float | None) -> list[CheckColumn]:
@@ -297,12 +296,8 @@ class MachineBudget(NamedTuple):
 
 def check_battery(spec: RobotSpec, catalog: Catalog) -> None:
     """Refuse a battery that no catalogue lists, before the search."""
-    if spec.battery is None:
-        return
-    try:
-        pack_of(spec.battery, catalog)
-    except InputError as error:
-        raise InputError(f"{spec.where(('battery', 'part'))}: {str(error).removeprefix('battery.part: ')}") from None
+    with located(spec):
+        mass_of(spec.battery, catalog)
 
 
 def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudget | None:

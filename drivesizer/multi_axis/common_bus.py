@@ -17,13 +17,7 @@ from drivesizer.load_cases import load_cycle, rest_left, static_torque, with_res
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import motion_of
 from drivesizer.machine.problem import load_case, quickest_winding
-from drivesizer.machine.supply_power import (
-    Burnt,
-    DrivePower,
-    Regenerated,
-    power_of_cases,
-    together,
-)
+from drivesizer.machine.supply_power import Burnt, DrivePower, Regenerated, power_of_cases, together
 from drivesizer.physics.braking import largest_mean, largest_pulse
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.power_stage import Feed, of_the_source

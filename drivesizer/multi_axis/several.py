@@ -17,13 +17,7 @@ from drivesizer.machine.budgets import riding_mass, riding_rows, settle
 from drivesizer.multi_axis import combinations
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded, Masses, OfferedKinds
 from drivesizer.multi_axis.common_bus import waiting_times
-from drivesizer.multi_axis.common_supply import (
-    budget_checks,
-    machine_power,
-    toleranced,
-    with_choppers,
-    without_effect,
-)
+from drivesizer.multi_axis.common_supply import budget_checks, machine_power, toleranced, with_choppers, without_effect
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum

@@ -104,10 +104,10 @@ def figure(name: str, value: float, at_time: float | None = None, *, rotary: boo
     return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at_time)
 
 
-def figures_of(section: str, values: Mapping[str, Any]) -> tuple[Figure, ...]:
+def figures_of(section: str, values: Mapping[str, Any], **words: str) -> tuple[Figure, ...]:
     """The figures of a section of ``figures.txt`` that have a value."""
     return tuple(
-        Figure(name=name, title=title, value=float(values[name]), kind=units[0][0], unit=units[0][1])
+        Figure(name=name, title=title.format_map(words), value=float(values[name]), kind=units[0][0], unit=units[0][1])
         for name, (title, units) in _FIGURES[section].items()
         if name in values
     )

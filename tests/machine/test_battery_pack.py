@@ -160,8 +160,7 @@ def test_an_unknown_part_is_one_line(listed: Catalog) -> None:
     with pytest.raises(InputError) as error:
         pack(listed, part="SP12-7.5")
     assert str(error.value) == (
-        'battery.part: "SP12-7.5" is not in sigmastek, sunnyway, yuasa, molicel, a123; '
-        "the nearest are SP12-7.5T1, SP12-20-DZM"
+        '"SP12-7.5" is not in sigmastek, sunnyway, yuasa, molicel, a123; the nearest are SP12-7.5T1, SP12-20-DZM'
     )
     with pytest.raises(InputError, match="a catalogue of its maker belongs under select"):
         pack(listed, part="~~~")

@@ -20,16 +20,8 @@ from drivesizer.joints.places import coupling, drive_places, fixed_positions, pa
 from drivesizer.joints.trajectory import motion_of
 from drivesizer.loads.stage_losses import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_rows
-from drivesizer.output.export.common import (
-    PROGRAM,
-    Export,
-    behind_gear,
-    brief,
-    export_of,
-    identifier,
-    remarks,
-    sentences,
-)
+from drivesizer.output.export import common
+from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier, sentences
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.platform import PlatformExport, platform_export
 from drivesizer.results.drive_set import DriveSet
@@ -239,7 +231,7 @@ def _stages(axis: AxisSizing) -> FixedGear:
 def head(of: MachineExport) -> list[str]:
     """Remarks at the head of the file of an axis, of several, or of a robot, as sentences."""
     if of.alone:
-        return remarks(of.alone)
+        return common.remarks(of.alone)
     said, robot = [f"{PROGRAM}. SI: kg, m, s, N, N*m, rad."], of.robot
     if robot:
         driven = [robot.robot.joints[drive.joint] for drive in robot.drives]
