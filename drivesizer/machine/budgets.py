@@ -402,6 +402,11 @@ def riding_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
     return tuple(row for row in rows_of_drive(problem, one) if row.name != "controller")
 
 
+def riding_unknown(problem: Problem, one: DriveParts) -> tuple[str, ...]:
+    """Parts of unknown mass among these."""
+    return tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
+
+
 def riding_mass(problem: Problem, one: DriveParts) -> float:
     """Mass of an axis' drives that ride on another [kg]: what is estimated at the upper end of its band."""
     return math.fsum(row.ends[1] for row in riding_rows(problem, one) if not isnan(row.each))

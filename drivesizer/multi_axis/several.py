@@ -13,7 +13,7 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
-from drivesizer.machine.budgets import riding_mass, riding_rows, settle
+from drivesizer.machine.budgets import riding_mass, riding_unknown, settle
 from drivesizer.multi_axis import combinations
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded, Masses, OfferedKinds
 from drivesizer.multi_axis.common_bus import waiting_times
@@ -21,7 +21,6 @@ from drivesizer.multi_axis.common_supply import budget_checks, machine_power, to
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum
-from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import SizingResult, unknown_parts
 from drivesizer.search.passing import Progress
 from drivesizer.search.ranking import title_of
@@ -330,11 +329,6 @@ def _cost(one: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Cost
     return missing, 0.0 if isnan(value) else objective_sum(objective, one, motors)
 
 
-def carried_mass(problem: Problem, one: DriveSet) -> tuple[float, tuple[str, ...]]:
-    """Mass of an axis' drives that ride on another, and parts of unknown mass."""
-    return riding_mass(problem, one), tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
-
-
 _PER_AXIS = 3  # sizings of each axis at most, on the average
 _ROUNDS = 5  # with drives that are heavier than the links that are said to hold them
 _TRIED = 60  # combinations that are tried where the best of all axes break a limit
@@ -349,7 +343,7 @@ def sized(machine: MachineSpec, how: Options) -> MachineSizing:
     for _ in range(_ROUNDS):
         sizings = AxisSizings(machine, how, beyond)
         found = _once(sizings)
-        masses = {axis.name: carried_mass(axis.result.problem, axis.best)[0] for axis in found.axes if axis.best}
+        masses = {axis.name: riding_mass(axis.result.problem, axis.best) for axis in found.axes if axis.best}
         more = sizings.torques.beyond_links(masses) if sizings.torques else {}
         heavier = {name: masses[name] for name, kg in more.items() if kg > 0.0 and masses[name] > beyond.get(name, 0.0)}
         if not heavier:
@@ -379,13 +373,11 @@ def _once(sizings: AxisSizings) -> MachineSizing:
 
 def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     """The spec of one axis with the drives that ride on it."""
+    how = Options(5, None, (), None, sampling_of, False, load_parts, joint_torques)
     alone = machine.robot is None and not machine.axis(axis).carries
     rides = any(axis in machine.carried(other.name) for other in machine.axes)
     if alone and not rides and machine.few_kinds is None:
-        machine = with_choppers(machine, load_parts)
-        cycles = waiting_times(machine, lambda name: machine.axis(name).spec)
-        return machine.axis(axis).spec.waiting(cycles.get(axis, {}))
-    how = Options(5, None, (), None, sampling_of, False, load_parts, joint_torques)
+        return AxisSizings(machine, how, {}).laden(axis, ())
     found = sized(machine, how).axis(axis)
     return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
 
@@ -420,10 +412,10 @@ def _axis(sizings: AxisSizings, found: Combination, name: str) -> AxisSizing:
     riding = []
     for other, mass in zip(sizings.carried[name], masses, strict=True):
         drive = with_drive(other)
-        lacking = carried_mass(drive.problem, drive.sets[0])[1] if drive else ()
+        lacking = riding_unknown(drive.problem, drive.sets[0]) if drive else ()
         riding.append(CarriedMass(other, mass, distances[other], lacking))
     if name in found.chosen and (name, masses) in sizings.own:
-        lacking = carried_mass(result.problem, result.sets[0])[1]
+        lacking = riding_unknown(result.problem, result.sets[0])
         riding.append(CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own.sets) and result.sets[0].label != own.sets[0].label
     return AxisSizing(name=name, result=result, carried=tuple(riding), for_all=for_all)
@@ -455,7 +447,7 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
     for axis in axes:
         own = next((one.mass for one in axis.carried if one.of == axis.name), None)
         if own is not None and axis.best:
-            drive, loaded = carried_mass(axis.result.problem, axis.best)[0], show(own, "kg", "mass")
+            drive, loaded = riding_mass(axis.result.problem, axis.best), show(own, "kg", "mass")
             heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
             said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
             yield f"{axis.name} moves its own drive, {said}"

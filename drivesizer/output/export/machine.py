@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from math import isnan
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from drivesizer.joints.mass_columns import radius_of
 from drivesizer.joints.places import coupling, drive_places, fixed_positions, payload_place
 from drivesizer.joints.trajectory import motion_of
 from drivesizer.loads.stage_losses import FixedGear
-from drivesizer.machine.budgets import riding_mass, riding_rows
+from drivesizer.machine.budgets import riding_mass, riding_unknown
 from drivesizer.output.export import common
 from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier, sentences
 from drivesizer.output.export.joint_drive import JointDrive
@@ -187,7 +186,7 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
             turns_by={other: share for other, share in zip(joints, row, strict=True) if share},
             mass=mass,
             beyond=max(mass - of_link, 0.0),
-            lacking=tuple(one.name for one in riding_rows(axis.result.problem, axis.best) if isnan(one.each)),
+            lacking=riding_unknown(axis.result.problem, axis.best),
             place=place,
             stage_inertia=stages.efficiency * stages.pinion_inertia + stages.wheel_inertia / stages.ratio**2,
             stage_friction=stages.efficiency * stages.pinion_friction + stages.wheel_friction / stages.ratio,
