@@ -295,7 +295,7 @@ class Solid(Section):
     inner_diameter: Thickness = default("0 mm", "of a hollow cylinder")
     length: Length | None = optional("of a cylinder along the axis; of a block across it")
     width: Length | None = optional("of a block, across the axis")
-    thickness: Length | None = optional("of a block, along the axis")
+    thickness: Length | None = optional("of a block, along the axis", "20 mm")
     material: Material | None = optional("or give density or mass")
     density: Density | None = None
     mass: Mass | None = optional("of one body")

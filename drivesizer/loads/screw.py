@@ -51,11 +51,11 @@ class ScrewChoice(fields.Section):
     maker: fields.Names | None = fields.optional("such as THK or HIWIN; * stands for any text")
     family: fields.Names | None = None
     part: fields.Names | None = None
-    diameter_min: fields.Length | None = None
-    diameter_max: fields.Length | None = None
-    lead_min: fields.Length | None = None
-    lead_max: fields.Length | None = None
-    play_max: fields.Thickness | None = fields.optional("axial; then a screw of unknown play is left out")
+    diameter_min: fields.Length | None = fields.optional(example="8 mm")
+    diameter_max: fields.Length | None = fields.optional(example="32 mm")
+    lead_min: fields.Length | None = fields.optional(example="5 mm")
+    lead_max: fields.Length | None = fields.optional(example="20 mm")
+    play_max: fields.Thickness | None = fields.optional("axial; then a screw of unknown play is left out", "0.1 mm")
 
     def _contradictions(self) -> Iterator[str]:
         for name in ("diameter", "lead"):
