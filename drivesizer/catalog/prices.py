@@ -266,14 +266,16 @@ def _priced(catalog: Catalog, section: str, pieces: int) -> Table[Any]:
     return table.changed({"price": value})
 
 
+def _columns(table: Table[Any]) -> Iterator[tuple[str, int, Any]]:
+    """The columns of prices of a table, each with the pieces from which on it holds, and its currency."""
+    every: list[tuple[str, int, Any]] = [(name, pieces, "EUR") for name, pieces in BY_PIECES]
+    every += [("list_price", 1, "CHF"), ("foreign_price", 1, table["currency"])]
+    return (one for one in every if one[0] in table.columns)
+
+
 def _of_rows(table: Table[Any], pieces: int) -> Iterator[tuple[NDArray[np.float64], Any]]:
     """The prices in the rows of a table for so many pieces, each with its currency."""
-    for name, least in BY_PIECES:
-        if name in table.columns and pieces >= least:
-            yield table[name], "EUR"
-    if "list_price" in table.columns:
-        yield table["list_price"], "CHF"
-    yield table["foreign_price"], table["currency"]
+    return ((table[name], currency) for name, least, currency in _columns(table) if pieces >= least)
 
 
 def most_common(catalog: Catalog) -> str:
@@ -336,10 +338,10 @@ def _prices_of(catalog: Catalog, section: str, part: str) -> Iterator[Price]:
         if not isnan(table["price"][row]):
             yield Price(part, float(table["price"][row]), catalog.currency, column="price")
         return
-    for name, pieces in (*BY_PIECES, ("list_price", 1), ("foreign_price", 1)):
-        if name in table.columns and not isnan(table[name][row]):
-            currency = {"list_price": "CHF", "foreign_price": str(table["currency"][row])}.get(name, "EUR")
-            yield Price(part, float(table[name][row]), currency, pieces, column=name)
+    for name, pieces, currency in _columns(table):
+        if not isnan(table[name][row]):
+            own = str(np.broadcast_to(currency, len(table))[row])
+            yield Price(part, float(table[name][row]), own, pieces, column=name)
 
 
 def _by_part(catalog: Catalog) -> dict[tuple[str, str], list[Price]]:

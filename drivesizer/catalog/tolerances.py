@@ -168,6 +168,7 @@ class _Default(NamedTuple):
     of: str  # steppers, or others; empty: of all
     tolerance: str
     why: str
+    help: str = ""  # in the section of a spec
 
 
 _TABLE = [(head, _Default(*cells)) for head, cells in listed("drivesizer.catalog", "tolerances.txt")]

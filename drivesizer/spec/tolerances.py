@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, TypeAlias
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, create_model
 
-from drivesizer.catalog.tolerances import CUT, NOT_OF_STEPPERS, OF_STEPPERS, Distribution, share
+from drivesizer.catalog.tolerances import CLASSES, CUT, NOT_OF_STEPPERS, OF_STEPPERS, Distribution, share
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource, changed, value_at
@@ -250,39 +250,25 @@ def _readable(text: object) -> object:
 Factor = Annotated[str, BeforeValidator(_readable)]
 
 
-def _factor(of: str | None = None) -> Any:
-    return fields.optional(of, example="+- 7 %")
+def _section(part: str, doc: str) -> type[fields.Section]:
+    """Section on the figures of a part that ``tolerances.txt`` declares."""
+    own: dict[str, Any] = {one.figure: (Factor | None, fields.optional(one.help or None, "+- 7 %"))
+           for one in CLASSES.values() if one.part == part}  # fmt: skip
+    made: type[fields.Section] = create_model(f"{part.title()}Tolerances", __base__=fields.Section, __doc__=doc, **own)
+    return made
 
 
-class MotorTolerances(fields.Section):
-    """Of a motor's figures, as shares of what is printed: +- 7 %, -10 %..30 %, 0.5..1.1 times, none; else by class."""
-
-    resistance: Factor | None = _factor()
-    torque_constant: Factor | None = _factor()
-    friction: Factor | None = _factor("of friction and iron loss")
-    dry_friction: Factor | None = _factor("of the dry share of a motor's no-load torque")
-    commutation: Factor | None = _factor("of the inductive voltage drop of a brushless motor")
-    rotor_inertia: Factor | None = _factor()
-    thermal_resistance: Factor | None = _factor("of both")
-    pull_out: Factor | None = _factor("of a stepper's pull-out torque at any speed")
-    holding_torque: Factor | None = _factor("of a stepper without a printed curve")
-    inductance: Factor | None = _factor("of a stepper without a printed curve")
-    start_speed: Factor | None = _factor("of a stepper without a ramp")
-
-
-class GearheadTolerances(fields.Section):
-    """Of a gearhead's figures; the default class where not given."""
-
-    peak_torque: Factor | None = _factor("of an actuator's peak torque that is its stall torque")
-    efficiency: Factor | None = _factor("of its losses")
-    inertia: Factor | None = _factor()
-
-
-class ControllerTolerances(fields.Section):
-    """Of a controller's figures; the default class where not given."""
-
-    losses: Factor | None = _factor("per ampere")
-    phase_current: Factor | None = _factor("of what a stepper's driver sets")
+if TYPE_CHECKING:
+    MotorTolerances: TypeAlias = fields.Section
+    GearheadTolerances: TypeAlias = fields.Section
+    ControllerTolerances: TypeAlias = fields.Section
+else:
+    MotorTolerances = _section(
+        "motor",
+        "Of a motor's figures, as shares of what is printed: +- 7 %, -10 %..30 %, 0.5..1.1 times, none; else by class.",
+    )
+    GearheadTolerances = _section("gearhead", "Of a gearhead's figures; the default class where not given.")
+    ControllerTolerances = _section("controller", "Of a controller's figures; the default class where not given.")
 
 
 class Tolerances(fields.Section):
