@@ -185,8 +185,8 @@ _LAST = 3  # steps of Gauss and Newton behind a search, at most
 _STEP = 3e-3  # of each figure, for slopes: a mode's change is met to a 1024th of a sample
 _AHEAD = 10.0  # samples by which a delay is shifted, so that its step is one of samples
 _DELAYS = (-3.0, 30.0)  # samples
-_DELAYS_TRIED = (-1.0, -0.05, 0.0, 0.5, 1.0, 2.0, 4.0)  # before 0: rows hold what follows
-_LAGS_TRIED = (0.1, 0.4, 1.5)  # electrical time constants in samples: smoothed signals make one too long
+_DELAYS_TRIED = (-1.0, -0.05, *np.arange(0.0, 2.5, 0.25), 3.0, 4.0)  # before 0: rows hold what follows
+_LAGS_TRIED = (0.1, 0.3, 0.6, 1.2)  # electrical time constants in samples: smoothed signals make one too long
 _ZERO = ("L", "M_c", "b")  # figures that may be none
 
 
@@ -311,7 +311,8 @@ def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
     problem = _Problem(one, start, known)
     problem.free = tuple(free)
     lags = [start["L"], *(share * start["R"] * one.h for share in _LAGS_TRIED)] if "L" in free else [start["L"]]
-    problem.values |= min(({"delay": d, "L": L} for L in lags for d in _DELAYS_TRIED), key=problem.left)
+    tries: list[Figures] = [{"delay": late, "L": L} for L in lags for late in _DELAYS_TRIED]
+    problem.values |= min(tries, key=problem.left)
     problem.fit(12)
     problem.weigh()
     tied: list[Inseparable] = []
