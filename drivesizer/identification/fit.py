@@ -185,8 +185,9 @@ _LAST = 3  # steps of Gauss and Newton behind a search, at most
 _STEP = 3e-3  # of each figure, for slopes: a mode's change is met to a 1024th of a sample
 _AHEAD = 10.0  # samples by which a delay is shifted, so that its step is one of samples
 _DELAYS = (-3.0, 30.0)  # samples
-_DELAYS_TRIED = (-1.0, -0.05, *np.arange(0.0, 2.5, 0.25), 3.0, 4.0)  # before 0: rows hold what follows
+_DELAYS_TRIED = (-1.0, -0.05, *np.arange(0.1, 2.5, 0.25).tolist(), 3.0, 4.0)  # before 0: rows hold what follows
 _LAGS_TRIED = (0.1, 0.3, 0.6, 1.2)  # electrical time constants in samples: smoothed signals make one too long
+_STARTS = 3
 _ZERO = ("L", "M_c", "b")  # figures that may be none
 
 
@@ -311,9 +312,14 @@ def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
     problem = _Problem(one, start, known)
     problem.free = tuple(free)
     lags = [start["L"], *(share * start["R"] * one.h for share in _LAGS_TRIED)] if "L" in free else [start["L"]]
-    tries: list[Figures] = [{"delay": late, "L": L} for L in lags for late in _DELAYS_TRIED]
-    problem.values |= min(tries, key=problem.left)
-    problem.fit(12)
+    # of each time constant the best delay, and of what comes of the best of these the nearest
+    tried = [min((problem.left({"delay": late, "L": L}), late, L) for late in _DELAYS_TRIED) for L in lags]
+    ends = []
+    for _, late, L in sorted(tried)[:_STARTS]:
+        problem.values = start | {"delay": late, "L": L}
+        problem.fit(12)
+        ends.append((problem.left({}), problem.values))
+    problem.values = min(ends, key=lambda one: one[0])[1]
     problem.weigh()
     tied: list[Inseparable] = []
     while (name := _inseparable(problem)) is not None:

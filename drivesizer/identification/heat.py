@@ -83,7 +83,8 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
     r = best.fun.reshape(len(rises), -1)
     size = max(float(np.sqrt((r**2).mean())), 1.0)
     three = spreads(best.jac.reshape(len(rises), r.shape[1], 4) / size, r / size)
-    values, sigma = np.exp(best.x), three.max(axis=0)
+    first = _SIGMA / float(np.ptp(measured, axis=1).min())  # of the readings that it all starts from
+    values, sigma = np.exp(best.x), np.hypot(three.max(axis=0), first)
     figures, open_ones = [], []
     for k, (name, title, kind, unit) in enumerate(declared("heat")):
         bound = k >= 2 and (total < _LONG * values[3] or sigma[k] > _CERTAIN)

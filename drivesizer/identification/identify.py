@@ -327,6 +327,8 @@ def _remarks(one: Record, fit: Fit, known: Mapping[str, float], of: Reference) -
     taken = [n for n in ("R", "k_t") if n in of.figures and known.get(n) == of.figures[n] and n not in fit.free]
     if taken and (one.driven == "current" or "current" not in one.outputs):
         yield f"{' and '.join(taken)} are the data sheet's: their tolerance is in the bands of inertia and friction"
+    if "e_back" in fit.free:
+        yield "behind gears k_t is taken as k_e: by as much as it is less, both gear efficiencies are too low"
     if one.warm is not None:
         yield "the resistance is that at 25 °C by the logged temperature of the winding"
     if not isnan(one.rotor) and one.loaded:
