@@ -83,10 +83,7 @@ def test_electrical_energy_is_work_losses_and_what_is_stored(spec, catalog, stru
     def stored(half, rate):
         return half / 2.0 * (rate[-1] ** 2 - rate[0] ** 2)
 
-    parts = {
-        "work on the load": m.forward_torque * f["load_angle"],
-        "stored in the load": stored(m.load_inertia, v),
-    }
+    parts = {"work on the load": m.forward_torque * f["load_angle"], "stored in the load": stored(m.load_inertia, v)}
     if shaft:
         start = m.forward_torque / m.stiffness
         twist = np.array((start, start + f["angle"] / m.ratio - f["load_angle"]))

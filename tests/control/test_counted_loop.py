@@ -94,8 +94,7 @@ def test_the_simulation_of_a_counted_pi(spec, chosen):
     gains = replace(design(controlled(spec), train, T, Counts(EDGES, 1.0, n)), kp=0.02, ki=0.3)
     time, speed = (0.0, 0.02, 0.2), (1.0, 1.3, 1.3)
     run = simulate(
-        Drive(train=m, controller=gains, supply=Supply(voltage=VOLTS), edges=EDGES),
-        Task(time=time, speed=speed),
+        Drive(train=m, controller=gains, supply=Supply(voltage=VOLTS), edges=EDGES), Task(time=time, speed=speed)
     )
     bare = replace(train, viscous=0.0)
     state, held = discrete(bare, m.motor_inertia + 1e-9 / m.ratio**2, T)

@@ -10,14 +10,7 @@ import pytest
 from engine_tasks import FAR, MOTOR, PERIOD, SERVO, figure, gains, machine, open_drive
 
 from drivesizer.control.drive_train import columns, discretised, generators
-from drivesizer.control.engine import (
-    CurrentLimit,
-    Drive,
-    MotorHeat,
-    Supply,
-    Task,
-    simulate,
-)
+from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Supply, Task, simulate
 from drivesizer.kernel.warming import State, steady_state
 
 # --- the modes and the machine

@@ -8,15 +8,7 @@ import numpy as np
 import pytest
 from engine_tasks import MOTOR, SERVO, figure, machine
 
-from drivesizer.control.engine import (
-    CurrentLimit,
-    Drive,
-    MotorHeat,
-    Supply,
-    Task,
-    laps,
-    simulate,
-)
+from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Supply, Task, laps, simulate
 from drivesizer.kernel.warming import State, steady_state
 
 SET = machine(friction=1e-3, forward_torque=0.3, backward_torque=-0.3)

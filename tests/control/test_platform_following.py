@@ -10,15 +10,7 @@ from following_paths import AHEAD, CURVED, LEVER, STIFF, STRAIGHT, cart, robot
 from platforms import MASS, RADIUS, WHEEL, car, mecanum
 from routes import route
 
-from drivesizer.control.path_following import (
-    Contact,
-    SpeedLoop,
-    deviation,
-    extremes,
-    follow,
-    pose_loop,
-    speed_loop,
-)
+from drivesizer.control.path_following import Contact, SpeedLoop, deviation, extremes, follow, pose_loop, speed_loop
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import Ground, dynamics
 from drivesizer.platform.kinematics import EXACT, Misjudged, actual, kinematics, without_motor

@@ -6,11 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from drivesizer.control.drive_train import DriveTrain
-from drivesizer.control.engine import (
-    Drive,
-    Supply,
-    Task,
-)
+from drivesizer.control.engine import Drive, Supply, Task
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.physics.thermal import TwoBodies
 

@@ -6,14 +6,7 @@ import numpy as np
 from platforms import ALPHA, LENGTH, differential, mecanum
 from routes import route
 
-from drivesizer.control.path_following import (
-    Contact,
-    Planned,
-    SpeedLoop,
-    arrays,
-    first_state,
-    simulated,
-)
+from drivesizer.control.path_following import Contact, Planned, SpeedLoop, arrays, first_state, simulated
 from drivesizer.control.path_following import kernel as at
 from drivesizer.platform.dynamics import LEVEL, dynamics
 from drivesizer.platform.kinematics import EXACT

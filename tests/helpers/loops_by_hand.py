@@ -51,9 +51,5 @@ def lag(name: str, gain: float, period: float, direction: str = "", turns: int =
     )
 
 
-CASCADE = (
-    lag("current", 0.3, 4e-5),
-    lag("velocity", 0.07, 4e-4, "braking"),
-    lag("position", 0.004, 1e-3, "driving"),
-)
+CASCADE = (lag("current", 0.3, 4e-5), lag("velocity", 0.07, 4e-4, "braking"), lag("position", 0.004, 1e-3, "driving"))
 UNSTABLE = (CASCADE[0], lag("velocity", 2.6, 4e-4, "braking"))  # a pole at -1.6

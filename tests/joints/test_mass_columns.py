@@ -163,10 +163,7 @@ def test_coupled_drives_do_the_work_of_the_joints(tmp_path: Path) -> None:
     ("drives", "said"),
     [
         ({"shoulder": {"on": "base", "belt_passes": True}}, 'no joint moves between the drive of "shoulder" and its'),
-        (
-            {"elbow": {"on": "link", "link": "upper", "belt_passes": True}},
-            'joint moves between the drive of "elbow"',
-        ),
+        ({"elbow": {"on": "link", "link": "upper", "belt_passes": True}}, 'joint moves between the drive of "elbow"'),
     ],
 )
 def test_belts_that_pass_no_joint(drives: dict[str, Any], said: str, tmp_path: Path) -> None:

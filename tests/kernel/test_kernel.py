@@ -186,8 +186,7 @@ def test_a_winding_that_runs_away_is_held_at_its_permitted_rise():
 
 
 @pytest.mark.parametrize(
-    ("t", "square"),
-    [*((t, I2) for t in (1e-6, 1e-3, 0.3, 5.0, 400.0) for I2 in (0.0, 4.0, 60.0)), (1e5, 0.0)],
+    ("t", "square"), [*((t, I2) for t in (1e-6, 1e-3, 0.3, 5.0, 400.0) for I2 in (0.0, 4.0, 60.0)), (1e5, 0.0)]
 )
 def test_a_step_is_that_of_the_matrix_exponential(t, square):
     """Against it in many digits, by squaring a short step."""

@@ -16,12 +16,7 @@ from drivesizer.control.engine.start import Drive, Supply, table
 from drivesizer.kernel import records
 from drivesizer.kernel.cycle import ENERGY
 from drivesizer.kernel.evaluate import evaluate
-from drivesizer.physics.power_stage import (
-    Feed,
-    PowerStage,
-    of_the_source,
-    power_stage,
-)
+from drivesizer.physics.power_stage import Feed, PowerStage, of_the_source, power_stage
 from drivesizer.spec.sections import PowerStage as Given
 
 

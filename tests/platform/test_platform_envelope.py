@@ -8,14 +8,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from trajectories import straight, turning
 
-from drivesizer.platform.envelope import (
-    Passage,
-    Size,
-    clearances,
-    corner_width,
-    heading_tolerance,
-    width_at,
-)
+from drivesizer.platform.envelope import Passage, Size, clearances, corner_width, heading_tolerance, width_at
 from drivesizer.platform.trajectory import control_points, finer
 
 ROBOT = Size(length=0.707, width=0.350, height=0.184)  # of the paper, section 1

@@ -60,11 +60,7 @@ def sampled():
     def of(spec, count, catalog=catalog):
         given = assumptions(spec, used(catalog, spec.tolerances.given, [tuple(rows)]))
         drawn = sample(given, count, 1, assumptions(spec))
-        return (
-            prepared(problem(spec, catalog), given, drawn),
-            catalog,
-            SetRows(rows[0], rows[1], -1, rows[2], 1.0),
-        )
+        return (prepared(problem(spec, catalog), given, drawn), catalog, SetRows(rows[0], rows[1], -1, rows[2], 1.0))
 
     return of
 

@@ -10,13 +10,7 @@ from drivesizer.catalog.parts import DIRECT
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
-from drivesizer.physics.gear_life import (
-    bearing_life,
-    dynamic_load,
-    permissible_radial,
-    pulley_load,
-    static_load,
-)
+from drivesizer.physics.gear_life import bearing_life, dynamic_load, permissible_radial, pulley_load, static_load
 from drivesizer.search.columns.limits import load_limits
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors, shaft_loads
 from drivesizer.sizing import size

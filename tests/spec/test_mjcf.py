@@ -114,10 +114,7 @@ HINGE = '<joint name="j"/>'
         (body(HINGE + HINGE), '3: joint "j" is there twice'),
         (body('<geom type="box" size="1 2"/>'), '3: <geom> size: "1 2"; expected 3 numbers above 0 of a box'),
         (body('<geom size="1" quat="0 0 0 0"/>'), '3: <geom> quat: "0 0 0 0" has no direction'),
-        (
-            body('<geom size="1" quat="1 0 0 0" euler="0 0 0"/>'),
-            "3: <geom> has quat and euler; expected one",
-        ),
+        (body('<geom size="1" quat="1 0 0 0" euler="0 0 0"/>'), "3: <geom> has quat and euler; expected one"),
         (body('<inertial pos="0 0 0" mass="-1" diaginertia="1 1 1"/>'), "3: <inertial>: a mass of -1 kg is none"),
         (body('<inertial pos="0 0 0" mass="1"/>'), "3: <inertial>: expected diaginertia of 3 numbers, or fullinertia"),
         (body('<inertial pos="0 0 0" mass="1e999" diaginertia="1 1 1"/>'), '3: <inertial> mass: "1e999" is no number'),

@@ -117,10 +117,7 @@ def test_fields_vary_together(tmp_path):
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        (
-            "derive: {load.width: 2 * load.mass}",
-            'derive.load.width: "load.width": "width" is no field of load',
-        ),
+        ("derive: {load.width: 2 * load.mass}", 'derive.load.width: "load.width": "width" is no field of load'),
         ("derive: {load.mass: 2 * load.mass}", "follows from itself"),
         ("require: [mass < 3 kg]", "study.yaml:3: require[1]"),
         ("best: {over: [load.slope], by: mass}", 'study.yaml:3: best.over[1]: "load.slope" does not vary'),
