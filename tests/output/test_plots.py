@@ -1,20 +1,28 @@
-"""Curves of one part as figures: held against laws of the trade, against printed figures and against the catalogue."""
+"""Plots of reports and pages: curves of one part, all drives to choose from, stretches of a record."""
 
 from __future__ import annotations
 
 import json
 from math import pi, sqrt
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit, every, find, open_catalogs
 from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.figures import parts
+from drivesizer.output.report.figures.style import Window, across, strip, within
+from drivesizer.output.report.html.candidate_plots import choices_plot
 from drivesizer.output.report.html.plots import movable
+from drivesizer.results.sizing import Choice
+
+# -- one part
+
 
 V, R, K, I_0 = 24.0, 2.0, 0.024, 0.05
 IDEAL = {"kind": "brushed", "nominal_voltage": f"{V} V", "resistance": f"{R} ohm", "torque_constant": f"{K} N*m/A",
@@ -127,3 +135,79 @@ def test_run_times_are_the_printed_ones_else_those_of_the_rule():
     (cell,) = find(open_catalogs(["samsung"]), "Samsung 25R")  # 2.5 A*h at any current
     current, time = trace(part_plots(cell)["discharge"], "rated charge")
     assert current * time == pytest.approx(np.full(len(current), 2.5), rel=1e-4) and current[-1] == 20.0
+
+
+# -- all drives to choose from
+
+
+def drives(count: int, seed: int) -> list[Choice]:
+    rng = np.random.default_rng(seed)
+    parts: Any = SimpleNamespace(label="<b>motor</b> + gearhead", currency="EUR")
+    made = []
+    for _ in range(count):
+        mass, price, energy = rng.integers(1, 6, 3).tolist()
+        figures = {"mass": 0.1 * mass, "price": 100.0 * price, "energy": float(energy), "margin": 0.2}
+        made.append(Choice(parts=parts, figures=figures))
+    return made
+
+
+def test_the_front_is_that_of_all_pairs() -> None:
+    for seed in range(20):
+        found = drives(40, seed)
+        rows = np.array([[one.figures[name] for name in ("mass", "price", "energy")] for one in found])
+        beaten = [any((other <= row).all() and (other < row).any() for other in rows) for row in rows]
+        picture = choices_plot(SimpleNamespace(drives=tuple(found)))  # type: ignore[arg-type]
+        assert picture is not None
+        assert picture.trace["marker"]["symbol"] == ["circle" if one else "diamond" for one in beaten]
+
+
+def test_drives_without_a_price_are_left_out_and_names_are_shown_letter_by_letter() -> None:
+    found = drives(5, 2)
+    found[3].figures["price"] = float("nan")
+    picture = choices_plot(SimpleNamespace(drives=tuple(found)))  # type: ignore[arg-type]
+    assert picture is not None
+    (trace,) = movable(picture)["data"]
+    assert len(trace["x"]) == 4 and all("&lt;b&gt;" in said[1] for said in trace["customdata"])
+    assert np.allclose(trace["x"], [1e3 * one.figures["mass"] for n, one in enumerate(found) if n != 3])
+    assert choices_plot(None) is None
+    assert choices_plot(SimpleNamespace(drives=tuple(found[3:4]))) is None  # type: ignore[arg-type]
+
+
+# -- stretches of a record
+
+
+TWO = (Window("first", 0.0, 2.5), Window("last", 241.5, 244.0))
+
+
+def test_two_stretches_stand_beside_each_other_with_a_gap():
+    shown = strip(TWO)
+    assert shown.starts[1] == pytest.approx(2.5 + 0.035 * 5.0) and shown.end == pytest.approx(shown.starts[1] + 2.5)
+    assert shown.place(1, np.array([241.5, 244.0])).tolist() == pytest.approx([shown.starts[1], shown.end])
+
+
+def test_a_stretch_begins_and_ends_on_the_line_between_its_samples():
+    time, values = np.array([0.0, 1.0, 3.0, 240.0, 250.0]), np.array([0.0, 4.0, 0.0, 0.0, 10.0])
+    t, v = within(time, values, Window("", 0.0, 2.5))
+    assert t.tolist() == [0.0, 1.0, 2.5] and v.tolist() == pytest.approx([0.0, 4.0, 1.0])
+    t, v = within(time, values, Window("", 241.5, 244.0))
+    assert t.tolist() == [241.5, 244.0] and v.tolist() == pytest.approx([1.5, 4.0])
+
+
+def test_a_jump_stays_a_jump_and_one_at_the_edge_belongs_to_what_follows():
+    time, values = np.array([0.0, 2.0, 2.0, 5.0]), np.array([3.0, 3.0, 1.0, 1.0])
+    t, v = within(time, values, Window("", 0.0, 3.0))
+    assert t.tolist() == [0.0, 2.0, 2.0, 3.0] and v.tolist() == [3.0, 3.0, 1.0, 1.0]
+    t, v = within(time, values, Window("", 0.0, 2.0))
+    assert t.tolist() == [0.0, 2.0] and v.tolist() == [3.0, 3.0]
+
+
+def test_ticks_stand_where_their_times_are():
+    axes, shown = Figure().subplots(), strip(TWO)
+    across(axes, shown, titled=True)
+    told = {text.get_text(): place for place, text in zip(axes.get_xticks(), axes.get_xticklabels(), strict=True)}
+    assert told["242"] == pytest.approx(shown.starts[1] + 0.5) and told["1"] == pytest.approx(1.0)
+    assert not any(2.5 < place < shown.starts[1] for place in told.values())
+    assert {text.get_text() for text in axes.texts} == {"first", "last"}
+    assert axes.get_xlim() == (0.0, shown.end)
+    (gap,) = axes.patches
+    assert (gap.get_x(), gap.get_width()) == pytest.approx((2.5, shown.starts[1] - 2.5))
