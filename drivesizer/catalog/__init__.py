@@ -51,7 +51,7 @@ from drivesizer.catalog.tables import Catalog, Note, Pairs, Source, Table, joine
 from drivesizer.errors import InputError, UnknownCatalogError, nearest, quoted
 from drivesizer.files.cache import CacheWarning, digest_of, folder
 from drivesizer.files.text import decoded, is_handed, read_bytes, shipped_folder
-from drivesizer.units import AT_MOST, MAY_BE_ZERO, RANGES
+from drivesizer.units import RANGES
 from drivesizer.version import __version__
 
 __all__ = [
@@ -157,7 +157,7 @@ def _key(*raws: bytes) -> str:
 @functools.cache
 def _schema() -> bytes:
     schema, laws = [columns_of(section) for section in PARTS], resources.files(__package__) / "laws.yaml"
-    return repr((schema, RANGES, sorted(MAY_BE_ZERO), AT_MOST)).encode() + laws.read_bytes()
+    return repr((schema, RANGES)).encode() + laws.read_bytes()
 
 
 def catalog_of_text(path: Path, raw: bytes) -> Catalog:

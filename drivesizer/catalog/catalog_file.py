@@ -23,7 +23,7 @@ from drivesizer.catalog.tables import Catalog, Note, Source, Table
 from drivesizer.catalog.tolerances import TOLERANCES, MakerTolerance, share
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.yaml_source import Path_, YamlSource
-from drivesizer.units import AT_MOST, MAY_BE_ZERO, label, noun, outside, possible, scale, show, to_si
+from drivesizer.units import label, noun, outside, possible, scale, show, to_si
 
 _NOT_A_COLUMN = {
     "family": "family stands at the head of its table",
@@ -276,12 +276,12 @@ def _headers(reader: Reader, section: str, given: Any, path: Path_) -> list[tupl
 
 def _impossible(column: Column, values: NDArray[Any]) -> tuple[int, str] | None:
     """The first of some SI figures that no part can have, and why; None where all can be."""
-    most, zero = AT_MOST.get(column.name, np.inf), column.name in MAY_BE_ZERO
     example = f"expected {label(column.unit) or 'a plain number'} above 0, ~ where it is unknown"
+    none = values <= 0.0 if column.kind == "ratio" else values == 0.0
     for bad, words in (
         (values < column.least, f"is below {column.least:g}"),
-        ((values <= 0.0) & ((column.kind == "ratio") | (values == 0.0)) & (not zero), f"is not above 0; {example}"),
-        (values > most, f"is above {show(most, column.unit, column.kind)}"),
+        (none & (not column.zero), f"is not above 0; {example}"),
+        (values > column.most, f"is above {show(column.most, column.unit, column.kind)}"),
         (outside(values, column.kind), f"is no {noun(column.kind)} of a machine; {possible(column.kind)}"),
     ):
         if bad.any():

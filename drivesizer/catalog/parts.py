@@ -28,13 +28,15 @@ DATA = "data_temperature"  # stands at the head of a file, for all motors and ac
 
 
 class Column(NamedTuple):
-    """One field of a part: name, kind of quantity (or ``text``), datasheet unit, remark, smallest allowed value."""
+    """One field of a part: name, kind of quantity (or ``text``), unit of data sheets, remark, range of its figures."""
 
     name: str
     kind: str
     unit: str
     remark: str
     least: float
+    zero: bool  # whether it may be 0
+    most: float
 
     @property
     def head(self) -> str:
@@ -46,10 +48,10 @@ def _declared() -> dict[str, dict[str, Column]]:
     """The fields of every kind of part, by section, in the order of its record."""
     found = dict[str, dict[str, Column]]()
     for section, (name, kind, *more) in listed("drivesizer.catalog", "parts.txt"):
-        unit, remark, least = (*more, "", "", "")[:3]
-        found.setdefault(section, dict(found.get(_EVERY, {})))[name] = Column(
-            name, kind, unit, remark, float(least or 0)
-        )
+        unit, remark, ends = (*more, "", "", "")[:3]
+        least, _, most = ends.partition("..")
+        column = Column(name, kind, unit, remark, float(least or 0.0), bool(least), float(most or inf))
+        found.setdefault(section, dict(found.get(_EVERY, {})))[name] = column
     return found
 
 

@@ -63,19 +63,6 @@ def _kinds() -> tuple[dict[str, Kind], dict[str, tuple[float, float]]]:
 # drives, so that no real figure is refused; products of figures inside them stay in the range of floats.
 KINDS, RANGES = _kinds()
 
-# figures of parts that may be 0: what a part has none of; any other figure of 0 is unknown, and written ~
-MAY_BE_ZERO = frozenset({
-    "added_length", "ambient_max", "ambient_min", "axial_play", "backlash", "commutator_segments", "coulomb_friction",
-    "current_draw",
-    "direction", "friction_torque", "inertia", "load_friction", "mass", "max_axial_load", "max_press_fit",
-    "max_radial_load", "no_load_current", "no_load_torque", "phases", "pole_pairs", "price", "price_5", "price_20",
-    "list_price", "foreign_price", "radial_load_distance", "stages",
-    "thermal_resistance_winding", "viscous_friction", "voltage_drop", "bearing_distance",
-})  # fmt: skip
-
-# figures of parts that have an end by what they are
-AT_MOST = {"efficiency": 1.0, "max_efficiency": 1.0, "max_duty": 1.0, "direction": 1.0}
-
 
 def resolved(value: float, kind: str) -> float:
     """A computed figure without what rounding leaves of nothing: 0 below the range of its kind, infinite above it.
