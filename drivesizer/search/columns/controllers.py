@@ -206,9 +206,10 @@ def controllers(
         lacking[limit < demand * (1.0 + needed)] = LOST
         if (unknown := np.isnan(limit)).any():
             unknown = unknown & (demand != 0.0)
-            assumed = unknown & (demand * (1.0 + needed) <= COMMUTATED) & (demand is required.max_speed_sine)
-            lacking += unknown & ~assumed & (lacking < LOST)
-            unprinted = unprinted + assumed
+            if demand is required.max_speed_sine:
+                beyond = unknown & (demand * (1.0 + needed) > COMMUTATED)
+                unprinted, unknown = unprinted + (unknown ^ beyond), beyond
+            lacking += unknown & (lacking < LOST)
         if "margin" in weights:
             with np.errstate(divide="ignore", invalid="ignore"):
                 margin = np.fmin(margin, np.where(demand == 0.0, np.inf, limit / demand - 1.0))
