@@ -202,14 +202,14 @@ def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[st
     if not sets or not isinstance(objective, str):
         return []
     better = [drive for row in picked.found.held_back if (drive := picked.record(row)).status in ("open", "unknown")]
-    needs = {drive: needed for drive in better if (needed := _decided_by(drive))}
+    needs = [(drive, needed) for drive in better if (needed := _decided_by(drive))]
     if not needs:
         return []
-    (first, needed), *others = needs.items()
-    value = {drive: objective_figure(drive, objective).text for drive in (*needs, sets[0])}
-    also = ", ".join(f"{drive.label} with {value[drive]}" for drive, _ in others)
+    (first, needed), *others = needs
+    value, best = (objective_figure(one, objective).text for one in (first, sets[0]))
+    also = ", ".join(f"{one.label} with {objective_figure(one, objective).text}" for one, _ in others)
     return [
-        f"{first.label}, {value[first]} against {value[sets[0]]}, would be the first were its figures known: "
+        f"{first.label}, {value} against {best}, would be the first were its figures known: "
         f"{needed}{f'; so would {also}' if also else ''}"
     ]
 
