@@ -122,7 +122,7 @@ def _values(answer: Answer, one: Machine) -> str:
     return ", ".join(f"{free.name} {value}" for free, value in zip(answer.task.free, one.values, strict=True))
 
 
-_FREE = [doc.Column(head, head, "text" if head.endswith("that") else "name")
+_FREE = [doc.Column(head, head, "name" if head == "free figure" else "text")
          for head in ("free figure", "best", "within 1 %", "below that", "above that")]  # fmt: skip
 
 

@@ -243,6 +243,8 @@ def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | Non
         masses[row.name] = {"mass": row.each, "mass_low": low, "mass_high": high}
     lines = [line_of(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
     lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
+    if found.encoder and found.encoder.manufacturer == found.motor.manufacturer:  # its maker mounts it
+        lines = [replace(x, ordered_with="motor") if x.role == "encoder" else x for x in lines]
     if found.without_controller:
         lines = [replace(x, said=found.without_controller) if x.role == "controller" else x for x in lines]
     if found.motor.controller:

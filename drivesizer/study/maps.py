@@ -45,11 +45,13 @@ class Map(NamedTuple):
     scale: float = 1.0  # from the column to what is shown
     lacks: str = ""  # the column of parts that a sum does not cover
     signed: bool = False  # whether the sign matters
+    named: bool = False  # names in place of figures: a colour each
 
 
 # A column of the table as a map; one that the table lacks, or that is unknown everywhere, is left out.
 MAPS: tuple[Map, ...] = (
-    Map("best_set", "set", "Best drive"),
+    Map("best_set", "set", "Best drive", named=True),
+    Map("motor_family", "motor_family", "Motor family of the best drive", named=True),
     Map("mass", "machine_mass_kg", "Mass of the parts, all drives (kg)", lacks="mass_lacks"),
     Map("price", "machine_price_EUR", "Price of the parts, all drives (EUR)", lacks="price_lacks"),
     Map("peak_power", "peak_W", "Power out of the supply of all axes, largest (W)"),
@@ -149,7 +151,8 @@ def drawings(over: MapAxes, found: Points) -> tuple[dict[str, Drawing], list[str
         )
         panels = dict(list(panels.items())[:_MOST_PANELS])
     every = [row for rows in panels.values() for row in rows]
-    known = [one for one in MAPS if any(row.get(one.column) not in (None, "") for row in every)]
+    shown = {one: {row.get(one.column) for row in every} - {None, ""} for one in MAPS}
+    known = [one for one, values in shown.items() if len(values) > (one.name == "motor_family")]
     return {one.name: draw(one, panels, over) for one in known}, notes
 
 
@@ -190,8 +193,8 @@ def draw(figure: Figure, shown: Map, panels: dict[str, list[dict[str, Any]]], ov
 
     rows = [row for some in panels.values() for row in some]
     numbers, others, same = dict[str, int](), 0, None
-    if shown.name == "best_set":  # those that are best most often
-        often = Counter(row["set"] for row in rows if row["set"])
+    if shown.named:  # those that are best most often
+        often = Counter(row[shown.column] for row in rows if row[shown.column])
         first = sorted(often, key=lambda name: (-often[name], name))[: len(_FACES) * len(_PATTERNS)]
         numbers = {name: number for number, name in enumerate(first, 1)}
         others = len(often) - len(numbers)
@@ -225,7 +228,7 @@ def draw(figure: Figure, shown: Map, panels: dict[str, list[dict[str, Any]]], ov
         _ticks(axes.xaxis, over.across, over.grid, _WIDE / count)
         if over.up is not None:
             _ticks(axes.yaxis, over.up, over.grid, inf)
-    upright = over.up.head if over.up else "Drive" if numbers else shown.title
+    upright = over.up.head if over.up else shown.title
     figure.supylabel(short(clean(upright), 40), fontsize=7.5)
     if known and same is None and over.up is not None:
         bar: Any = figure.colorbar(ScalarMappable(scale[1], scale[0]), ax=list(grid.flat), pad=0.02)
@@ -240,7 +243,7 @@ def _legend(figure: Figure, numbers: dict[str, int], others: int, signs: str, co
     from matplotlib.patches import Patch
 
     names = [(f"{n}  {short(clean(name), _LETTERS[columns])}", look_of(n)) for name, n in numbers.items()]
-    names += [(f"…  {others} other drives", OTHERS)] if others else []
+    names += [(f"…  {others} others", OTHERS)] if others else []
     edge: dict[str, Any] = {"markeredgecolor": "#555555", "markeredgewidth": 0.3, "markersize": 4.0}
     handles: list[Any] = [
         Patch(facecolor=look.face, edgecolor="#555555", linewidth=0.3, hatch=2 * look.hatch) if cells

@@ -10,6 +10,7 @@ import pytest
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.parts import BeltDrive
 from drivesizer.output.document.content import Content
+from drivesizer.output.document.quote import Ordered
 from drivesizer.output.parts import parts_list, totals
 from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import write
@@ -75,6 +76,9 @@ def test_a_name_that_the_catalogue_made_up_is_no_order_number(result, catalog):
     line = parts_list(replace(result.sets[0], encoder=encoder), catalog, 1)[3]
     assert (line.part, line.order_number) == ("ENX 16 EASY 1024", "")
     assert line.note.startswith("part: no order number known; the part name is made up here")
+    assert (
+        Ordered("", line).missing == "no order number of motor with encoder and no price"
+    )  # maxon numbers them together
 
 
 def test_a_cable_is_told_where_the_catalogue_knows_of_one(result, catalog):

@@ -46,6 +46,16 @@ def test_a_map_of_drives_numbers_and_names_them(tmp_path):
     assert any("hatched: no drive passes" in text and "×: an invalid variant" in text for text in seen)
 
 
+def test_several_motor_families_are_a_map_of_their_own(tmp_path):
+    over, found, _ = mapped(tmp_path, GRID)
+    passing = [row for row in found[()] if row["set"]]
+    for row in passing:
+        row["motor_family"] = "RE 30"
+    passing[0]["motor_family"] = "EC-max 40"
+    seen = texts(drawings(over, found)[0]["motor_family"]("typeset"))
+    assert {"1  RE 30", "2  EC-max 40", "Motor family of the best drive"} <= set(seen)
+
+
 def test_the_colour_blind_distinguish_the_colours_of_drives():
     """As seen without red or green cones (Viénot, Brettel, Mollon 1999): CIE 1976 differences above 10 throughout."""
     short = {

@@ -14,6 +14,7 @@ export function stale() { report.classList.add("stale"); }
 /** The sections; one that has not changed stays as it is, and figures keep their drawings. */
 export function sections(list) {
   report.classList.remove("stale");
+  if (!list.some((one) => one.html.includes("figure-sketch"))) document.getElementById("sketch").hidden = true; // it was of another spec
   const kept = new Map([...report.querySelectorAll(".drawing")].filter((one) => one.data).map((one) => [one.dataset.plot, one]));
   const there = new Map([...report.children].map((one) => [one.dataset.name, one]));
   const wanted = list.map((one) => filled(there.get(one.name) ?? opened(one), one));
@@ -114,4 +115,17 @@ addEventListener("beforeprint", () => {
   redress(drawings(), true);
 });
 addEventListener("afterprint", () => redress(drawings(), false));
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redress(drawings(), false));
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => redress([...document.querySelectorAll("#answer .drawing, #browser .drawing")], false));
+
+/** Draws the figures of a place, as soon as what draws them is there. */
+export async function drawnIn(root, plots) {
+  const places = [...root.querySelectorAll(".drawing")];
+  if (!places.length) return;
+  try {
+    await plotly();
+  } catch {
+    for (const place of places) place.replaceChildren(element("p", { className: "wanting", textContent: "not drawn: the server does not answer" }));
+    return;
+  }
+  for (const place of places) if (place.isConnected) await draw(place, plots[place.dataset.plot]);
+}

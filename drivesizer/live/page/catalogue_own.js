@@ -1,8 +1,8 @@
 // One's own catalogues, tables and data sheets: dropped or pasted, checked, known by their names until the server ends.
 
+import { drawnIn } from "./answer.js";
 import { counted } from "./catalogue_filter.js";
 import { button, element } from "./dom.js";
-import { drawn } from "./figure.js";
 import { handed } from "./files.js";
 import { post, whole } from "./requests.js";
 import { state, watch } from "./state.js";
@@ -82,11 +82,10 @@ const lines = (found = [], className = "findings") => element("ul", { className 
 function report(file, found) {
   if (found.kind === "superseded") return;
   if (found.kind === "fit") {
-    const fit = element("div", { className: "fit" });
-    fit.innerHTML = found.html; // of the server's own templates, which escape every text
+    const fit = element("div", { className: "fit", innerHTML: found.html }); // of the server's own templates, which escape every text
     act.fitted(element("h3", { tabIndex: -1, textContent: `${found.name}: the drive by its log` }), fit);
     say("");
-    drawn(fit, found.figures);
+    drawnIn(fit, found.figures);
   } else if (found.kind === "kept") {
     names.set(found.name, found.text);
     say(`${found.name}: ${counted(found.parts)}.`, ...words(file, found.given), lines(found.lines), lines(found.read, "note"));

@@ -59,8 +59,7 @@ function drawn(found) {
     panel.replaceChildren();
     first?.focus();
   });
-  const table = element("div");
-  table.innerHTML = found.html; // of the server's own templates, which escape every text
+  const table = element("div", { innerHTML: found.html }); // of the server's own templates, which escape every text
   const section = element("section", {}, element("div", { className: "head" }, element("h2", { textContent: "Side by side" }), close), table);
   tabled(section);
   return [section];

@@ -1,5 +1,6 @@
-// The best drive in a few figures, always in sight; what is wrong with the spec in its place.
+// The best drive in a few figures, always in sight, or what is wrong with the spec; below it the answer in one look.
 
+import { tick } from "./compare.js";
 import { button, element } from "./dom.js";
 import { written } from "./fields.js";
 
@@ -13,6 +14,9 @@ export function busy() {
   document.documentElement.dataset.state = "busy";
   headline.classList.add("stale");
 }
+
+/** Forgets the figures before: another spec follows. */
+export function forget() { edit = { of: null, before: {}, now: {} }; }
 
 /** Says a new best drive once, and not at every place of a slider. */
 function say(text) {
@@ -28,6 +32,7 @@ function put(kind, ...inside) {
 /** What to buy, and what decides; with its closed loop the whole answer is there. `by` is the edit that it answers. */
 export function rank(piece, state = "ranked", by = edit.of) {
   document.documentElement.dataset.state = state;
+  beside(piece);
   const best = piece.machine ? piece : piece.sets[0];
   const now = best ? { mass: best.mass, price: best.price, margin: best.tight?.margin } : {};
   edit = by === edit.of ? { ...edit, now } : { of: by, before: edit.now, now };
@@ -88,7 +93,7 @@ function change(name, written) {
 }
 
 /** The share of a limit that is used, which ends at its mark. */
-export function bar(margin, status) {
+function bar(margin, status) {
   const used = Math.min(Math.max(1 / (1 + margin), 0), 1.15), made = element("span", { className: `used ${status}`, aria: { hidden: "true" } }, element("i"));
   made.firstChild.style.width = `${used * 87}%`;
   return made;
@@ -110,6 +115,7 @@ function machine(piece) {
 /** Free figures are no drive yet: `find` looks for the best machine. */
 export function free(figures, find) {
   document.documentElement.dataset.state = "free";
+  glance.hidden = true;
   const text = figures.length === 1 ? "One figure is free" : `${figures.length} figures are free`;
   put("free", element("div", {}, element("p", { className: "best", textContent: text }), facts(figures.map(([name, given]) => [name, written(given)]))), button("Find the best machine", find));
   say(text);
@@ -125,4 +131,44 @@ export function wrong(faults, reveal) {
   });
   put("wrong", element("p", { className: "best", textContent: faults.length === 1 ? "The spec has a fault" : `The spec has ${faults.length} faults` }), ...lines);
   say(faults.map((fault) => fault.said).join("; "));
+}
+
+// -- the answer in one look: the next best drives, the smallest margins and the torque-speed field, above the report
+
+const glance = document.getElementById("glance"), jump = document.getElementById("jump");
+const [margins, others] = glance.querySelectorAll(".list");
+const OTHERS = 5;
+const ROW = [["summary", "Summary"], ["checks", "Checks"], ["over-time", "Cycle"], ["heat", "Heat"], ["energy", "Energy"], ["loop", "Loop"], ["closed_loop", "Loop"], ["candidates", "Candidates"], ["datasheets", "Data"]];
+
+/** The next best, each with a box by which it is compared, and the checks that decide. */
+function beside(piece) {
+  glance.hidden = piece.machine || !piece.sets.length;
+  if (glance.hidden) return;
+  const next = piece.sets.slice(1, 1 + OTHERS);
+  others.parentElement.hidden = !next.length;
+  others.replaceChildren(...next.map(line));
+  margins.replaceChildren(...piece.margins.map((one) => element("li", {}, element("span", { textContent: one.title }), element("span", { className: "figure", textContent: one.said }), bar(one.margin, one.status))));
+}
+
+function line(one) {
+  const price = one.figures.price === "unknown" ? "" : one.figures.price.replace(/\.\d\d /, " ");
+  const figures = [["mass", one.figures.mass], ["price", price], ["margin", one.tight?.said ?? ""]];
+  const name = element("label", { title: one.label }, tick(one), ` ${one.name}`, element("small", { textContent: ` ${one.numbers}` }));
+  const status = one.status === "pass" ? "" : element("span", { className: `pill ${one.status}`, textContent: one.status });
+  return element("li", {}, name, status, ...figures.map(([name, text]) => element("span", { className: `figure ${name}`, textContent: text })));
+}
+
+/** A row of the sections that are there, which leads to them. */
+export function row(sections) {
+  const there = new Set(sections.map((one) => one.name));
+  jump.replaceChildren(...ROW.filter(([name]) => there.has(name)).map(([name, title]) => {
+    const made = element("a", { href: `#${name}`, textContent: title });
+    made.addEventListener("click", (event) => {
+      event.preventDefault();
+      const head = document.querySelector(`#report [data-name="${name}"] > *`);
+      head?.focus({ preventScroll: true });
+      head?.scrollIntoView();
+    });
+    return made;
+  }));
 }

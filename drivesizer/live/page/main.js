@@ -6,9 +6,7 @@ import * as compare from "./compare.js";
 import { able, button, element, enable } from "./dom.js";
 import * as files from "./files.js";
 import * as form from "./form.js";
-import * as glance from "./glance.js";
 import * as headline from "./headline.js";
-import * as map from "./map.js";
 import { reveal, turn } from "./panes.js";
 import { get, pieces, whole } from "./requests.js";
 import * as sliders from "./sliders.js";
@@ -43,6 +41,7 @@ function next() {
 /** Reads another text in place of the spec, whatever waits. */
 function restart(text) {
   form.forget();
+  headline.forget();
   replace(text);
 }
 
@@ -113,14 +112,13 @@ function take(piece, mine) {
     mine.ranked = true;
     designed.replaceChildren();
     headline.rank(piece, "ranked", mine.what || mine);
-    glance.rank(piece);
     sliders.renew();
     more.hidden = false;
     if (pending) send();
   } else if (piece.kind === "free") {
     mine.ranked = true;
-    answer.stale();
-    glance.hide();
+    answer.sections([]);
+    headline.row([]);
     sliders.renew();
     headline.free(piece.figures, design);
     more.hidden = true;
@@ -145,11 +143,10 @@ function read(text, mine) {
 function found(piece) {
   if (piece.kind === "ranking") {
     headline.rank(piece, "whole");
-    glance.rank(piece);
   }
   if (piece.kind === "sections") {
     answer.sections(piece.sections);
-    glance.row(piece.sections);
+    headline.row(piece.sections);
     compare.boxes(piece.drives ?? []);
     compare.renew();
   } else if (piece.kind === "figures") answer.plots(piece.figures);
@@ -229,9 +226,9 @@ async function design() {
   try {
     const [piece] = await whole("design", { text });
     if (text !== state.text || piece.kind !== "designed") return;
-    designed.innerHTML = piece.html; // of the server's own templates, which escape every text
+    designed.replaceChildren(element("div", { innerHTML: piece.html }), // of the server's own templates, which escape every text
+      element("p", {}, ...piece.fills.map(([name, filled]) => button(`Use the ${name} figures`, () => restart(filled)))));
     tabled(designed);
-    designed.append(element("p", {}, ...piece.fills.map(([name, filled]) => button(`Use the ${name} figures`, () => restart(filled)))));
     turn("answer");
   } catch (error) {
     files.notice(error.message, [], "", "design");
@@ -242,7 +239,7 @@ async function design() {
 
 let keeping = 0;
 watch(() => {
-  map.renew();
+  sliders.renewMap();
   enable(document.getElementById("undo"), state.past.length);
   enable(document.getElementById("redo"), state.future.length);
   document.getElementById("unsaved").hidden = state.text === state.saved && state.mark !== null;

@@ -25,7 +25,8 @@ class Ordered(NamedTuple):
         line = self.line
         if not line.part:
             return "no part is known"
-        lacks = ["order number"] * (not line.order_number) + ["price"] * isnan(line.price)
+        number = f"order number of {line.ordered_with} with {line.role}" if line.ordered_with else "order number"
+        lacks = [number] * (not line.order_number) + ["price"] * isnan(line.price)
         return f"no {' and no '.join(lacks)}" if lacks else ""
 
 
