@@ -22,7 +22,7 @@ from drivesizer import catalog as parts
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.load_cases.of_machine import distance_of
-from drivesizer.machine.supply_power import AxisOnBus, Draw, DrivePower, OnBus
+from drivesizer.machine.supply_power import AxisOnBus, Draw, DrivePower, Regenerated
 from drivesizer.physics import battery as laws
 from drivesizer.physics.figures import Alike, Array, Range
 from drivesizer.physics.load_cycle import LoadCycle
@@ -455,17 +455,17 @@ def columns_of(spec: RobotSpec, feeds: Feeding, cycle: LoadCycle, draws: Sequenc
 # --- consumers, and the load that they make
 
 
-def _drawing(case: OnBus) -> tuple[list[Consumption], list[str]]:
+def _drawing(bus: Regenerated, axes: Sequence[AxisOnBus]) -> tuple[list[Consumption], list[str]]:
     """Lines of all axes in the table of consumers, and what was assumed of their losses."""
-    spec, total, lines, losses = case.bus.spec, case.bus.power, list[Consumption](), list[str]()
-    for axis in case.axes:
+    spec, total, lines, losses = bus.spec, bus.power, list[Consumption](), list[str]()
+    for axis in axes:
         before = f"{axis.name}: " if axis.name else ""
         lines += [line._replace(name=before + line.name) for line in _of_axis(axis)]
         losses += [before + text for text in loss_assumptions(axis.spec, axis.drive_set.controller)]
-    kept = fsum(axis.power.mean(axis.power.returned) for axis in case.axes) - total.mean(total.returned)
+    kept = fsum(axis.power.mean(axis.power.returned) for axis in axes) - total.mean(total.returned)
     if kept > 0.0:
         share = 1.0 - spec.supply.regeneration
-        lines.append(Consumption("exchanged between axes", len(case.axes), -share * kept, 0.0, nan, False))
+        lines.append(Consumption("exchanged between axes", len(axes), -share * kept, 0.0, nan, False))
     if spec.supply.resistance is not None:
         lines.append(Consumption("resistance of the supply", 1, total.mean(total.resisted), 0.0, nan, False))
     return lines, list(dict.fromkeys(losses))
@@ -527,11 +527,11 @@ def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], dr
 # --- the budget
 
 
-def energy_budget(case: OnBus, catalog: Catalog) -> EnergyBudget:
+def energy_budget(bus: Regenerated, axes: Sequence[AxisOnBus], catalog: Catalog) -> EnergyBudget:
     """Consumers, autonomy and checks of a machine in one of its load cases."""
-    spec, drive = case.bus.spec, case.bus.power
+    spec, drive = bus.spec, bus.power
     assert spec.battery is not None
-    pack, others, (lines, assumed) = pack_of(spec.battery, catalog), _equipment(spec), _drawing(case)
+    pack, others, (lines, assumed) = pack_of(spec.battery, catalog), _equipment(spec), _drawing(bus, axes)
     load, power = _battery_load(spec, pack, others, drive)
     checks = battery_checks(spec, pack, load)
     wear = float(drive.duration @ (1.0 / run_time(pack, power))) / drive.total  # as in a steady load, moment by moment

@@ -28,7 +28,7 @@ from drivesizer.load_cases import located
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.machine.battery import energy_budget, mass_of
 from drivesizer.machine.braking import bus_budget
-from drivesizer.machine.supply_power import OnBus, on_bus
+from drivesizer.machine.common_bus import AxisPower, CommonBus, common_bus
 from drivesizer.physics.figures import Alike, no_less
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check, Figure, figures_of, worst_of_cases
@@ -342,24 +342,26 @@ class Feeds(NamedTuple):
     checks: tuple[Check, ...] = ()
 
 
-def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Iterable[OnBus], withstood: float) -> Feeds:
+def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus], withstood: float) -> Feeds:
     """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases.
 
     ``withstood`` is the least voltage that any of its controllers withstands [V].
     """
     if spec.battery is None:
         on_battery = spec.supply.kind == "battery"
-        braking = None if on_battery else bus_budget(spec, catalog, [case.bus for case in cases], withstood)
+        braking = None if on_battery else bus_budget(spec, catalog, [case.on_bus for case in cases], withstood)
         return Feeds(braking=braking, checks=braking.checks if braking else ())
-    energies = [(case.bus.case, energy_budget(case, catalog)) for case in cases]
+    energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog)) for case in cases]
     least = min((one for _, one in energies), key=lambda one: (not isnan(one.autonomy), one.autonomy))
     return Feeds(energy=least, checks=worst_of_cases([(name, one.checks) for name, one in energies]))
 
 
 def on_its_supply(problem: Problem, one: DriveParts) -> Feeds:
     """What feeds a machine of one axis, with a drive."""
-    withstood = one.controller.supply_max if one.controller else nan
-    return feeds_of(problem.machine, problem.catalog, on_bus(problem, one), withstood)
+    withstood, axis = one.controller.supply_max if one.controller else nan, AxisPower("", problem, one)
+    cases = [(problem.name_of(numbers), problem.cases[numbers[0]].spec) for numbers in problem.machine_cases]
+    buses = [common_bus(name, spec, [axis], synchronised=True, cycle_time=None) for name, spec in cases]
+    return feeds_of(problem.machine, problem.catalog, buses, withstood)
 
 
 def stall_current(spec: RobotSpec, one: DriveParts) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite, isnan, nan
@@ -32,7 +32,7 @@ from drivesizer.physics.motor_demand import Demands, mean_gear_loss
 from drivesizer.physics.power_stage import Feed, bus_voltage, of_the_source
 from drivesizer.physics.stepper import copper_loss, electrical_energy, idle_loss
 from drivesizer.results.drive_set import DriveParts
-from drivesizer.results.problem import LoadCase, Problem
+from drivesizer.results.problem import LoadCase
 from drivesizer.spec.robot import RobotSpec
 
 # -- Power that the drives of a machine draw from their supply and regenerate over one cycle: columns over time.
@@ -366,26 +366,3 @@ class AxisOnBus(NamedTuple):
     spec: RobotSpec  # in the load case
     drive_set: DriveParts
     power: DrivePower
-
-
-class OnBus(NamedTuple):
-    """All drives of a machine in a load case: to and from the bus together, and each axis over the same time."""
-
-    bus: Regenerated
-    axes: Sequence[AxisOnBus]
-
-
-def on_bus(problem: Problem, one: DriveParts) -> Iterator[OnBus]:
-    """A machine of one axis on its bus in each of its load cases."""
-    for numbers in problem.machine_cases:
-        some = [problem.cases[number] for number in numbers]
-        spec, kept = some[0].spec, 1.0 - some[0].spec.supply.regeneration
-        timed = spec.supply.peak_current is not None and spec.supply.current is not None  # each moment counts
-        merged = len(some) == 1 and not timed and spec.battery is None
-        power = power_of_cases(some, one, merged=merged)
-        if spec.battery is not None:
-            power = power.slipping(spec.slip)
-        elif len(some) > 1:  # what one wheel draws of another's return goes no further
-            net: Array = power.bus_drawn - kept * power.returned
-            power = power._replace(bus_drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0) / (kept or 1.0))
-        yield OnBus(Regenerated(problem.name_of(numbers), spec, power), [AxisOnBus("", spec, one, power)])

@@ -14,9 +14,9 @@ from drivesizer.catalog.tolerances import Class
 from drivesizer.errors import FieldError
 from drivesizer.files.yaml_source import Path_
 from drivesizer.load_cases.platform import WheelLoad
+from drivesizer.machine.common_bus import AxisPower
+from drivesizer.machine.common_supply import OF_THE_SUPPLY, common_supply, place_of, supplied_axes, toleranced
 from drivesizer.machine.problem import quickest_winding, with_spec
-from drivesizer.multi_axis.common_bus import AxisPower
-from drivesizer.multi_axis.common_supply import OF_THE_SUPPLY, common_supply, place_of, supplied_axes, toleranced
 from drivesizer.results.check import Check, FigureSpread, declared_figure
 from drivesizer.results.check_columns import at_least
 from drivesizer.results.check_kinds import CHECKS

@@ -14,10 +14,10 @@ from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.joints.mass_columns import JointTorques, joint_torques
 from drivesizer.machine.budgets import riding_mass, riding_unknown, settle
+from drivesizer.machine.common_bus import waiting_times
+from drivesizer.machine.common_supply import budget_checks, machine_power, toleranced, with_choppers, without_effect
 from drivesizer.multi_axis import combinations
 from drivesizer.multi_axis.combinations import Choice, Combination, Cost, Loaded, Masses, OfferedKinds
-from drivesizer.multi_axis.common_bus import waiting_times
-from drivesizer.multi_axis.common_supply import budget_checks, machine_power, toleranced, with_choppers, without_effect
 from drivesizer.results.check import GRAVEST
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import SUMMED, AxisSizing, CarriedMass, MachineSizing, objective_sum

@@ -14,7 +14,7 @@ from specs import HEAT, estimates_off, without
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.battery import charge_over_mission, energy_budget, pack_of, run_time
-from drivesizer.machine.supply_power import AxisOnBus, OnBus, Regenerated, drive_power
+from drivesizer.machine.supply_power import AxisOnBus, Regenerated, drive_power
 from drivesizer.physics.battery import peukert_time
 from drivesizer.results.check import Check
 from drivesizer.results.drive_set import DriveSet, EnergyBudget
@@ -75,7 +75,7 @@ def budget(
     battery = Battery.model_validate(FOUR | changed)
     rest = equipment() if others is None else others
     spec, power = spec.model_copy(update={"battery": battery, "equipment": rest}), drive_power(spec, drive)
-    return energy_budget(OnBus(Regenerated("", spec, power), [AxisOnBus("", spec, drive, power)]), listed)
+    return energy_budget(Regenerated("", spec, power), [AxisOnBus("", spec, drive, power)], listed)
 
 
 def check(found: EnergyBudget, name: str) -> Check:

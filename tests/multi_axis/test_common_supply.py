@@ -14,10 +14,10 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import static_torque
 from drivesizer.machine.budgets import machine_budget
+from drivesizer.machine.common_bus import AxisPower
+from drivesizer.machine.common_supply import common_supply
 from drivesizer.machine.problem import problem
 from drivesizer.machine.set_cycle import set_cycle
-from drivesizer.multi_axis.common_bus import AxisPower
-from drivesizer.multi_axis.common_supply import common_supply
 from drivesizer.results.machine import MachinePower
 from drivesizer.search.shortlist import load_parts
 from drivesizer.sizing import explain

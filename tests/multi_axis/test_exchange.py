@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.files.yaml_source import YamlSource
-from drivesizer.machine.supply_power import DrivePower, Regenerated
-from drivesizer.multi_axis.common_bus import (
+from drivesizer.machine.common_bus import (
     AtAnyPhase,
     exchanged,
     from_start,
@@ -19,6 +18,7 @@ from drivesizer.multi_axis.common_bus import (
     summed_up,
     worst_start,
 )
+from drivesizer.machine.supply_power import DrivePower, Regenerated
 from drivesizer.physics.power_stage import Feed, PowerStage
 from drivesizer.spec.robot import RobotSpec, read_spec
 

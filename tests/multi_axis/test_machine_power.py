@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.errors import InputError
-from drivesizer.multi_axis.common_supply import machine_power, shared_sections
+from drivesizer.machine.common_supply import machine_power, shared_sections
 from drivesizer.multi_axis.several import laden
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.json.documents import as_text

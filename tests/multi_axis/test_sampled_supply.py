@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from drivesizer.machine.common_supply import machine_power
 from drivesizer.machine.problem import problem
-from drivesizer.multi_axis.common_supply import machine_power
 from drivesizer.multi_axis.sampled_supply import over_tolerances
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import AxisSizing, MachineSizing

@@ -9,8 +9,8 @@ from math import inf
 import numpy as np
 import pytest
 
+from drivesizer.machine.common_supply import machine_power
 from drivesizer.multi_axis.combinations import Choice, cheapest_first
-from drivesizer.multi_axis.common_supply import machine_power
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.results.machine import MachineSizing
 from drivesizer.spec.machine import load_machine

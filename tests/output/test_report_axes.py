@@ -13,7 +13,7 @@ import pytest
 from forty_motors import catalogue
 from printed import blank_figures
 
-from drivesizer.multi_axis.common_supply import machine_power
+from drivesizer.machine.common_supply import machine_power
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin
 from drivesizer.output.document.axes import MachineContent, document_of

@@ -15,7 +15,7 @@ from drivesizer.catalog import Catalog
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.battery import energy_budget
 from drivesizer.machine.problem import problem
-from drivesizer.machine.supply_power import AxisOnBus, OnBus, Regenerated, drive_power
+from drivesizer.machine.supply_power import AxisOnBus, Regenerated, drive_power
 from drivesizer.physics.load_cycle import integral
 from drivesizer.search.columns.evaluation import Evaluation
 from drivesizer.search.search import search
@@ -277,7 +277,7 @@ def _lasts(
     assert moved.battery
     record = drive_set(plainly, 0, 1)
     power = drive_power(moved, record)
-    found = energy_budget(OnBus(Regenerated("", moved, power), [AxisOnBus("", moved, record, power)]), catalog)
+    found = energy_budget(Regenerated("", moved, power), [AxisOnBus("", moved, record, power)], catalog)
     budget = {check.name: check for check in found.checks}
     for name in checks:
         for side in ("demand", "limit"):

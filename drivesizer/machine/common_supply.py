@@ -15,8 +15,8 @@ from drivesizer.files.yaml_source import Path_
 from drivesizer.machine.battery import mass_of
 from drivesizer.machine.braking import with_parts_of_supply
 from drivesizer.machine.budgets import Feeds, feeds_of, machine_mass, price_check, rows_of_drive, stall_check
-from drivesizer.machine.supply_power import AxisOnBus, DrivePower, OnBus, side_by_side
-from drivesizer.multi_axis.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
+from drivesizer.machine.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
+from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
 from drivesizer.results.check import Check, Figure, figure, worst_of_cases
 from drivesizer.results.check_columns import at_most
@@ -134,7 +134,7 @@ def common_supply(
     buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in names}
     withstood = min((limit for limit in _withstood(axes).values() if not isnan(limit)), default=nan)
     checks = worst_of_cases([(name, _supplied(bus)) for name, bus in buses.items()])
-    feeds = feeds_of(shared, catalog, [_on_bus(name, bus, axes) for name, bus in buses.items()], withstood)
+    feeds = feeds_of(shared, catalog, [*buses.values()], withstood)
     voltage = worst_of_cases([(name, (_voltage(bus, feeds.braking, axes),)) for name, bus in buses.items()])
 
     def largest(case: str) -> float:
@@ -209,27 +209,20 @@ def _highest(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisP
     return bound if all(bound <= limit for limit in _withstood(axes).values()) else nan
 
 
-def _on_bus(name: str, bus: CommonBus, axes: Sequence[AxisPower]) -> OnBus:
-    """All axes in a load case, as a battery has them."""
-    both = zip(axes, bus.axes, strict=True)
-    each = [AxisOnBus(axis.name, axis.case(name)[0].spec, axis.one, power) for axis, power in both]
-    return OnBus(bus.on_bus, each)
-
-
 def _record(
     name: str,
     bus: CommonBus,
     axes: Sequence[AxisPower],
     feeds: Feeds,
 ) -> MachinePower:
-    total, cut, single = bus.total, side_by_side(bus.axes), len(bus.together) == 1
+    total, cut, single = bus.total, side_by_side(bus.powers), len(bus.together) == 1
     peak, time, peak_axis = float(total.peak.max()), _peak_time(total), ""
     if not isnan(peak):  # the axis that draws most in the piece that begins at the moment
         starts = np.cumsum(cut[0].duration) - cut[0].duration
         piece = int(np.abs(starts - time).argmin())
         peak_axis = axes[int(np.argmax([one.most[piece] for one in cut]))].name
     unknown = []
-    for axis, power in zip(axes, bus.axes, strict=True):
+    for axis, power in zip(axes, bus.powers, strict=True):
         if isnan(float(power.most.sum() + power.returned.sum() + power.bus_drawn.sum())):
             why = unknown_at_rest(axis.case(name)) if not bus.phases and axis.waits(axis.case(name)) else ""
             unknown.append(f"{axis.name}: {why or 'its drive has figures that no data sheet gives'}")
@@ -260,7 +253,7 @@ def _record(
 
 
 def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
-    total, powers, peak = bus.total, bus.axes, float(bus.total.peak.max())
+    total, powers, peak = bus.total, bus.powers, float(bus.total.peak.max())
     at = None if bus.phases or isnan(time) else time
     yield figure("machine_cycle", total.total if not bus.phases else max(one.total for one in bus.together))
     yield figure("supply_peak", peak, at)

@@ -17,7 +17,7 @@ from drivesizer.load_cases import load_cycle, rest_left, static_torque, with_res
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import motion_of
 from drivesizer.machine.problem import load_case, quickest_winding
-from drivesizer.machine.supply_power import Burnt, DrivePower, Regenerated, power_of_cases, together
+from drivesizer.machine.supply_power import AxisOnBus, Burnt, DrivePower, Regenerated, power_of_cases, together
 from drivesizer.physics.braking import largest_mean, largest_pulse
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.power_stage import Feed, of_the_source
@@ -506,9 +506,10 @@ class AxisPower(NamedTuple):
     repeats: bool | None = None  # goes on repeating; where not said, if it is not at rest at both ends of its motion
 
     def case(self, name: str) -> list[LoadCase]:
-        """Its drives in the load case of a name; in the first one where it has none of that name."""
+        """Its drives in the load case of a name; in the first one where none of that name is sized by itself."""
         numbers = {own: number for number, (own, _) in enumerate(self.problem.machine.load_cases)}
-        return [self.problem.cases[k] for k in self.problem.machine_cases[numbers.get(name, 0)]]
+        cases, number = self.problem.cases, numbers.get(name, 0)
+        return [one for one in cases if one.number == number] or [one for one in cases if one.number == 0]
 
     def waits(self, cases: Sequence[LoadCase]) -> bool:
         """Whether it waits for the others when it is done."""
@@ -524,7 +525,7 @@ class CommonBus(NamedTuple):
 
     spec: RobotSpec
     feed: Feed
-    axes: list[DrivePower]  # over the same time
+    axes: list[AxisOnBus]  # over the same time
     total: DrivePower  # as the sum is judged
     on_bus: Regenerated
     together: tuple[DrivePower, ...]  # those that run at any phase to one another, each over its own period
@@ -534,9 +535,14 @@ class CommonBus(NamedTuple):
     exceeded: tuple[Exceeded, ...]  # limits of the supply, at random phases
 
     @property
+    def powers(self) -> list[DrivePower]:
+        """Power of each axis over that time."""
+        return [axis.power for axis in self.axes]
+
+    @property
     def exchanged(self) -> float:
         """Energy that one axis regenerates and another draws, at random phases none that is certain [J]."""
-        apart = fsum(float(one.returned @ one.duration) for one in self.axes)
+        apart = fsum(float(one.returned @ one.duration) for one in self.powers)
         return max(apart - float(self.total.returned @ self.total.duration), 0.0)
 
 
@@ -550,16 +556,20 @@ def common_bus(
     rows = zip(axes, cases, waits, strict=True)
     moving = [Moving(axis.name, axis.start, own[0].cycle.total, one) for axis, own, one in rows]
     cycle = cycle_of(moving, cycle_time)
-    powers = [_axis_power(*row, cycle) for row in zip(axes, cases, waits, strict=True)]
-    if shared.battery is not None:
-        powers = [power.slipping(own[0].spec.slip) for power, own in zip(powers, cases, strict=True)]
+    alone = len(axes) == 1
+    powers = [_axis_power(shared, *row, cycle, alone=alone) for row in zip(axes, cases, waits, strict=True)]
     window = common_period([power.total for power in powers], [len(power.duration) for power in powers])
-    if synchronised and not isnan(window) and len(axes) > 1:
+    if synchronised and not isnan(window) and not alone:
         powers = [from_start(fitted(p, window), axis.start) for axis, p in zip(axes, powers, strict=True)]
-    if len(axes) == 1 or (synchronised and not isnan(window)):
+
+    def named(powers: Sequence[DrivePower]) -> list[AxisOnBus]:
+        rows = zip(axes, cases, powers, strict=True)
+        return [AxisOnBus(axis.name, own[0].spec, axis.one, power) for axis, own, power in rows]
+
+    if alone or (synchronised and not isnan(window)):
         total = exchanged(powers, feed)
         on_bus = Regenerated(name, shared, total)
-        return CommonBus(shared, feed, powers, total, on_bus, (total,), cycle, (), synchronised, ())
+        return CommonBus(shared, feed, named(powers), total, on_bus, (total,), cycle, (), synchronised, ())
     side_by_side = [k for k, one in enumerate(waits) if one]  # the others run each at any phase
     for k in side_by_side:
         powers[k] = from_start(powers[k], axes[k].start)
@@ -572,7 +582,7 @@ def common_bus(
     starts = tuple(phases[k] % power.total for k, power in enumerate(powers))
     total, exceeded = summed_up(aligned, feed), _exceeded(shared, apart, feed)
     at_any = AtAnyPhase(name, shared, total, tuple(Regenerated(name, shared, power) for power in apart), feed)
-    return CommonBus(shared, feed, shown, total, at_any, apart, cycle, starts, synchronised, exceeded)
+    return CommonBus(shared, feed, named(shown), total, at_any, apart, cycle, starts, synchronised, exceeded)
 
 
 def _shown(powers: Sequence[DrivePower]) -> float:
@@ -589,10 +599,24 @@ def _shown(powers: Sequence[DrivePower]) -> float:
     return longest * max(1, min(_SHOWN, int(MOST_PIECES / pieces)))
 
 
-def _axis_power(axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float) -> DrivePower:
-    """Power of all drives of an axis over its own period, or waiting until the machine's cycle is over."""
+def _axis_power(
+    shared: RobotSpec, axis: AxisPower, cases: Sequence[LoadCase], waits: bool, cycle: float, *, alone: bool
+) -> DrivePower:
+    """Power of all drives of an axis over its own period, or waiting until the machine's cycle is over.
+
+    Wheels that slip draw more of a battery. Alone on a bus, what one wheel draws of another's return goes no further,
+    and over a long cycle each moment counts where the supply's peak current is limited.
+    """
+    supply, kept = shared.supply, 1.0 - shared.supply.regeneration
     cycles = [waiting(case, cycle) if waits else case.at_belt for case in cases]
-    found = power_of_cases(cases, axis.one, cycles)
+    timed = supply.peak_current is not None and supply.current is not None
+    merged = alone and len(cases) == 1 and not timed and shared.battery is None
+    found = power_of_cases(cases, axis.one, cycles, merged=merged)
+    if shared.battery is not None:
+        found = found.slipping(cases[0].spec.slip)
+    elif alone and len(cases) > 1:
+        net: Array = found.bus_drawn - kept * found.returned
+        found = found._replace(bus_drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0) / (kept or 1.0))
     return found.times(nan) if waits and cycle > cases[0].cycle.total and unknown_at_rest(cases) else found
 
 
