@@ -325,7 +325,7 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | N
     if machine:
         checks += machine.checks
         figures += machine.figures
-    feeds = on_its_supply(problem, one) if spec.battery or problem.machine.limits_the_bus else Feeds()
+    feeds = on_its_supply(problem, one) if spec.battery or problem.machine.limits_the_bus else MachineBudget()
     checks += feeds.checks
     if spec.supply.stalled and not spec.on_common_bus:
         checks.append(stall_check(spec.supply, [(spec, one)]))
@@ -334,34 +334,25 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | N
     return MachineBudget(tuple(checks), tuple(figures), masses, feeds.energy, feeds.braking)
 
 
-class Feeds(NamedTuple):
-    """What feeds a machine against its limits: a battery, or a supply with what becomes of regenerated energy."""
-
-    energy: EnergyBudget | None = None  # of the load case in which the battery lasts least
-    braking: BrakingBudget | None = None
-    checks: tuple[Check, ...] = ()
-
-
-def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus], withstood: float) -> Feeds:
-    """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases.
-
-    ``withstood`` is the least voltage that any of its controllers withstands [V].
-    """
+def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus]) -> MachineBudget:
+    """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases."""
     if spec.battery is None:
+        volts = (axis.drive_set.controller.supply_max for axis in cases[0].axes if axis.drive_set.controller)
+        withstood = min((each for each in volts if not isnan(each)), default=nan)  # the least of any controller
         on_battery = spec.supply.kind == "battery"
         braking = None if on_battery else bus_budget(spec, catalog, [case.on_bus for case in cases], withstood)
-        return Feeds(braking=braking, checks=braking.checks if braking else ())
+        return MachineBudget(braking=braking, checks=braking.checks if braking else ())
     energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog)) for case in cases]
     least = min((one for _, one in energies), key=lambda one: (not isnan(one.autonomy), one.autonomy))
-    return Feeds(energy=least, checks=worst_of_cases([(name, one.checks) for name, one in energies]))
+    return MachineBudget(energy=least, checks=worst_of_cases([(name, one.checks) for name, one in energies]))
 
 
-def on_its_supply(problem: Problem, one: DriveParts) -> Feeds:
+def on_its_supply(problem: Problem, one: DriveParts) -> MachineBudget:
     """What feeds a machine of one axis, with a drive."""
-    withstood, axis = one.controller.supply_max if one.controller else nan, AxisPower("", problem, one)
+    axis = AxisPower("", problem, one)
     cases = [(problem.name_of(numbers), problem.cases[numbers[0]].spec) for numbers in problem.machine_cases]
     buses = [common_bus(name, spec, [axis], synchronised=True, cycle_time=None) for name, spec in cases]
-    return feeds_of(problem.machine, problem.catalog, buses, withstood)
+    return feeds_of(problem.machine, problem.catalog, buses)
 
 
 def stall_current(spec: RobotSpec, one: DriveParts) -> float:

@@ -14,7 +14,7 @@ from drivesizer.errors import FieldError, InputError
 from drivesizer.files.yaml_source import Path_
 from drivesizer.machine.battery import mass_of
 from drivesizer.machine.braking import with_parts_of_supply
-from drivesizer.machine.budgets import Feeds, feeds_of, machine_mass, price_check, rows_of_drive, stall_check
+from drivesizer.machine.budgets import MachineBudget, feeds_of, machine_mass, price_check, rows_of_drive, stall_check
 from drivesizer.machine.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
 from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
@@ -132,9 +132,8 @@ def common_supply(
     more = [name for axis in axes for name, _ in axis.problem.machine.load_cases[1:]]
     names = dict.fromkeys([AS_SPECIFIED, *more]) if more else [""]
     buses = {name: common_bus(name, cases.get(name, shared), axes, synchronised, cycle_time) for name in names}
-    withstood = min((limit for limit in _withstood(axes).values() if not isnan(limit)), default=nan)
     checks = worst_of_cases([(name, _supplied(bus)) for name, bus in buses.items()])
-    feeds = feeds_of(shared, catalog, [*buses.values()], withstood)
+    feeds = feeds_of(shared, catalog, [*buses.values()])
     voltage = worst_of_cases([(name, (_voltage(bus, feeds.braking, axes),)) for name, bus in buses.items()])
 
     def largest(case: str) -> float:
@@ -213,7 +212,7 @@ def _record(
     name: str,
     bus: CommonBus,
     axes: Sequence[AxisPower],
-    feeds: Feeds,
+    feeds: MachineBudget,
 ) -> MachinePower:
     total, cut, single = bus.total, side_by_side(bus.powers), len(bus.together) == 1
     peak, time, peak_axis = float(total.peak.max()), _peak_time(total), ""
