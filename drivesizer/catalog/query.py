@@ -33,18 +33,9 @@ _SIGNS: dict[str, Callable[[Any, Any], Any]] = {
 _CONDITION = re.compile(r"\s*([A-Za-z][\w -]*?)\s*(<=|>=|!=|==|<|>|=)\s*(.*?)\s*", re.DOTALL)
 _OPTION = re.compile(r"\s*(<=|>=|!=|==|<|>|=)?\s*(.*?)\s*", re.DOTALL)
 
-# Options of the command line: the column that each tests in a section. A controller serves a range of voltages.
-OPTIONS: dict[str, dict[str, str]] = {
-    "family": dict.fromkeys(PARTS, "family"),
-    "voltage": {"motors": "nominal_voltage", "controllers": "supply_min supply_max", "actuators": "nominal_voltage",
-     "brakes": "supply", "batteries": "nominal_voltage", "power_supplies": "nominal_voltage",
-     "brake_resistors": "chopper_voltage_min chopper_voltage_max"},
-    "diameter": dict.fromkeys(("motors", "gearheads", "encoders", "actuators", "screws"), "diameter"),
-    "power": {"motors": "assigned_power", "gearheads": "continuous_power", "brake_resistors": "power"},
-    "kind": {"motors": "kind", "gearheads": "kind", "encoders": "kind", "controllers": "drives", "actuators": "gearing",
-     "steppers": "wiring", "belts": "profile", "pulleys": "profile", "screws": "kind", "batteries": "chemistry",
-     "brakes": "family", "power_supplies": "kind", "brake_resistors": "kind"},
-}  # fmt: skip
+# options of the command line, each with the column that it tests in a section
+OPTIONS: dict[str, dict[str, str]] = {"family": dict.fromkeys(PARTS, "family")}
+OPTIONS |= shipped_data("drivesizer.catalog", "headers.yaml")["options"]
 
 
 class Condition(NamedTuple):

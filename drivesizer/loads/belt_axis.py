@@ -32,6 +32,7 @@ class BeltAxis(SharedLoad):
     axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
+    loads_shaft: ClassVar[bool] = True
     kind: Literal["belt_axis"]
     mass: fields.Mass = fields.required("of the carriage and what is on it")
     pulley_diameter: fields.Length = fields.required("of the driving pulley, on its pitch circle")

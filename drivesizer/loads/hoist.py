@@ -34,6 +34,7 @@ class Hoist(SharedLoad):
     axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
+    loads_shaft: ClassVar[bool] = True
     kind: Literal["hoist"]
     mass: fields.Mass = fields.required("of what is lifted, its carrier included")
     counterweight: fields.Counterweight = fields.default("0 kg", "hung against the mass, with as many falls")

@@ -17,9 +17,10 @@ class LoadModel(Section):
     """A load as a user writes it; its file also has the torque law."""
 
     axis: ClassVar[Axis]  # of its motion: along a line or about an axis
-    takes_payload: ClassVar[bool] = False  # whether a motion may add one to its mass
+    takes_payload: ClassVar[bool] = False  # whether a motion may add one to its mass, and drives of other axes theirs
     is_wheel: ClassVar[bool] = False  # whether it is of driven wheels of a platform, their cycle computed
     of_shaft: ClassVar[bool] = False  # whether its law or file gives the shaft's speed: at no fixed radius
+    loads_shaft: ClassVar[bool] = False  # whether its force on the shaft that carries it is known
     has_end: ClassVar[bool] = False  # whether its travel is limited, so that a cycle has to end where it starts
 
     @property

@@ -25,6 +25,7 @@ class RackPinion(SharedLoad):
     axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
+    loads_shaft: ClassVar[bool] = True
     kind: Literal["rack_pinion"]
     mass: fields.Mass
     pinion_diameter: fields.Length = fields.required("of its pitch circle")

@@ -74,6 +74,7 @@ class Screw(SharedLoad):
     axis: ClassVar[fields.Axis] = "linear"
     has_end: ClassVar[bool] = True
     takes_payload: ClassVar[bool] = True
+    loads_shaft: ClassVar[bool] = True
     kind: Literal["lead_screw", "ball_screw"]
     mass: fields.Mass = fields.required("of the slide and what is on it")
     screw: ScrewChoice | None = fields.optional(

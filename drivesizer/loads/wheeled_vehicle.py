@@ -55,6 +55,7 @@ class WheeledVehicle(LoadModel):
 
     axis: ClassVar[fields.Axis] = "linear"
     takes_payload: ClassVar[bool] = True
+    loads_shaft: ClassVar[bool] = True
     kind: Literal["wheeled_vehicle"]
     mass: fields.Mass = fields.required("whole vehicle, payload included")
     driven_wheels: Count = fields.required("wheels with a drive")

@@ -126,11 +126,6 @@ def axis_of(axes: Sequence[Axis], name: str) -> Axis:
     return found
 
 
-# sections that a machine has as it is given, and a plain spec too
-_SHARED = ("name", "supply", "environment", "margins", "mission", "battery", "equipment", "budget", "brake_resistor",
-           "report")  # fmt: skip
-
-
 def machine_of(spec: RobotSpec) -> MachineSpec:
     """A plain spec as a machine of one axis."""
     shared: dict[str, Any] = {name: getattr(spec, name) for name in _SHARED}
@@ -174,13 +169,12 @@ def named_catalogs(data: Any) -> list[str]:
 
 
 _LEVERS = {"arm": "length", "rotary_table": "eccentricity"}  # kinds that turn, and what is from axis to centre
-_ALONG = ("belt_axis", "rack_pinion", "hoist", "lead_screw", "ball_screw", "conveyor", "wheeled_vehicle")
 
 
 def check_carrier(load: Load, distances: Iterable[float | None]) -> None:
     """Refuse a load that carries no drives, and a distance that its kind lacks or does not have."""
     turning = load.kind in _LEVERS
-    if not turning and load.kind not in _ALONG:
+    if not turning and not load.takes_payload:
         raise InputError(f"a {load.kind} carries no drives; expected an axis with a mass, an arm or a rotary_table")
     for distance in distances:
         if turning and distance is None:
@@ -211,7 +205,6 @@ def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
 # its own.
 
 
-_OWN = ("axes", "timing", "cycle_time", "total", "few_kinds", "robot", "design")  # fields of a machine that no axis has
 WHOLE = ("battery", "equipment", "budget", "brake_resistor")  # of several axes the machine's, of one its own
 _COMPUTED = {"kind": "recorded", "file": "of the description"}  # the load of a joint, until it is computed
 Both = tuple[dict[str, Any], dict[str, Any]]  # sections of an axis as written, and without tolerances
@@ -291,6 +284,11 @@ class MachineFields(fields.Section):
             if not isinstance(sections, dict):
                 raise ValueError(f"{quoted(name)}: expected a group of fields such as load, motion, carries")
         return given
+
+
+# fields of a machine that no axis has, and sections that it has as it is given, as a plain spec has them
+_OWN = ("design", *(name for name in MachineFields.model_fields if name not in RobotSpec.model_fields))
+_SHARED = tuple(name for name in MachineFields.model_fields if name not in _OWN)
 
 
 def load_machine(given: str | Path | Mapping[str, Any]) -> MachineSpec:

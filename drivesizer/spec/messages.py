@@ -326,7 +326,6 @@ PAPER_TREATS = (
 )
 
 _MOST_SHARED = 0.999  # of the time, that load cases may take of the machine as specified
-_OVERHUNG = ("wheeled_vehicle", "rack_pinion", "belt_axis", "hoist", "lead_screw", "ball_screw")
 
 
 def contradictions(spec: Any) -> Iterator[str]:
@@ -442,7 +441,7 @@ def _overhung(spec: Any) -> Iterator[str]:
     carries = shaft.carries_load
     if carries and len(stages) > 1:
         yield f"shaft.carries_load: the {stages[1].kind} is on this shaft, not the load; leave it out"
-    if carries and spec.load.kind not in _OVERHUNG:
+    if carries and not spec.load.loads_shaft:
         yield (f"shaft.carries_load: a {spec.load.kind} has no known force on its shaft; expected needs.radial_load")
     if carries and spec.platform is not None and shaft.wheel_load is None:
         yield "shaft: expected wheel_load, for loads on the wheels of a platform differ"

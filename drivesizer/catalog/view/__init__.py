@@ -397,11 +397,8 @@ STEPPER = "stepper"  # kind of such a motor, and the column with its row in the 
 _NONE = np.zeros(0, np.int32)
 _NO_PAIRS = Pairs(_NONE, _NONE, _NONE)
 _AS_MOTOR = {"phase_current": "nominal_current", "full_steps": "pole_pairs"}  # as the motors' table has them
-_ALIKE = (
-    "part", "family", "manufacturer", "resistance", "inductance", "rotor_inertia", "holding_torque", "detent_torque",
-    "start_speed", "pull_out_share", "max_radial_load", "max_axial_load", "ambient_min", "ambient_max",
-    "shaft_diameter", "diameter", "length", "mass", "price",
-)  # fmt: skip
+_ALIKE = [name for name in columns_of("steppers") if name in columns_of("motors")
+          and name not in ("foreign_price", "currency")]  # fmt: skip
 
 
 def has_steppers(catalog: Catalog) -> bool:
