@@ -49,33 +49,32 @@ def _shown(block: doc.Block) -> bool:
 
 def as_data(value: Any, axis: str = "") -> Any:
     """Records as lists and dicts, each with its ``kind``; names of figures and tables of an axis begin with its key."""
+    of = (
+        f", {axis.removesuffix('-').replace('axis', 'axis ')}" if axis else ""
+    )  # of equal parts that a page has several
     if isinstance(value, doc.Table):
         columns = [column for column in value.columns if column.media in doc.PAPER]
         columns = [c for c in columns if c.head or any(row.cells.get(c.key, "") != "" for row in value.rows)]
         return {
-            "kind": "table", "caption": as_data(value.caption,
-                                                axis), "name": f"{axis}{value.name}" if value.name else "",
+            "kind": "table", "caption": as_data(value.caption, axis), "label": doc.text_of(value.caption) + of,
+            "name": f"{axis}{value.name}" if value.name else "",
             "columns": [{"head": c.head, "form": c.form, "width": c.width, "merged": c.merged} for c in columns],
             "rows": [_row(row, value, [c.key for c in columns], axis) for row in value.rows], "look": value.look,
             "dense": value.dense, "sortable": value.sortable, "halves": value.halves, "grouped": bool(value.group),
         }  # fmt: skip
     if isinstance(value, doc.Quantity):
-        return {
-            "kind": "number",
-            "text": value.text,
-            "value": value.number if isfinite(value.number) else None,
-            "note": value.note,
-        }
+        number = value.number if isfinite(value.number) else None
+        return {"kind": "number", "text": value.text, "value": number, "note": value.note}
     if isinstance(value, doc.Pair):
-        return {
-            "kind": "pair",
-            **{side: [as_data(one, axis) for one in getattr(value, side) if _shown(one)] for side in ("left", "right")},
-        }
+        sides = {"left": value.left, "right": value.right}
+        return {"kind": "pair"} | {side: [as_data(one, axis) for one in blocks if _shown(one)]
+                                   for side, blocks in sides.items()}  # fmt: skip
     if is_dataclass(value) and not isinstance(value, type):
         found = {"kind": type(value).__name__.lower()} | {
             one.name: as_data(getattr(value, one.name), axis) for one in fields(value)
         }
-        return found | {"name": f"{axis}{value.name}"} if isinstance(value, doc.Picture | doc.TableLink) else found
+        found |= {"name": f"{axis}{value.name}"} if isinstance(value, doc.Picture | doc.TableLink) else {}
+        return found | {"alt": value.alt + of} if isinstance(value, doc.Picture) else found
     if isinstance(value, dict):
         return {key: as_data(entry, axis) for key, entry in value.items()}
     return [as_data(entry, axis) for entry in value] if isinstance(value, list | tuple) else value
