@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from dataclasses import replace
 from math import isnan
 
@@ -120,6 +121,12 @@ def test_drives_that_ride_on_an_axis_stand_below_it(chapters, machine):
     rows = [row["cells"] for row in block(chapters["carried"], "riding")["rows"]]
     assert [row[0] for row in rows] == ["x", f"└ {LONG}"]  # nothing rides on z, nor z on anything
     assert (rows[0][-1]["text"], rows[1][-2]["text"]) == ("900 g", "900 g")
+
+
+def test_each_part_of_the_page_that_scrolls_has_a_name_of_its_own(files):
+    names = re.findall(r'role="region" aria-label="([^"]+)"', files["report.html"].decode())
+    assert len(names) > 20 and sorted(names) == sorted(set(names))
+    assert not [name for name in names if name.startswith(",")]
 
 
 def test_tables_have_the_records_figures_of_every_axis(machine, files):

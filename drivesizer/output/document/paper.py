@@ -56,10 +56,11 @@ def as_data(value: Any, axis: str = "") -> Any:
         columns = [column for column in value.columns if column.media in doc.PAPER]
         columns = [c for c in columns if c.head or any(row.cells.get(c.key, "") != "" for row in value.rows)]
         return {
-            "kind": "table", "caption": as_data(value.caption, axis), "label": doc.text_of(value.caption) + of,
-            "name": f"{axis}{value.name}" if value.name else "",
-            "columns": [{"head": c.head, "form": c.form, "width": c.width, "merged": c.merged} for c in columns],
-            "rows": [_row(row, value, [c.key for c in columns], axis) for row in value.rows], "look": value.look,
+            "kind": "table", "name": f"{axis}{value.name}" if value.name else "", "look": value.look,
+            "caption": as_data(value.caption, axis), "label": (doc.text_of(value.caption) + of).removeprefix(", "),
+            "columns": [{"key": c.key, "head": c.head, "form": c.form, "width": c.width, "merged": c.merged}
+                        for c in columns],
+            "rows": [_row(row, value, [c.key for c in columns], axis) for row in value.rows],
             "dense": value.dense, "sortable": value.sortable, "halves": value.halves, "grouped": bool(value.group),
         }  # fmt: skip
     if isinstance(value, doc.Quantity):
