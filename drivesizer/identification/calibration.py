@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.identification.fit import BAND, spreads
+from drivesizer.identification.fit import BAND, of_points, widest
 from drivesizer.identification.log import in_its_form
 from drivesizer.results.identification import Identification, IdentifiedFigure, Inseparable, LogFinding, Trace
 
@@ -72,13 +72,10 @@ def _sweep(data: Mapping[str, Any], path: Path) -> Identification:
     params = data["params"]
     poles, v_per_hz, R = (float(params[name]) for name in ("poles", "v_per_hz", "R"))
     table = np.column_stack([w, w * i_d])
-    (flux, L_d), *_ = np.linalg.lstsq(table, y, rcond=None)
-    left = table @ np.array([flux, L_d]) - y
-    size = float(left.std()) or 1.0
-    sigma = spreads((table / size)[None], (left / size)[None])
+    (flux, L_d), three = of_points(table, y)
     by_file = float(data.get("fit", {}).get("lambda_m", nan))
     by_hz = v_per_hz / (pi * poles)
-    reach = [BAND * float(x) for x in sigma.max(axis=0)]
+    reach = [BAND * float(x) for x in three.max(axis=0)]
     reach[0] = max(reach[0], abs(by_file - flux) if by_file > 0.0 else 0.0, _MODEL * flux)
     k = 0.75 * poles
     figures = (
@@ -87,7 +84,7 @@ def _sweep(data: Mapping[str, Any], path: Path) -> Identification:
         IdentifiedFigure("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", k * flux,
                          k * (flux - reach[0]), k * (flux + reach[0]), "with and without saturation", k * by_hz, nan),
         IdentifiedFigure("L_d", "inductance of the d axis", "inductance", "mH", L_d, L_d - reach[1], L_d + reach[1],
-                         ("formal", "bootstrap", "subsets")[int(sigma[:, 1].argmax())]),
+                         widest(three)[1]),
         _printed("R", "resistance of a phase", "resistance", "ohm", R),
     )  # fmt: skip
     findings = [*_contradictions("v_per_hz over poles", by_hz, "the flux linkage of the sweep", flux)]
@@ -115,23 +112,26 @@ def _constants(data: Mapping[str, Any], path: Path) -> Identification:
 
 
 def _odrive(flat: Mapping[str, float], path: Path) -> Identification:
-    def of(end: str) -> float:
-        return next((value for name, value in flat.items() if name.endswith(end)), nan)
-
-    R, L, k_t = of("phase_resistance"), of("phase_inductance"), of("torque_constant")
-    findings = []
-    if not _INDUCTANCES[0] <= L <= _INDUCTANCES[1]:
-        findings.append(LogFinding("range", f"an inductance of {L:.3g} H is outside 2 uH to 4 mH", severe=True))
-    figures = (
-        _printed("R", "resistance, terminal to terminal", "resistance", "ohm", 2.0 * R),
-        _printed("L", "inductance, terminal to terminal", "inductance", "mH", 2.0 * L),
-        _printed("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", k_t),
-    )
+    """Figures of each axis that a configuration has."""
+    figures, findings, end = list[IdentifiedFigure](), list[LogFinding](), "phase_resistance"
+    stems = sorted(name.removesuffix(end) for name in flat if name.endswith(end))
+    for stem in stems:
+        R, L, k_t = (flat.get(f"{stem}{name}", nan) for name in (end, "phase_inductance", "torque_constant"))
+        axis, of = (f"{stem.split('.')[0]}.", f"{stem.split('.')[0]}: ") if len(stems) > 1 else ("", "")
+        if not (isnan(L) or _INDUCTANCES[0] <= L <= _INDUCTANCES[1]):
+            text = f"{of}an inductance of {L:.3g} H is outside 2 uH to 4 mH"
+            findings.append(LogFinding("range", text, severe=True))
+        rows = (
+            ("R", "resistance, terminal to terminal", "resistance", "ohm", 2.0 * R),
+            ("L", "inductance, terminal to terminal", "inductance", "mH", 2.0 * L),
+            ("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", k_t),
+        )
+        figures += [_printed(f"{axis}{name}", f"{of}{title}", *rest) for name, title, *rest in rows]  # type: ignore[arg-type]
     return _made(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
 
 
 def _made(
     path: Path, figures: Any, findings: Any, samples: int, time: Any, traces: Any, tied: Inseparable
 ) -> Identification:
-    return Identification(log=path.name, samples=samples, figures=figures, inseparable=(tied,),
+    return Identification(log=path.name, samples=samples, figures=tuple(figures), inseparable=(tied,),
                           findings=tuple(findings), time=time, traces=traces)  # fmt: skip

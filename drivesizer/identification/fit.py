@@ -400,3 +400,16 @@ def spreads(J: Array, r: Array) -> Array:
     low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
     by_parts = parts.std(axis=0, ddof=1) / np.sqrt(_PARTS) * _STUDENT
     return np.array([formal, (high - low) / 2.0 / BAND, by_parts])
+
+
+def of_points(table: Array, right: Array) -> tuple[Array, Array]:
+    """Figures by linear regression of steady points, and three standard deviations of each."""
+    found, *_ = np.linalg.lstsq(table, right, rcond=None)
+    left = table @ found - right
+    size = float(left.std()) or 1.0
+    return found, spreads((table / size)[None], (left / size)[None])
+
+
+def widest(three: Array) -> list[str]:
+    """Which kind of band is the widest, of each figure."""
+    return [("formal", "bootstrap", "subsets")[k] for k in three.argmax(axis=0).tolist()]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from drivesizer.identification import declared
-from drivesizer.identification.fit import BAND, spreads
+from drivesizer.identification.fit import BAND, spreads, widest
 from drivesizer.identification.log import Log
 from drivesizer.kernel.heat import added, bodies_of, law_of, spread
 from drivesizer.physics.thermal import COPPER, resistance_at
@@ -85,7 +85,7 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
     three = spreads(best.jac.reshape(len(rises), r.shape[1], 4) / size, r / size)
     first = _SIGMA / float(np.ptp(measured, axis=1).min())  # of the readings that it all starts from
     values, sigma = np.exp(best.x), np.hypot(three.max(axis=0), first)
-    figures, open_ones = [], []
+    figures, open_ones, kinds = [], [], widest(three)
     for k, (name, title, kind, unit) in enumerate(declared("heat")):
         bound = k >= 2 and (total < _LONG * values[3] or sigma[k] > _CERTAIN)
         if k < 2 and sigma[k] > _CERTAIN:
@@ -94,7 +94,7 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
         grows, value = float(np.exp(BAND * min(sigma[k], 5.0))), float(values[k])
         low, high = value / grows, np.inf if bound else value * grows
         open_ones += [title] if bound else []
-        basis = BOUND if bound else ("formal", "bootstrap", "subsets")[int(three[:, k].argmax())]
+        basis = BOUND if bound else kinds[k]
         figures.append(IdentifiedFigure(name, title, kind, unit, low if bound else value, low, high, basis))
     tied = (Inseparable(", ".join(open_ones), f"the log lasts {total:.3g} s", _NEEDS),) if open_ones else ()
     made = course(best.x)

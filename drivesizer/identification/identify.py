@@ -22,7 +22,7 @@ from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import read_bytes
 from drivesizer.identification import declared
 from drivesizer.identification.calibration import calibration
-from drivesizer.identification.fit import BAND, Fit, Record, fitted
+from drivesizer.identification.fit import BAND, Fit, Record, fitted, of_points, widest
 from drivesizer.identification.heat import Heat, heated
 from drivesizer.identification.log import LARGEST, Log, read_log
 from drivesizer.physics.drive_train import back_emf_constant
@@ -41,6 +41,7 @@ _RESTARTS = 30  # stretches of a log driven by its current, which would drift
 _SHORTEST = 100  # samples of such a stretch
 _START = 9.0  # samples whose parabola gives the speed at a start
 _TOLERANCE = {"R": 0.10, "k_e": 0.10, "k_t": 0.10, "J": 0.15, "L": 0.20}  # of a data sheet, where it says none
+_FEWEST_POINTS = 8  # at constant speed
 _LATE = 1.0  # samples of delay that are worth a word
 
 
@@ -75,7 +76,7 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
         have = ", ".join(log.heads.values())
         raise InputError(f"{path}: {quoted(have)}; expected the motor's speed or position, and its voltage or current")
     if log.steady:
-        raise InputError(f"{path}: no time; expected the time of each row")
+        return _of_points(log, columns, of)
     one, time = record(log, columns, of)
     known = {name: x for name, x in of.figures.items() if x > 0.0}
     free, known = _fitted_figures(one, known)
@@ -106,6 +107,37 @@ def _of_heat(log: Log, heat: Heat, of: Reference) -> Identification:
         inseparable=(*heat.inseparable, Inseparable("all but heat", "no speed was logged", "the motor's speed")),
         findings=tuple(log_findings(log, pulled=True)), condition=nan, time=heat.time, traces=heat.traces,
         remarks=log.remarks,
+    )  # fmt: skip
+
+
+def _of_points(log: Log, columns: Mapping[str, Array], of: Reference) -> Identification:
+    """Of points at constant speed: torque and voltage in proportion to current and speed."""
+    behind = "gearhead_torque" if "gearhead_torque" in columns else "torque"
+    if not {"current", behind} <= set(columns) or len(columns["speed"]) < _FEWEST_POINTS:
+        expected = f"the time of each row, or {_FEWEST_POINTS} steady points or more with current, speed and torque"
+        raise InputError(f"{log.name}: no time; expected {expected}")
+    i, w = columns["current"], columns["speed"]
+    laws = {"k_t M_c b": ([i, -np.sign(w), -w], columns[behind] / of.ratio)}
+    laws |= {"R k_e": ([i, w], columns["voltage"])} if "voltage" in columns else {}
+    figures, traces = [], []
+    for names, (table, right) in laws.items():
+        found, three = of_points(np.column_stack(table), right)
+        for name, x, sigma, basis in zip(names.split(), found, BAND * three.max(axis=0), widest(three), strict=True):
+            title, kind, unit = _TITLES[name]
+            printed = of.figures.get(name, nan)
+            deviation = (x - printed) / sqrt((sigma / BAND) ** 2 + (_TOLERANCE.get(name, 0.2) * printed) ** 2)
+            value, low, high = (max(float(y), 0.0) for y in (x, x - sigma, x + sigma))  # no friction drives
+            figures.append(
+                IdentifiedFigure(name, title, kind, unit, value, low, high, basis, printed, float(deviation))
+            )
+        quantity = ("torque", "torque", "mN*m") if "k_t" in names else ("voltage", "voltage", "V")
+        traces.append(Trace(*quantity, right, np.column_stack(table) @ found))
+    tied = Inseparable("inertia, inductance, delay", "it has steady points alone", "a log of a move")
+    lossy = ("a loss of the gears is in the torque constant",) if of.ratio != 1.0 else ()
+    return Identification(
+        log=log.name, label=of.label, columns=log.heads, samples=len(w), figures=tuple(figures), inseparable=(tied,),
+        findings=tuple(log_findings(log, pulled=True)), time=np.arange(float(len(w))), traces=tuple(traces),
+        remarks=(*log.remarks, *lossy),
     )  # fmt: skip
 
 
@@ -219,7 +251,7 @@ def _figures(one: Record, fit: Fit, known: Mapping[str, float], of: Reference, l
     for name in _TITLES:
         if name in fit.free:
             kinds = fit.spread[name]
-            basis, value = ("formal", "bootstrap", "subsets")[int(kinds.argmax())], fit.values[name]
+            basis, value = widest(kinds[:, None])[0], fit.values[name]
             sigma = float(kinds.max())
             if name in ("J", "M_c", "b"):
                 sigma = sqrt(sigma**2 + (shared * value) ** 2)

@@ -247,7 +247,41 @@ def test_two_time_constants_of_the_housing_are_needed_for_heat(tmp_path: Path, l
         assert "two time constants" in found.inseparable[-1].needs
 
 
+def test_steady_points_give_torque_constant_and_friction_and_of_a_voltage_the_resistance(tmp_path: Path) -> None:
+    """A dynamometer's map: k_t i = M + M_f + b w, u = R i + k_e w; noise of a per cent."""
+    random = np.random.default_rng(5)
+    w, M = (x.ravel() for x in np.meshgrid(np.linspace(20.0, 400.0, 12), np.linspace(0.1, 1.2, 9)))
+    i = (M + 0.02 + 1e-4 * w) / 0.03
+    u = 0.05 * i + 0.031 * w
+    rows = np.column_stack([u, i, w * 30.0 / np.pi, M * (1.0 + 0.01 * random.standard_normal(len(M)))])
+    path = tmp_path / "map.csv"
+    np.savetxt(path, rows, delimiter=",", header="voltage (V),current (A),speed (rpm),torque (N*m)", comments="")
+    found = identify(path, Reference(label="sheet", figures={"k_t": 0.033, "R": 0.05}))
+    for name, true in {"k_t": 0.03, "M_c": 0.02, "b": 1e-4, "R": 0.05, "k_e": 0.031}.items():
+        figure = found.figure(name)
+        assert figure.low <= true * (1.0 + 1e-9) and true * (1.0 - 1e-9) <= figure.high, name
+    assert found.figure("k_t").high < 0.031
+    assert found.figure("k_t").deviation == pytest.approx(-0.003 / 0.0033, abs=0.05)  # the sheet's 10 %
+    assert "inertia" in found.inseparable[0].figures
+
+
 # -- Files of other programs.
+
+
+def test_an_odrive_configuration_has_figures_of_each_axis(tmp_path: Path) -> None:
+    """Firmware 0.5 nests, 0.6 has one flat list; a phase's figures are half of those from terminal to terminal."""
+    flat = {"axis0.config.motor.pole_pairs": 4, "axis0.config.motor.phase_resistance": 0.0354,
+            "axis0.config.motor.phase_inductance": 6.25e-5, "axis0.config.motor.torque_constant": 0.48}  # fmt: skip
+    nested: dict[str, Any] = {"axis0": {"motor": {"config": {"phase_resistance": 0.0707, "phase_inductance": 4.01e-4}}},
+                              "axis1": {"motor": {"config": {"phase_resistance": 0.1, "phase_inductance": 6e-3,
+                                                             "torque_constant": 0.1}}}}  # fmt: skip
+    files = {"flat.json": flat, "nested.json": nested}
+    for name, data in files.items():
+        (tmp_path / name).write_text(json.dumps(data))
+    one, two = (identify(tmp_path / name) for name in files)
+    assert [one.figure(name).value for name in ("R", "L", "k_t")] == pytest.approx([0.0708, 1.25e-4, 0.48])
+    assert [two.figure(f"axis{k}.R").value for k in (0, 1)] == pytest.approx([0.1414, 0.2])
+    assert not one.findings and [finding.text.split(":")[0] for finding in two.findings] == ["axis1"]
 
 
 def test_sysid_and_its_binary_log_say_the_same(tmp_path: Path) -> None:

@@ -54,6 +54,26 @@ def test_json_has_si_and_a_part_the_rest_of_the_data_sheet(run: Any, tmp_path: P
     assert status == 0, out
 
 
+def test_an_identified_motor_is_sized_and_validated(run: Any, tmp_path: Path, monkeypatch: Any) -> None:
+    """A flywheel of which it drives a few times its own inertia; the gains are designed for the measured R."""
+    monkeypatch.chdir(tmp_path)
+    run("identify", log_of(Path("log.tsv")), "-o", "own.yaml")
+    Path("robot.yaml").write_text("""name: flywheel
+load: {kind: rotary_table, inertia: 0.5 g*m^2}
+motion: {profile: trapezoid, speed: 600 rpm, acceleration_time: 0.5 s, cruise_time: 1 s, rest_time: 2 s}
+transmission: [{kind: direct}]
+supply: {nominal: 12 V}
+select: {catalogs: [own.yaml]}
+""")
+    status, out, err = run("size", "robot.yaml", "--json")
+    best = json.loads(out)["axes"][0]["result"]["sets"][0]
+    assert (status, best["motor"]["part"]) == (0, "own"), err
+    assert best["motor"]["resistance"] == pytest.approx(2.0, rel=0.01)
+    status, out, err = run("validate", "robot.yaml", "--json")
+    checks = {one["name"]: one for one in json.loads(out)["axes"][0]["validations"][0]["checks"]}
+    assert status == 0 and checks["tracking_error"]["status"] == "pass", err
+
+
 HEAD = b"WPILOG\x00\x01"
 HOSTILE = {
     "empty.csv": b"",

@@ -10,7 +10,7 @@ from drivesizer.output.document import records as doc
 from drivesizer.output.words import likely
 from drivesizer.results.identification import Comparison, Identification, IdentifiedFigure, LogFinding
 from drivesizer.results.prediction import HOTTEST, Predicted, Prediction
-from drivesizer.units import show
+from drivesizer.units import from_si, show
 
 _DIGITS = 3
 _TITLES = {
@@ -124,7 +124,11 @@ def _identified_row(one: IdentifiedFigure) -> doc.Row:
     for key in ("value", "low", "high", "printed"):
         x = getattr(one, key)
         if not isnan(x):
-            cells[key] = doc.Quantity(x, one.unit, one.kind, _LOG_DIGITS, own="no limit" if isinf(x) else "")
+            plain = (
+                "" if key == "value" else f"{float(from_si(x, one.unit, one.kind)):.{_LOG_DIGITS}g}"
+            )  # one unit a row
+            own = plain if isfinite(x) else "no limit"
+            cells[key] = doc.Quantity(x, one.unit, one.kind, _LOG_DIGITS, own=own)
     if not isnan(one.deviation):
         cells["deviation"] = doc.Quantity(one.deviation, "1", "plain", 2)
     return doc.Row(cells, name=one.name)
