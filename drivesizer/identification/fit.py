@@ -407,7 +407,7 @@ def of_points(table: Array, right: Array) -> tuple[Array, Array]:
     found, *_ = np.linalg.lstsq(table, right, rcond=None)
     left = table @ found - right
     size = float(left.std()) or 1.0
-    return found, spreads((table / size)[None], (left / size)[None])
+    return np.asarray(found, float), spreads((table / size)[None], (left / size)[None])
 
 
 def widest(three: Array) -> list[str]:
