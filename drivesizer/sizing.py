@@ -212,9 +212,8 @@ def explained(
     family, box = (str(problem.catalog.gearheads[name][rows[1]]) for name in ("family", "part"))
     behind = spec.behind(box)
     part = str(problem.catalog.motors["part"][rows[0]])
-    choice = {"motor": MotorChoice(part=[part]), "gearhead": Choice(family=[family])}
     narrowed = problem.with_sections(
-        select=behind.select.model_copy(update=choice), transmission=behind.transmission
+        select=behind.select.pair_with(part, family), transmission=behind.transmission
     )  # the motor with all gearheads of the family, of which the one is examined
     combinations = candidates(narrowed, also=rows)
     found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1])).tolist()

@@ -90,21 +90,15 @@ def _margin_order(found: Evaluation, rows: list[int]) -> list[int]:
     return [rows[place] for place in order.tolist()]
 
 
-def _counted_figures(found: Evaluation) -> dict[str, Array]:
-    """Figures that objectives count beside those of the catalogue."""
-    parts = ranking.chosen(found, needs_encoder=not found.spec.steps)
-    return {**found.figures, "margin": smallest_margin(found.checks), **parts}
-
-
 def _objectives(found: Evaluation, names: Sequence[str]) -> dict[str, Array]:
     """Objectives of drives, less is better, NaN unknown."""
-    known = _counted_figures(found)
+    known = ranking.counted_figures(found)
     return {name: _lessened(found.catalog, found.candidates, known, name) for name in names}
 
 
 def _records(found: Evaluation, rows: Sequence[int], names: Sequence[str]) -> tuple[Choice, ...]:
     """Drives with their figures."""
-    known = _counted_figures(found)
+    known = ranking.counted_figures(found)
     columns = {name: _figure(found.catalog, found.candidates, known, name) for name in names}
     return tuple(
         Choice(parts=drive_parts(found, row), figures={name: float(column[row]) for name, column in columns.items()})

@@ -16,7 +16,7 @@ from drivesizer.physics.extremes import undominated
 from drivesizer.physics.figures import Array, Whole
 from drivesizer.results.sizing import multiples, used_share
 from drivesizer.search.columns.candidates import Candidates
-from drivesizer.search.columns.evaluation import Evaluation
+from drivesizer.search.columns.evaluation import Evaluation, smallest_margin
 from drivesizer.search.columns.stages import Drives
 from drivesizer.spec.drive import OBJECTIVES, Ranking, Weighted
 from drivesizer.units import RANGES
@@ -75,6 +75,12 @@ def chosen(found: Evaluation | Drives, *, needs_encoder: bool) -> dict[str, Arra
         "controller": found.controller.astype(float),
         "brake": np.where(found.brake < 0, _NEEDLESS, found.brake).astype(float),
     }
+
+
+def counted_figures(found: Evaluation) -> dict[str, Array]:
+    """Figures that objectives count beside those of the catalogue."""
+    parts = chosen(found, needs_encoder=not found.spec.steps)
+    return {**found.figures, "margin": smallest_margin(found.checks), **parts}
 
 
 def bought(

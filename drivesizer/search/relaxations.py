@@ -18,7 +18,6 @@ from drivesizer.search.columns.candidates import Candidates, candidates
 from drivesizer.search.columns.evaluation import Evaluation, evaluate
 from drivesizer.search.machine_filter import any_in_machine, best_in_machine, passes_budgets
 from drivesizer.search.set_record import TABLES, drive_parts
-from drivesizer.spec.drive import Choice, MotorChoice
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show, to_si
 
@@ -156,8 +155,8 @@ def _other_reductions(problem: Problem, one: DriveParts) -> Iterator[Relaxation]
     """The nearest reduction of the same family that passes with the same motor and belt; not of an actuator."""
     if one.actuator:
         return
-    fixed = {"motor": MotorChoice(part=[one.motor.part]), "gearhead": Choice(family=[one.gearhead.family])}
-    narrowed, catalog = problem.with_sections(select=problem.spec.select.model_copy(update=fixed)), problem.catalog
+    select, catalog = problem.spec.select.pair_with(one.motor.part, one.gearhead.family), problem.catalog
+    narrowed = problem.with_sections(select=select)
     found = candidates(narrowed)
     if not len(found.motor):
         return

@@ -34,7 +34,7 @@ from drivesizer.search.columns.evaluation import Evaluation, evaluate, smallest_
 from drivesizer.search.columns.shaft_limits import life_of_gearheads, shaft_loads
 from drivesizer.search.open_checks import estimated, resolved_checks
 from drivesizer.search.ranking import CONTROLLING, bought, chosen
-from drivesizer.spec.drive import OBJECTIVES, Choice, MotorChoice
+from drivesizer.spec.drive import OBJECTIVES
 
 TABLES = (*listed("drivesizer.search", "tables.txt"),)
 _NO_BUDGET = MachineBudget()
@@ -179,8 +179,7 @@ def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[f
         least = float(smallest_margin(evaluation.checks)[index])
         return (math.nan if math.isinf(least) else least), (OBJECTIVES[objective].note,)
     if not isinstance(objective, str):
-        figures = dict(evaluation.figures) | {"margin": smallest_margin(evaluation.checks)}
-        figures |= chosen(evaluation, needs_encoder=not evaluation.spec.steps)
+        figures = ranking.counted_figures(evaluation)
         value, missing = ranking.values(evaluation.catalog, evaluation.candidates, figures, objective)
         lacking = f", {missing[index]} figures unknown" if missing[index] else ""
         return math.nan if missing[index] else float(value[index]), (
@@ -319,10 +318,6 @@ def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
     """
     if not problem.spec.paper_applies:
         return ()
-    fixed = {
-        "motor": MotorChoice(part=[one.motor.part]),
-        "gearhead": Choice(family=[one.gearhead.family]),
-    }
     method = "physics" if problem.spec.method == "paper" else "paper"
     catalog = problem.catalog
     tables: dict[str, Table[Any]] = {  # in which these parts alone may be chosen
@@ -333,7 +328,7 @@ def other_checks(problem: Problem, one: DriveParts) -> tuple[Check, ...]:
         if part is not None
     }  # fmt: skip
     narrowed = replace(problem, catalog=catalog.with_tables(tables, {})).with_sections(
-        select=problem.spec.select.model_copy(update=fixed), method=method
+        select=problem.spec.select.pair_with(one.motor.part, one.gearhead.family), method=method
     )
     rows = catalog.motors.rows[one.motor.part], catalog.gearheads.rows[one.gearhead.part]
     offered = candidates(narrowed, also=rows)

@@ -299,6 +299,10 @@ class Select(fields.Section):
         other = objective is not None and objective != self.objective
         return self.model_copy(update={"objective": objective}) if other else self
 
+    def pair_with(self, motor: str, family: str) -> Select:
+        """The same with one motor and one family of gearheads alone."""
+        return self.model_copy(update={"motor": MotorChoice(part=[motor]), "gearhead": Choice(family=[family])})
+
     @property
     def weights(self) -> dict[str, float]:
         """The objectives of the ranking with their weights."""
