@@ -17,6 +17,7 @@ import pytest
 from hypothesis import settings
 from specs import estimates_off
 
+from drivesizer import catalog as catalogues
 from drivesizer import cli
 from drivesizer.catalog import Catalog, load
 from drivesizer.files.cache import digest_of
@@ -49,6 +50,11 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else each command that a test starts compiles it all
     _drop_outdated()
     translate_all()
+
+
+def pytest_collection(session: pytest.Session) -> None:
+    """Keep all catalogues in memory, which tests load by turns, not the last few."""
+    catalogues._REMEMBERED = 256
 
 
 def pytest_collection_finish() -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 
 import jsonschema
 import pytest
@@ -14,23 +12,15 @@ from drivesizer.catalog.tolerances import resistance_from_stall
 SET = ("DCX22S01EBKL598", "--gearhead", "GPX22HPKLSL44D0CPLW", "--catalog", "maxon")
 
 
-@pytest.fixture(scope="module")
-def printed_schema():
-    found = subprocess.run(
-        [sys.executable, "-m", "drivesizer", "schema", "prediction"], capture_output=True, check=True
-    )
-    return json.loads(found.stdout)
-
-
 @pytest.mark.parametrize(
     "words",
     [SET, ("XL330-M288-T 5 V", "--catalog", "robotis", "--load", "0.1 N*m", "--warm", "50 degC"),
      ("118752", "--catalog", "maxon", "--controller", "438725", "--inertia", "3 kg*cm^2")],
 )  # fmt: skip
-def test_json_is_of_the_printed_schema(words, run, printed_schema):
+def test_json_is_of_the_printed_schema(words, run):
     status, out, err = run("predict", *words, "--json")
     document = json.loads(out)
-    jsonschema.validate(document, printed_schema)
+    jsonschema.validate(document, json.loads(run("schema", "prediction")[1]))
     assert (status, err) == (0, "".join(f"note: {text}\n" for text in document["warnings"]) * 0)
     for one in document["figures"]:
         assert (one["band"]["nominal"] is None) <= (bool(one["missing"]) or one["never"] is not None)

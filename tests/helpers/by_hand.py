@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, NamedTuple
@@ -236,20 +236,19 @@ def by_controller(
         returned=NAN,
         stored=(NAN, NAN),
     )
-    hottest_of = [
-        [hottest_volts(p, motor, T) for p, T in zip(fine, Ts, strict=True)] for Ts in (both if unknown else both[:1])
+    hottest_flows = [
+        flow(fine, [hottest_volts(p, motor, T) for p, T in zip(fine, Ts, strict=True)])
+        for Ts in (both if unknown else both[:1])
     ]
-    means = [T.mean for T in temperatures]
+    mean_flow = flow(fine, [volts(p, motor, T.mean) for p, T in zip(fine, temperatures, strict=True)])
+    cold_flow = flow(fine, [volts(p, motor, ambient) for p in fine]) if unknown else mean_flow
 
     @cache
     def at(loss: float, least: float) -> Asked:
-        power = [
-            largest([x for p, V in zip(fine, of_pieces, strict=True) for x in _strongest(p, V, loss)])
-            for of_pieces in hottest_of
-        ]
-        drawn, returned, stored = energy(fine, motor, means, kept, loss=loss)
-        stored = stored if least == loss else energy(fine, motor, means, kept, loss=least)[2]
-        coldest = energy(fine, motor, [ambient] * len(fine), kept, loss=least)[2] if unknown else stored
+        power = [largest([strongest(I, behind(I, V, loss)) for _, I, V in each]) for each in hottest_flows]
+        drawn, returned, stored = energy(mean_flow, kept, loss=loss)
+        stored = stored if least == loss else energy(mean_flow, kept, loss=least)[2]
+        coldest = energy(cold_flow, kept, loss=least)[2] if unknown else stored
         return replace(
             before,
             power=(power[0], power[-1]),
@@ -261,11 +260,19 @@ def by_controller(
     return at
 
 
-def _strongest(piece: Piece, V: Pair, loss: float) -> Iterator[float]:
-    """Largest powers at the input of the stage, of the parts of a piece that a change of the current's sign makes."""
-    for a, b in itertools.pairwise(sorted({0.0, *crossing(piece.current), 1.0})):
-        I, U = between(piece.current, a, b), between(V, a, b)
-        yield strongest(piece.time, I, tuple(x + math.copysign(loss, sum(I)) for x in U))
+def flow(pieces: list[Piece], voltages: list[Pair]) -> list[tuple[float, Pair, Pair]]:
+    """Time, current and voltage of the parts of each piece that a change of the current's sign makes."""
+    return [
+        (p.time * (b - a), between(p.current, a, b), between(V, a, b))
+        for p, V in zip(pieces, voltages, strict=True)
+        for a, b in itertools.pairwise(sorted({0.0, *crossing(p.current), 1.0}))
+    ]
+
+
+def behind(I: Pair, V: Pair, loss: float) -> Pair:
+    """Voltage at the input of a power stage that loses so much per ampere [V]."""
+    more = math.copysign(loss, sum(I))
+    return V[0] + more, V[1] + more
 
 
 class Warm(NamedTuple):
@@ -315,7 +322,7 @@ def hottest(pieces: list[Piece], motor: Any, ambient: float, I_peak: float) -> f
     return settled(motor, ambient, I_peak, housing(always, motor))
 
 
-def strongest(time: float, I: Pair, V: Pair) -> float:
+def strongest(I: Pair, V: Pair) -> float:
     """Largest product of two lines: at an end, or where the parabola through three values of it turns."""
     p0, p1 = I[0] * V[0], I[1] * V[1]
     middle = (I[0] + I[1]) / 2 * (V[0] + V[1]) / 2
@@ -341,22 +348,16 @@ def charge(pieces: list[Piece]) -> float:
     return sum(abs(product(p.time * (b - a), between(p.current, a, b), (1.0, 1.0))) for p, a, b in spans)
 
 
-def energy(
-    pieces: list[Piece], motor: Any, temperatures: list[float], kept: float = 1.0, *, loss: float = 0.0
-) -> tuple[float, float, float]:
+def energy(flow: list[tuple[float, Pair, Pair]], kept: float = 1.0, *, loss: float = 0.0) -> tuple[float, float, float]:
     """Drawn and returned over a cycle, and the most in a store that takes what is kept of that and gives first.
 
     ``loss``: of the power stage, per ampere [V].
     """
     steps = []
-    for p, T in zip(pieces, temperatures, strict=True):
-        V = volts(p, motor, T)
-        for first, last in itertools.pairwise(sorted({0.0, *crossing(p.current), 1.0})):
-            I, U = between(p.current, first, last), between(V, first, last)
-            U = tuple(x + math.copysign(loss, sum(I)) for x in U)
-            for left, right in itertools.pairwise(sorted({0.0, *crossing(U), 1.0})):
-                time = p.time * (last - first) * (right - left)
-                steps.append(product(time, between(I, left, right), between(U, left, right)))
+    for time, I, V in flow:
+        U = behind(I, V, loss)
+        for left, right in itertools.pairwise(sorted({0.0, *crossing(U), 1.0})):
+            steps.append(product(time * (right - left), between(I, left, right), between(U, left, right)))
     if any(map(math.isnan, steps)):
         return NAN, NAN, NAN
     drawn, returned = sum(s for s in steps if s > 0), -sum(s for s in steps if s < 0)

@@ -96,7 +96,8 @@ def test_the_account_sums_to_what_is_drawn_and_agrees_with_the_result(kind, tmp_
         steady = by_hand.asked(pieces, one.motor, one.gearhead, result.spec.environment.ambient).settled
         fine, warm, _ = by_hand.periodic(pieces, one.motor, result.spec.environment.ambient, steady)
         loss = by_hand.loss_per_ampere(one.controller)
-        drawn, returned, _ = by_hand.energy(fine, one.motor, [T.mean for T in warm], loss=loss)
+        volts = [by_hand.volts(p, one.motor, T.mean) for p, T in zip(fine, warm, strict=True)]
+        drawn, returned, _ = by_hand.energy(by_hand.flow(fine, volts), loss=loss)
         assert flow.drawn - flow.brake == pytest.approx(drawn * result.spec.load.motors, rel=1e-6)
         assert flow.returned == pytest.approx(returned * result.spec.load.motors, abs=1e-6 * flow.drawn)
 
