@@ -134,8 +134,8 @@ def _robot(root: Element, robot: RobotExport) -> None:
         element = SubElement(root, "link", name=link.name)
         on_it = [drive for drive in robot.drives if drive.place.link == link.name and drive.beyond]
         for one in on_it:
-            where = vector(one.place.at)
-            remark(element, f"Drive of {one.joint}, {brief(one.beyond)} kg at {where}, is in it as a point mass.")
+            where, more = vector(one.place.at), " more than it has" if one.beyond < one.mass else ""
+            remark(element, f"Drive of {one.joint}, {brief(one.beyond)} kg{more} at {where}, is in it as a point mass.")
         if link.lacking:
             remark(element, f"In the description it {link.lacking}.")
         own = Body(link.mass, link.centre, link.inertia)
