@@ -134,7 +134,7 @@ def _robot(root: Element, robot: RobotExport) -> None:
         element = SubElement(root, "link", name=link.name)
         on_it = [drive for drive in robot.drives if drive.place.link == link.name and drive.beyond]
         for one in on_it:
-            where, more = vector(one.place.at), " more than it has" if one.beyond < one.mass else ""
+            where, more = vector(one.place.at), " more than the link" if one.beyond < one.mass else ""
             remark(element, f"Drive of {one.joint}, {brief(one.beyond)} kg{more} at {where}, is in it as a point mass.")
         if link.lacking:
             remark(element, f"In the description it {link.lacking}.")
