@@ -443,13 +443,18 @@ def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> 
     return waiting
 
 
+def _rests(first: float, last: float, fastest: float) -> bool:
+    """Whether a motion is at rest at both ends."""
+    return max(abs(first), abs(last)) <= _STILL * fastest
+
+
 def _motions(spec: RobotSpec) -> Motions:
     """The motion of an axis in its load cases."""
     names = [name for name, _ in spec.load_cases]
     found: Motions = {}
     for number, _, case in load_cases(spec):
         motion = motion_of(case)
-        still = max(abs(motion.speed[0]), abs(motion.speed[-1])) <= _STILL * motion.top_speed
+        still = _rests(motion.speed[0], motion.speed[-1], motion.top_speed)
         _, before = found.get(names[number], (0.0, True))
         found[names[number]] = motion.duration, still and before
     return found
@@ -515,9 +520,8 @@ class AxisPower(NamedTuple):
         """Whether it waits for the others when it is done."""
         if self.repeats is not None:
             return not self.repeats
-        cycles = [case.cycle for case in cases]  # unless it moves at an end of its motion
-        ends = [max(abs(float(one.speed[0, 0])), abs(float(one.speed[-1, 1]))) for one in cycles]
-        return all(end <= _STILL * float(np.abs(one.speed).max()) for end, one in zip(ends, cycles, strict=True))
+        speeds = [case.cycle.speed for case in cases]  # unless it moves at an end of its motion
+        return all(_rests(float(v[0, 0]), float(v[-1, 1]), float(np.abs(v).max())) for v in speeds)
 
 
 class CommonBus(NamedTuple):

@@ -10,7 +10,7 @@ import pytest
 from kernel_cycles import motor_power
 
 from drivesizer.catalog import load
-from drivesizer.errors import InputError
+from drivesizer.errors import FieldError, InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import static_torque
 from drivesizer.machine.budgets import machine_budget
@@ -193,6 +193,12 @@ def test_wheels_among_other_axes_slip_as_they_do_alone(shelf, drive, slip):
     lines = {line.name: line.mean for line in among.consumers}
     assert sum(lines.values()) == pytest.approx(alone.mean_power)
     assert lines.get("base: slip of the wheels", 0.0) == pytest.approx(slip * (lines["base: drive"] / (1.0 - slip)))
+
+
+def test_a_battery_that_no_catalogue_lists_is_refused_by_its_field(shelf, drive):
+    with pytest.raises(FieldError, match='"NOPE" is not in maxon') as refused:
+        common_supply(shared("battery: {part: NOPE}\n", "max: 30 V, min: 20 V"), shelf, [axis(shelf, drive, "x")])
+    assert refused.value.field == ("battery", "part")
 
 
 def test_a_motion_longer_than_the_cycle_is_refused_in_a_line(shelf, drive):
