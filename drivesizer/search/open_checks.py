@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog import Catalog, Table, columns_of
+from drivesizer.catalog import Catalog, Table, columns_of, singular
 from drivesizer.catalog.estimates.estimate import law_text, shipped_laws
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances import lognormal
@@ -274,7 +274,7 @@ def _stage_loss(evaluation: Evaluation, index: int) -> tuple[EstimatedFigure, ..
 
 
 def _part_bands(catalog: Catalog, section: str, row: int) -> list[EstimatedFigure]:
-    names, part = catalog.estimates.get(section, {}), section.removesuffix("s")
+    names, part = catalog.estimates.get(section, {}), singular(section)
     found = {name: one for name in names if (one := catalog.estimate_of(section, row, name)) is not None}
     columns, laws = columns_of(section), shipped_laws()
     return [
@@ -297,7 +297,7 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
         if check.name in names:
             turn = turning.get(check.name)
             note = "; ".join(text for text in (_turning(turn, own), check.note) if text)
-            figure = figure_words(turn.figure[0].removesuffix("s"), turn.figure[1]) if turn else ""
+            figure = figure_words(singular(turn.figure[0]), turn.figure[1]) if turn else ""
             check = replace(check, probability=probable[check.name], note=note, turns_on=figure)
         found.append(check)
     return tuple(found), probable[""]
@@ -333,4 +333,4 @@ def _turning(turn: Turn | None, actuator: bool) -> str:
     if actuator and turn.figure in _OF_ACTUATORS:
         figure = _OF_ACTUATORS[turn.figure].replace("_", " ")
         return f"passes with a {figure} of {side} {value}; the maker prints none as a limit"
-    return f"passes with a {figure_words(section.removesuffix('s'), name)} of {side} {value}, which is estimated"
+    return f"passes with a {figure_words(singular(section), name)} of {side} {value}, which is estimated"
