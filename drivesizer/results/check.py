@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
 from drivesizer.files.text import listed
+from drivesizer.physics.figures import Alike
 from drivesizer.units import show
 
 Status = Literal["pass", "fail", "open", "unknown"]  # open: estimated figures decide
@@ -104,7 +105,7 @@ def figure(name: str, value: float, at_time: float | None = None, *, rotary: boo
     return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at_time)
 
 
-def figures_of(section: str, values: Mapping[str, Any], **words: str) -> tuple[Figure, ...]:
+def figures_of(section: str, values: Mapping[str, Alike], **words: str) -> tuple[Figure, ...]:
     """The figures of a section of ``figures.txt`` that have a value."""
     return tuple(
         Figure(name=name, title=title.format_map(words), value=float(values[name]), kind=units[0][0], unit=units[0][1])

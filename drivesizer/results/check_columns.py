@@ -20,17 +20,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf, isclose, isnan, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypedDict, Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer.physics.figures import Alike, Array, Mask, Range, Whole
 from drivesizer.results.check import Band, Check, Status
 from drivesizer.results.check_kinds import CHECKS
 
 _DECLARED = frozenset(name for declared in CHECKS.values() for name in declared)
-_IDLE: dict[str, Any] = {  # what a check has of each candidate, and what of one that it does not concern
+_IDLE: dict[str, Alike] = {  # what a check has of each candidate, and what of one that it does not concern
     "demand": 0.0, "limit": inf, "passed": True, "failed": False, "time": nan, "case": 0, "on_basis": False,
     "zero": 0.0, "opened": False, "low": 0.0, "high": 0.0, "least": nan,
 }  # fmt: skip
@@ -146,14 +145,14 @@ class CheckColumn(NamedTuple):
             band=band,
         )
 
-    def on(self, rows: NDArray[Any] | slice | int | tuple[()]) -> CheckColumn:
+    def on(self, rows: Whole | Mask | slice | int | tuple[()]) -> CheckColumn:
         """The same check of some of the candidates; of one as single figures."""
-        taken: dict[str, Any] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
+        taken: dict[str, Alike] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
         return self._replace(**taken)
 
-    def with_rows(self, rows: NDArray[Any] | tuple[()], some: CheckColumn) -> CheckColumn:
+    def with_rows(self, rows: Whole | Mask | tuple[()], some: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
-        changed: dict[str, Any] = {}
+        changed: dict[str, Alike] = {}
         for name in _IDLE:
             old, new = getattr(self, name), getattr(some, name)
             if isinstance(old, np.ndarray) or (name == "opened" and isinstance(new, np.ndarray)):
@@ -171,8 +170,33 @@ class CheckColumn(NamedTuple):
         return self._replace(passed=self.passed | rows, opened=self.opened & ~rows, on_basis=rows, basis=basis)
 
 
+class Notes(TypedDict, total=False):
+    """What a check says beside its verdict."""
+
+    by_choice: bool
+    advice: bool
+    basis: str
+    note: str
+    undecided: str
+
+
+class Options(Notes, total=False):
+    """The same, what the spec requires of it, and when it is met."""
+
+    needed: float
+    time: Alike
+    zero: Alike
+
+
 def at_most(
-    name: str, demand: Alike, limit: Alike, *, time: Alike = None, zero: Alike = 0.0, needed: float = 0.0, **more: Any
+    name: str,
+    demand: Alike,
+    limit: Alike,
+    *,
+    time: Alike = None,
+    zero: Alike = 0.0,
+    needed: float = 0.0,
+    **more: Unpack[Notes],
 ) -> CheckColumn:
     """A demand that must not exceed a limit; margin = limit/demand - 1. Each a figure or a ``Range``, as a time is.
 
@@ -201,7 +225,7 @@ def at_most(
         passed, failed = passed | idle, failed & ~idle
     failed = failed & ~passed
     demand = low if low is high else np.where(passed, high, low)
-    opened: Any = False
+    opened: Mask | bool = False
     if low is not high or least is not most:
         opened = ~(passed | failed) & ~np.isnan(low + least) & np.isfinite(high) & np.isfinite(most)
     if isinstance(time, Range):
@@ -219,14 +243,14 @@ def _refuse_undeclared(name: str) -> None:
         raise LookupError(f"check {name!r} is not declared in results/checks.txt")
 
 
-def _ends(figure: Any) -> tuple[Array, Array]:
+def _ends(figure: Alike) -> tuple[Array, Array]:
     if not isinstance(figure, Range) or figure.low is figure.high:
         one = np.asarray(figure.low if isinstance(figure, Range) else figure, float)
         return one, one
     return np.asarray(figure.low, float), np.asarray(figure.high, float)
 
 
-def at_least(name: str, required: Alike, actual: Alike, **more: Any) -> CheckColumn:
+def at_least(name: str, required: Alike, actual: Alike, **more: Unpack[Options]) -> CheckColumn:
     """A minimum that must be reached; margin = actual/required - 1."""
     return at_most(name, required, actual, **more)
 
@@ -294,7 +318,7 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
             worst = np.where(worse, number, worst)
             order, margin = np.where(worse, its_order, order), np.where(worse, its_margin, margin)
     others = [(number, rows) for number in range(1, len(checks)) if (rows := worst == number).any()]
-    columns: dict[str, Any] = {}
+    columns: dict[str, Alike] = {}
     for name in _IDLE:
         of_each = [getattr(c, name) for c in checks]
         if name != "case" and of_each[0] is not None:
@@ -306,15 +330,15 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     return checks[0]._replace(**columns, case=np.array(numbers)[worst])
 
 
-def together(found: Sequence[tuple[Any, Sequence[CheckColumn]]], count: int) -> list[CheckColumn]:
+def together(found: Sequence[tuple[Whole | Mask | slice, Sequence[CheckColumn]]], count: int) -> list[CheckColumn]:
     """Checks of some candidates at a time put together; some there are only for some of them."""
-    by_name: dict[str, list[tuple[Any, CheckColumn]]] = {}
+    by_name: dict[str, list[tuple[Whole | Mask | slice, CheckColumn]]] = {}
     for rows, checks in found:
         for check in checks:
             by_name.setdefault(check.name, []).append((rows, check))
     whole = []
     for parts in by_name.values():
-        columns: dict[str, Any] = {}
+        columns: dict[str, Alike] = {}
         for name, idle in _IDLE.items():
             each = [(rows, getattr(check, name)) for rows, check in parts]
             if any(isinstance(column, np.ndarray) for _, column in each):
@@ -325,7 +349,7 @@ def together(found: Sequence[tuple[Any, Sequence[CheckColumn]]], count: int) -> 
     return whole
 
 
-PROPOSAL: dict[str, Any] = {  # of an encoder that is a proposal
+PROPOSAL: Options = {  # of an encoder that is a proposal
     "advice": True,
     "note": "no encoder is required: informational, no drive fails or ranks by it",
 }

@@ -12,7 +12,7 @@ from drivesizer.catalog.parts import NO_PULL_OUTS, BeltDrive, PullOuts
 from drivesizer.physics.braking import released_power
 from drivesizer.physics.drive_train import MotorAndGears, drive_inertia, motor_and_gears
 from drivesizer.physics.equation import Equation
-from drivesizer.physics.figures import Array, Whole
+from drivesizer.physics.figures import Alike, Array, Whole
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.results.check import Check, Confidence, Figure, Reliability, Status
 from drivesizer.results.problem import ChosenScrew
@@ -197,11 +197,11 @@ class Requirement:
     name: str
     title: str
     symbol: str
-    value: Any  # SI; one figure, or a column while the search runs
+    value: Alike  # SI; one figure, or a column while the search runs
     kind: str
     unit: str  # of the trade
     declared: Equation | None = None  # None: given in the spec
-    inputs: dict[str, Any] = field(default_factory=dict)  # SI, by the equation's own names
+    inputs: dict[str, Alike] = field(default_factory=dict)  # SI, by the equation's own names
     note: str = ""
 
     @property
@@ -222,7 +222,7 @@ class Requirement:
     def on(self, rows: Whole | int) -> Requirement:
         """The figures of some candidates out of a column, or the figure of one."""
 
-        def pick(value: Any) -> Any:
+        def pick(value: Alike) -> Alike:
             own = value[rows] if getattr(value, "ndim", 0) else value
             return own if getattr(own, "ndim", 1) else float(own)
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
+from drivesizer.catalog.parts import Controller, Motor
 from drivesizer.physics.drive_train import back_emf_constant
-from drivesizer.physics.figures import Alike, Array, Figures, Range, once_per_part
+from drivesizer.physics.figures import Alike, Array, Figures, Mask, Range, once_per_part
 from drivesizer.physics.thermal import current_derating, derating_at_most, rated_ambient
-from drivesizer.results.check_columns import CheckColumn, at_most
+from drivesizer.results.check_columns import CheckColumn, Options, at_most
 from drivesizer.results.drive_set import DriveParts, DriveSet
 from drivesizer.spec.mounting import rise_left
 from drivesizer.spec.sections import Environment, Supply
@@ -46,20 +47,22 @@ def continuous_speed_limit(
     return at_most("gearhead_continuous_speed", speed * ratio, limit, needed=needed)
 
 
-def lasting_limit(lasting: Any, short: Any) -> Range:
+def lasting_limit(lasting: Alike, short: Alike) -> Range:
     """Both ends of a continuous limit: where it is unknown at most that for a short time."""
     unknown = np.isnan(lasting)
-    return Range(lasting, np.where(unknown, short, lasting) if np.any(unknown) else lasting)
+    most: Alike = np.where(unknown, short, lasting) if np.any(unknown) else lasting
+    return Range(lasting, most)
 
 
-def short_limit(short: Any, lasting: Any) -> Range:
+def short_limit(short: Alike, lasting: Alike) -> Range:
     """Both ends of a limit for a short time: where it is unknown at least the continuous one."""
     unknown = np.isnan(short)
-    return Range(np.where(unknown, lasting, short) if np.any(unknown) else short, short)
+    least: Alike = np.where(unknown, lasting, short) if np.any(unknown) else short
+    return Range(least, short)
 
 
 @once_per_part
-def _limits_mean_speed(gearhead: Figures) -> Any:
+def _limits_mean_speed(gearhead: Figures) -> Mask:
     """Whether the maker limits the mean input speed."""
     return np.isin(gearhead["manufacturer"], _BY_THE_MEAN)
 
@@ -89,7 +92,7 @@ def controller_current(controller: Figures, ambient: Array | float) -> Alike:
     return np.where(np.isnan(printed), np.nan, found)
 
 
-def continuous_currents(motor: Any, controller: Any, environment: Environment) -> tuple[float, float]:
+def continuous_currents(motor: Motor, controller: Controller | None, environment: Environment) -> tuple[float, float]:
     """Continuous currents [A] of motor and controller of a drive in their surroundings; NaN unknown."""
     left, ambient = rise_left(environment), environment.ambient
     derating = float(current_derating(ambient, motor.max_winding_temperature, rated_ambient(motor)))
@@ -124,7 +127,7 @@ def electrical_speed_limit(
     return column.assuming(silent & column.passed, _BY_COMMUTATION)
 
 
-def controller_power_limit(power: Alike, controller: Figures, voltage: float, **more: Any) -> CheckColumn:
+def controller_power_limit(power: Alike, controller: Figures, voltage: float, **more: Unpack[Options]) -> CheckColumn:
     r"""The largest power of a drive against what its controller permits at a supply voltage.
 
     .. math:: P = P_{max} - (P_{max} - P_{red}) \frac{V - V_{max}}{V_{red} - V_{max}}, \qquad P_{red} \le P \le P_{max}

@@ -13,7 +13,7 @@ import numpy as np
 
 from drivesizer.catalog import Catalog
 from drivesizer.errors import InputError
-from drivesizer.physics.figures import Array, Mask, Whole
+from drivesizer.physics.figures import Alike, Array, Mask, Whole
 from drivesizer.results.check import Figure, Uncertainty, worst
 from drivesizer.results.drive_set import DriveParts, DriveSet, Relaxation, Requirement, html_table, share
 from drivesizer.results.problem import Problem
@@ -70,7 +70,7 @@ class Scored(NamedTuple):
     lacking: Whole  # figures of each row that count and are unknown
 
 
-def used_share(margin: Any) -> Any:
+def used_share(margin: Alike) -> Alike:
     """Share of its limit that a demand uses, by its margin.
 
     >>> float(used_share(0.25))

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.physics.figures import Array, Mask, Whole, joined, on
+from drivesizer.physics.figures import Alike, Array, Mask, Whole, joined, on
 from drivesizer.results.problem import Problem
 from drivesizer.results.sizing import Counts
 from drivesizer.search import ranking
@@ -263,7 +263,7 @@ def _computed_in_order(problem: Problem, found: _Found, wanted: int) -> tuple[_F
     while undecided.any():
         # anew, for with its waveform a drive may need a heavier controller
         value, missing = ranking.values(catalog, sets, figures, objective)
-        of_all: Any = np.uint64(0)
+        of_all: Alike = np.uint64(0)
         if seen >= enough:
             of_all = np.bitwise_and.reduce(amount.unknown[~(undecided | failed)], axis=0)
         passes = ~(undecided | failed | opened | (amount.opened > 0) | (amount.unknown & ~of_all).any(axis=1))
@@ -340,7 +340,9 @@ class Rank(NamedTuple):
         """All of them, where rounding makes no difference: shape (3, drives)."""
         return np.stack([self.precedence, self.missing, rounded(self.value)])
 
-    def order(self, catalog: Catalog, sets: Candidates, rows: Any = slice(None), margin: Array | None = None) -> Whole:
+    def order(
+        self, catalog: Catalog, sets: Candidates, rows: Whole | slice = slice(None), margin: Array | None = None
+    ) -> Whole:
         """Some drives from best to worst, by their places among these."""
         before = [self.precedence[rows]]
         return order(catalog, sets.on(rows), self.value[rows], self.missing[rows], before=before, margin=margin)

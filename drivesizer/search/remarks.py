@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 from math import isnan
-from typing import Any
 
 import numpy as np
 
 from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
+from drivesizer.loads.kinds import Load
 from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.machine import belts as pulleys
 from drivesizer.machine.set_cycle import driven
@@ -179,7 +179,7 @@ def _idle_gearhead(problem: Problem, best: DriveSet) -> Iterable[str]:
 _LONE = 0.8  # of the peak, below which the largest torque beside it says that it is one sample's
 
 
-def _lone_peak(load: Any, cycle: LoadCycle) -> str:
+def _lone_peak(load: Load, cycle: LoadCycle) -> str:
     """A warning of a recording whose largest torque is a single sample; empty of others."""
     if not isinstance(load, Recorded) or isinstance(load, ComputedLoad) or len(cycle.duration) < _SAMPLES:
         return ""

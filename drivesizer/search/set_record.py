@@ -19,7 +19,7 @@ from drivesizer.machine.problem import quickest_winding
 from drivesizer.machine.set_cycle import motor_pieces, set_cycle, torque_above, turned, warm_up
 from drivesizer.physics.braking import Stop
 from drivesizer.physics.cycle_at_gearhead import SPEED
-from drivesizer.physics.figures import on
+from drivesizer.physics.figures import Alike, on
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
 from drivesizer.results.check import Check, Figure, Reliability, gravest, verdict
@@ -197,7 +197,7 @@ def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[f
 _LIVES = {"gearhead_life": "rated_life", "gearhead_median_life": "median_life"}
 
 
-def _rows(values: Mapping[str, Any], *heads: str) -> tuple[Figure, ...]:
+def _rows(values: Mapping[str, Alike], *heads: str) -> tuple[Figure, ...]:
     rows = {name: rest for head, (name, *rest) in TABLES if head in heads}
     return tuple(
         Figure(name=name, title=title, value=float(values[name]), kind=kind, unit=unit)
@@ -208,7 +208,7 @@ def _rows(values: Mapping[str, Any], *heads: str) -> tuple[Figure, ...]:
 
 def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Figure, ...]:
     """Figures of a drive, those that its parts have."""
-    values: dict[str, Any] = {name: float(column[index]) for name, column in evaluation.figures.items()}
+    values: dict[str, Alike] = {name: float(column[index]) for name, column in evaluation.figures.items()}
     if not values:
         return ()
     problem, gearhead, controller = evaluation.problem, parts.gearhead, parts.controller

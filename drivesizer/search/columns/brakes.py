@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,10 +12,10 @@ from drivesizer.catalog.view import OWN
 from drivesizer.physics.braking import SLIPPING, Stop, held_by_brake, held_by_friction, stop
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.figures import Array, Figures, Mask, Range, Whole
+from drivesizer.physics.figures import Alike, Array, Figures, Mask, Range, Whole
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.winding import Parts
-from drivesizer.results.check_columns import PROPOSAL, CheckColumn, at_least, at_most, fits
+from drivesizer.results.check_columns import PROPOSAL, CheckColumn, Options, at_least, at_most, fits
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import coil_voltage
 from drivesizer.search.columns.candidates import FREE, LAST, Rows, figure_order, summed_share
@@ -43,7 +43,7 @@ class EncoderOffers(NamedTuple):
     enough: Mask  # which have so many
 
 
-def angle_per_edge(counts: Any, reduction: Any) -> Any:
+def angle_per_edge(counts: Alike, reduction: Alike) -> Alike:
     """Angle of the load per edge of an encoder at the motor."""
     return 2 * np.pi / (EDGES * counts * reduction)
 
@@ -138,10 +138,10 @@ def line_frequency(demand: Demands, encoder: Figures) -> Array:
     return np.where(demand.peak_speed == 0.0, 0.0, lines(encoder) * demand.peak_speed / (2 * np.pi))
 
 
-def counting_limits(spec: RobotSpec, belt: Any, demand: Demands, parts: Parts) -> list[CheckColumn]:
+def counting_limits(spec: RobotSpec, belt: Alike, demand: Demands, parts: Parts) -> list[CheckColumn]:
     """Limits of encoders: speed, frequency, their own and the controller's, and resolution."""
     encoder = parts.encoder
-    speed: dict[str, Any] = {"needed": spec.margins.speed} | ({} if spec.wants_encoder else PROPOSAL)
+    speed: Options = {"needed": spec.margins.speed, **({} if spec.wants_encoder else PROPOSAL)}
     counted = line_frequency(demand, encoder)
     rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
     rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
@@ -219,31 +219,31 @@ def is_listed(catalog: Catalog, motor: int, brake: int) -> bool:
     return brake >= 0 and (listed or catalog.brakes["family"][brake] == OWN)
 
 
-def own_figure(brake: Figures, name: str) -> Any:
+def own_figure(brake: Figures, name: str) -> Alike:
     """A figure of brakes that is 0 where there is none; NaN unknown."""
     return np.where(brake["part"] == "", 0.0, brake[name])
 
 
-def brake_inertia(parts: Parts, belt: Any) -> Any:
+def brake_inertia(parts: Parts, belt: Alike) -> Alike:
     """Inertia of brakes at the motor's shaft [kg*m^2]; 0 where there is none, NaN unknown."""
     brake = parts.brake
     return 0.0 if brake is None else own_figure(brake, "inertia") / _turns(brake, parts.gearhead["ratio"] * belt) ** 2
 
 
-def _turns(brake: Figures, total: Any) -> Any:
+def _turns(brake: Figures, total: Alike) -> Alike:
     """Turns of the motor for one of the brake's shaft."""
     return np.where(brake["shaft"] == "load", total, 1.0)
 
 
 def brakes_for(
-    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Parts, given: Any = None
+    problem: Problem, offered: OfferedBrakes, cycles: Sequence[AtGearhead], parts: Parts, given: Whole | None = None
 ) -> Whole:
     """Row of each candidate's brake, -1 where it has none."""
     spec, catalog = problem.spec, problem.catalog
     option, found = offered.row[parts.motor.rows], np.full(len(parts.motor.rows), -1)
     if option.size and len(catalog.brakes):  # figures of candidates are columns (rows, 1), of brakes (rows, brakes)
-        tables: Any = zip((catalog.motors, catalog.gearheads, catalog.encoders), parts[:3], strict=True)
-        motor, gearhead, encoder = (Rows(table, part.rows[:, None]) for table, part in tables)
+        own = zip(("motors", "gearheads", "encoders"), parts[:3], strict=True)
+        motor, gearhead, encoder = (Rows(catalog.table(name), part.rows[:, None]) for name, part in own)
         belts = [cycle.base.behind(np.asarray(cycle.belt)[..., None]) for cycle in cycles]
         checks = _of_options(problem, belts, Parts(motor, gearhead, encoder, None, Rows(catalog.brakes, option)))
         passing, failing, margin = option >= 0, option < 0, np.full(option.shape, np.inf)
@@ -257,7 +257,7 @@ def brakes_for(
             found = np.where(good.any(axis=1), option[np.arange(len(option)), place], found)
     if not spec.names_brake:  # none where every load case holds itself, or friction that counts holds it
         if spec.needs.holding_friction == "ignored":
-            needless: Any = all(cycle.base.scalars.held == 0.0 for cycle in cycles)
+            needless: Mask | bool = all(cycle.base.scalars.held == 0.0 for cycle in cycles)
         else:
             cases = zip(problem.cases, cycles, strict=True)
             needless = np.logical_and.reduce(
@@ -306,9 +306,10 @@ def _by_friction(spec: RobotSpec, cycle: AtGearhead, motor: Figures, gearhead: F
     return found
 
 
-def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Any, demand: Any, listed: Mask) -> list[CheckColumn]:
+def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Parts, demand: Demands, listed: Mask) -> list[CheckColumn]:
     """Limits of brakes, and of gearheads that pass on what brakes hold."""
     brake, motor, gearhead, needs = parts.brake, parts.motor, parts.gearhead, spec.needs
+    assert brake is not None
     there = brake["part"] != ""
     rubs = needs.holding_friction == "counted" and ~there & _by_friction(spec, cycle, motor, gearhead)
     idle = ~there & np.asarray(cycle.held == 0.0) | rubs
@@ -333,7 +334,7 @@ def brake_limits(spec: RobotSpec, cycle: AtGearhead, parts: Any, demand: Any, li
 _ACCELERATION = 3
 
 
-def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any) -> tuple[Stop, Stop]:
+def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Alike) -> tuple[Stop, Stop]:
     """An emergency stop from the highest speed, as the weight pulls most: with a strong brake and with a weak one."""
     total = gearhead["ratio"] * cycle.belt
     shaft = _turns(brake, total)
@@ -347,7 +348,7 @@ def stops(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures,
 
 
 def _stop_limits(
-    spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any
+    spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Alike
 ) -> list[CheckColumn]:
     """Energy and number of emergency stops, and what the gearhead passes on in one."""
     number = float(spec.needs.emergency_stops or 0)
@@ -362,7 +363,7 @@ def _stop_limits(
 
 
 def _through_gearhead(
-    spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Any
+    spec: RobotSpec, cycle: AtGearhead, gearhead: Figures, brake: Figures, inertia: Alike
 ) -> CheckColumn:
     """Largest torque of a stop at the gearhead's output, with a brake at the motor that slips as hard as it holds."""
     i = gearhead["ratio"]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import DIRECT, Catalog, Table
 from drivesizer.physics.braking import released_power
-from drivesizer.physics.figures import Array, Mask, Whole
+from drivesizer.physics.figures import Alike, Array, Figures, Mask, Whole
 from drivesizer.results.problem import Problem
 from drivesizer.spec.robot import RobotSpec
 
@@ -29,7 +29,7 @@ class Candidates(NamedTuple):
     brake: Whole | None = None  # the same of a brake,
     encoder: Whole | None = None  # and of an encoder
 
-    def on(self, rows: NDArray[Any] | slice) -> Candidates:
+    def on(self, rows: Whole | Mask | slice) -> Candidates:
         """Some of them."""
         return Candidates._make(None if column is None else column[rows] for column in self)
 
@@ -54,7 +54,7 @@ class Rows:
         self.table, self.rows = table, rows
         self.some_missing = bool((rows < 0).any()) if some_missing is None else some_missing
         self.taken: dict[str, NDArray[Any]] = {}
-        self.made: dict[Callable[[Any], Any], Any] = {}
+        self.made: dict[Callable[[Figures], Alike], Alike] = {}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.taken:
@@ -64,7 +64,7 @@ class Rows:
             self.taken[name] = column.take(self.rows)
         return self.taken[name]
 
-    def each(self, compute: Callable[[Any], Any]) -> Any:
+    def each(self, compute: Callable[[Figures], Alike]) -> Alike:
         """Results of a function of the figures of one part alone, once for each part where that is less."""
         if compute not in self.made:
             few = len(self.rows) <= len(self.table)
@@ -72,11 +72,11 @@ class Rows:
         return self.made[compute]
 
     @property
-    def _every(self) -> Any:
+    def _every(self) -> Figures:
         """All parts of the table; behind them one of which nothing is known, where there is such a row."""
         return Rows(self.table, np.append(np.arange(len(self.table)), -1)) if self.some_missing else self.table
 
-    def on(self, rows: NDArray[Any] | slice) -> Rows:
+    def on(self, rows: Whole | Mask | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""
         if isinstance(rows, slice):
             return self if rows == slice(None) else Rows(self.table, self.rows[rows], self.some_missing)
@@ -85,7 +85,7 @@ class Rows:
         return Rows(self.table, self.rows.take(rows), self.some_missing)
 
 
-def _at(columns: Any, rows: Whole) -> Any:
+def _at(columns: Alike, rows: Whole) -> Alike:
     """Columns, or several of them, at some rows."""
     if not isinstance(columns, tuple):
         return columns.take(rows)

@@ -20,7 +20,7 @@ from drivesizer.catalog.view import ASSUMED, amplifier_of
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import AtGearhead
 from drivesizer.physics.extremes import distinct
-from drivesizer.physics.figures import Array, Mask, Whole, on, put
+from drivesizer.physics.figures import Alike, Array, Mask, Whole, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import STAGE_FIGURES
 from drivesizer.physics.winding import Heat, Parts, stress
@@ -61,7 +61,7 @@ class Ranks(NamedTuple):
 
     def on(self, rows: Whole) -> Ranks:
         """Of some of the candidates."""
-        taken: dict[str, Any] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
+        taken: dict[str, Alike] = {n: getattr(self, n) for n in ("lacking", "hanging", "share", "margin", "unprinted")}
         return self._replace(**{name: x[:, rows] for name, x in taken.items() if x.shape[1] > 1})
 
     def at(self, figure: NDArray[Any], place: Whole) -> NDArray[Any]:
@@ -93,7 +93,7 @@ class Ranks(NamedTuple):
         unknown = np.minimum(self.lacking + self.hanging, LOST)
         if barred is not None:
             unknown[barred] = LOST
-        rank: Any = self.worth(most)
+        rank: Alike = self.worth(most)
         worth, fewest, last = rank, unknown.min(axis=0), float("inf")
         if worth.shape[1] == 1:  # the same order for all
             rank = np.unique(worth, return_inverse=True)[1].reshape(-1, 1).astype(np.int16)
@@ -182,7 +182,7 @@ def _last(mask: Mask, order: Whole) -> Whole:
 
 
 def controllers(
-    spec: RobotSpec, catalog: Catalog, motor: NDArray[Any], required: Required, usable: Usable | None = None
+    spec: RobotSpec, catalog: Catalog, motor: Whole, required: Required, usable: Usable | None = None
 ) -> tuple[Whole, Ranks]:
     """The controller of each candidate, as far as that is known before the limits that hang on the cycle are.
 

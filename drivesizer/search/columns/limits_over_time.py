@@ -10,7 +10,7 @@ as is everything that is shown. Symbols: R resistance [ohm], I current [A], T te
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple, Unpack
 
 import numpy as np
 
@@ -21,12 +21,12 @@ from drivesizer.kernel.records import Drive
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
 from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
-from drivesizer.physics.figures import Array, Figures, Mask, Range, Whole, on, put
+from drivesizer.physics.figures import Alike, Array, Figures, Mask, Range, Whole, on, put
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed, bus_voltage, least_capacitance, of_the_source
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.physics.winding import Heat, Parts, Stress, temperature_at_most, temperature_of_pulses, volts_of
-from drivesizer.results.check_columns import CheckColumn, at_most
+from drivesizer.results.check_columns import CheckColumn, Options, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current, controller_power_limit
 from drivesizer.search.columns.limits import waived, winding_limit
@@ -50,7 +50,7 @@ class InCase(NamedTuple):
     heating: Heat
     stresses: Stress
 
-    def on(self, rows: Any) -> InCase:
+    def on(self, rows: Whole | Mask | slice) -> InCase:
         """Of some of them."""
         return InCase(self.spec, *on(self[1:], rows))
 
@@ -129,20 +129,20 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
     return checks
 
 
-def bus_limit(spec: Any, bus: Any, limit: Any, **more: Any) -> CheckColumn:
+def bus_limit(spec: RobotSpec, bus: Alike, limit: Alike, **more: Unpack[Options]) -> CheckColumn:
     """Highest voltage of the bus against the controller's limit."""
     if spec.on_common_bus:
         return at_most("common_bus_voltage", bus, limit, by_choice=True)
     return at_most("bus_voltage", bus, limit, **more)
 
 
-def kept_on_the_bus(spec: Any) -> Any:
+def kept_on_the_bus(spec: RobotSpec) -> Alike:
     """Share of the returned energy that the supply does not accept: it has to stay on the bus."""
     share = 1.0 - np.asarray(spec.supply.regeneration)
     return 0.0 * share if spec.accepts_all else share
 
 
-def _bus_voltage(spec: RobotSpec, found: Moments, controller: Any) -> Range:
+def _bus_voltage(spec: RobotSpec, found: Moments, controller: Figures) -> Range:
     """Highest voltage of the bus, with the energy that the supply does not accept in its capacitance [V].
 
     Where the supply accepts all, it stays at its highest: a battery is held to that at the largest return, with the
@@ -324,7 +324,7 @@ def left_open(spec: RobotSpec, found: Pair, parts: Parts) -> Mask:
     return np.asarray(left & ~fails, bool)
 
 
-def _moments(ambient: Any, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: Whole) -> Pair:
+def _moments(ambient: Alike, cycle: AtGearhead, drives: Drive, feed: Feed, cold: Peak, level: int, rows: Whole) -> Pair:
     """Figures of some rows, with the voltage of a cold start, standby power and what the source adds.
 
     Commutation takes the least and the most of the voltage.

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from drivesizer import equations as eq
 from drivesizer.catalog import Catalog
 from drivesizer.loads.motions import Trapezoid
 from drivesizer.loads.wheeled_vehicle import Cylinder, WheeledVehicle
 from drivesizer.physics.equation import Equation
-from drivesizer.physics.figures import Figures, Mask, Whole
+from drivesizer.physics.figures import Alike, Array, Figures, Mask, Whole
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.spec.robot import RobotSpec
@@ -33,27 +31,30 @@ class Derivation:
     def __init__(self) -> None:
         self.steps: dict[str, Requirement] = {}
 
-    def step(self, declared: Equation, *, name: str = "", symbol: str = "", title: str = "", **inputs: Any) -> Any:
+    def step(self, declared: Equation, *, name: str = "", symbol: str = "", title: str = "", **inputs: Alike) -> Alike:
         """Compute a declared equation, keep the step, and give its value."""
         value = declared(**inputs)
-        self._keep(declared, value, (name, symbol, title), declared=declared, inputs=inputs, note=declared.note)
+        self._keep(declared, value, (name, symbol, title), declared.note, inputs, declared)
         return value
 
-    def given(self, like: Equation, value: Any, *, name: str = "", symbol: str = "", title: str = "") -> Any:
+    def given(self, like: Equation, value: Alike, *, name: str = "", symbol: str = "", title: str = "") -> Alike:
         """Keep a figure that the spec gives in place of an equation."""
-        self._keep(like, value, (name, symbol, title), note="given in the spec")
+        self._keep(like, value, (name, symbol, title), "given in the spec", {})
         return value
 
-    def _keep(self, like: Equation, value: Any, words: tuple[str, str, str], **others: Any) -> None:
+    def _keep(
+        self, like: Equation, value: Alike, words: tuple[str, str, str], note: str, inputs: dict[str, Alike],
+        declared: Equation | None = None,
+    ) -> None:  # fmt: skip
         name, symbol, title = words
         called = name or like.name
         self.steps[called] = Requirement(
             name=called, title=title or like.title, symbol=symbol or like.symbol, value=value, kind=like.kind,
-            unit=like.shown, **others,
+            unit=like.shown, declared=declared, inputs=inputs, note=note,
         )  # fmt: skip
 
 
-def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
+def vehicle(spec: RobotSpec, rotor_inertia: Alike) -> Derivation:
     """Requirements (1)-(16) of a wheeled vehicle."""
     d, load, motion, factors = Derivation(), spec.load, spec.motion, spec.paper_factors
     assert isinstance(load, WheeledVehicle) and isinstance(motion, Trapezoid)  # nothing else: RobotSpec.paper_applies
@@ -88,7 +89,7 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     M_dec = d.step(eq.deceleration_torque, M_nom=M_nom, M_acc=M_acc)
     if M_nom < 0.0:  # downhill
         d.step(eq.braking_torque_per_motor, M_dec=M_dec, N=N)
-    times: dict[str, Any] = {"t_acc": t_acc, "t_nom": t_nom, "t_dec": t_acc, "t_rest": t_rest}
+    times: dict[str, Alike] = {"t_acc": t_acc, "t_nom": t_nom, "t_dec": t_acc, "t_rest": t_rest}
     M_rest = d.step(eq.rest_torque, m_R=m_R, g=g, theta=load.slope, d=wheel) if load.slope else 0.0
     M_rms = d.step(eq.rms_torque, M_max=M_max, M_nom=M_nom, M_dec=M_dec, M_rest=M_rest, **times)
     M_rms_m = d.step(eq.rms_torque_per_motor, M_rms=M_rms, N=N)
@@ -98,7 +99,7 @@ def vehicle(spec: RobotSpec, rotor_inertia: Any) -> Derivation:
     return d
 
 
-def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
+def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Alike:
     radii = {"r_a": cylinder.outer_diameter / 2, "r_i": cylinder.inner_diameter / 2}
     m_i = d.step(
         eq.cylinder_mass, name=f"{what}_mass", symbol=f"m_{index}", title=f"Mass of a {what}",
@@ -110,7 +111,7 @@ def _cylinder(d: Derivation, what: str, index: str, cylinder: Cylinder) -> Any:
 
 
 def motor_requirements(
-    spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Figures, gearhead: Figures, belt: Any
+    spec: RobotSpec, wheel: Mapping[str, Requirement], motor: Figures, gearhead: Figures, belt: Alike
 ) -> Derivation:
     """Requirements (17)-(20) of candidates."""
     d = Derivation()
@@ -153,12 +154,12 @@ def drive_requirements(spec: RobotSpec, drive: DriveSet | None) -> dict[str, Req
 FEW = 4096  # candidates that are kept: variants of a spec have them in common, and more of them take room
 
 
-def largest_torque_at_motor(shaft: Mapping[str, Requirement]) -> Any:
+def largest_torque_at_motor(shaft: Mapping[str, Requirement]) -> Alike:
     """The largest torque at the motor by magnitude: (18), or downhill that of braking [N*m]."""
     return shaft.get(f"{BRAKING}_at_motor", shaft["maximum_torque_at_motor"]).value
 
 
-def _speed_constant(shaft: Mapping[str, Requirement], motor: Figures) -> Any:
+def _speed_constant(shaft: Mapping[str, Requirement], motor: Figures) -> Alike:
     """Least speed constant by (19) and (20): at the end of acceleration or where braking begins.
 
     Uphill and on level ground it is the first, as printed.
@@ -176,7 +177,7 @@ def rule(
     shaft: Mapping[str, Requirement],
     motor: Figures,
     gearhead: Figures,
-    belt: Any,
+    belt: Alike,
 ) -> list[CheckColumn]:
     """The paper's conditions on gearhead and motor (section 3.1.3), as columns over the candidates."""
     at_gearhead = belt * spec.belt_efficiency
@@ -204,9 +205,7 @@ def _power(wheel: Mapping[str, Requirement], motor: Figures) -> CheckColumn:
     return at_most("motor_power", wheel["rms_power_per_motor"].value, motor["assigned_power"])
 
 
-def hopeless(
-    spec: RobotSpec, catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], belt: NDArray[Any]
-) -> Mask:
+def hopeless(spec: RobotSpec, catalog: Catalog, motor: Whole, gearhead: Whole, belt: Array) -> Mask:
     """Candidates that the rule rejects by figures of one part: no motor for this machine, or a gearhead too fast.
 
     Without them the others pass and fail as with them: the reductions of a family are compared for each motor, and one
@@ -221,7 +220,7 @@ def hopeless(
     return found
 
 
-def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> Whole:
+def _groups(catalog: Catalog, motor: Whole, gearhead: Whole) -> Whole:
     """Number of each candidate's motor and gearhead family among those that there are, from 0."""
     families = catalog.once("families", lambda: np.unique(catalog.gearheads["family"], return_inverse=True)[1])
     group = motor.astype(np.int64) * (families.max(initial=0) + 1) + families[gearhead]
@@ -230,7 +229,7 @@ def _groups(catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any]) -> Wh
 
 
 def largest_allowed(
-    catalog: Catalog, motor: NDArray[Any], gearhead: NDArray[Any], total: NDArray[Any], gear: list[CheckColumn]
+    catalog: Catalog, motor: Whole, gearhead: Whole, total: Array, gear: list[CheckColumn]
 ) -> CheckColumn:
     """The rule that one reduction remains per motor and gearhead family: the largest that is allowed."""
     allowed = np.logical_and.reduce([check.passed for check in gear])

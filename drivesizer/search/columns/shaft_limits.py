@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DRIVING, AtGearhead
 from drivesizer.physics.extremes import distinct
-from drivesizer.physics.figures import Array, Figures, Range
+from drivesizer.physics.figures import Alike, Array, Figures, Range
 from drivesizer.physics.gear_life import (
     ROLLER,
     bearing_life,
@@ -47,39 +47,39 @@ if TYPE_CHECKING:
 
 THRUST = "screw_axial_force"  # of a load's own limits the one that is no check by itself
 
-Force = Callable[[Any], Any]
+Force = Callable[[Alike], Alike]
 
 
 class Carried(NamedTuple):
     """Forces of what a shaft carries, by the tangential force [N] that its torque makes."""
 
-    diameter: Any  # m, on which that force acts; NaN unknown
-    back: Any = 1.0  # efficiency between torque and force where the load drives
+    diameter: Alike  # m, on which that force acts; NaN unknown
+    back: Alike = 1.0  # efficiency between torque and force where the load drives
     radial: Force = np.abs
-    axial_share: Any = 0.0  # of the tangential force
-    thrust: Any = 0.0  # N, at any torque
+    axial_share: Alike = 0.0  # of the tangential force
+    thrust: Alike = 0.0  # N, at any torque
     least: bool = False  # the radial force is at least this, not known
 
 
 class ShaftLoads(NamedTuple):
     """Loads of a shaft over one cycle."""
 
-    radial: Any  # N, the largest
-    axial: Any  # N
-    moment: Any  # N*m, beside that of the radial force
+    radial: Alike  # N, the largest
+    axial: Alike  # N
+    moment: Alike  # N*m, beside that of the radial force
     least: bool  # the radial force is at least this, not known
     forces: tuple[Force, ...]  # these three by the tangential force
-    along: Any  # N, tangential force at both ends of each segment
-    duration: Any  # s
-    speed: Any  # rad/s, at both ends of each segment
+    along: Alike  # N, tangential force at both ends of each segment
+    duration: Alike  # s
+    speed: Alike  # rad/s, at both ends of each segment
 
     @property
-    def mean_speed(self) -> Any:
+    def mean_speed(self) -> Alike:
         """Mean of the amount of the speed, rests included [rad/s]."""
         return turned_load(self.duration, self.along, self.speed, 0.0)
 
     @property
-    def means(self) -> list[Any]:
+    def means(self) -> list[Alike]:
         """Equivalent means of the three by speed and time, for the life of rollers."""
         mean_speed = self.mean_speed
         return [
@@ -101,7 +101,7 @@ def carried(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None) -> Carr
     return _of_the_load(spec, shaft, cycle) if shaft.carries_load else None
 
 
-def _strands(shaft: Shaft, angle: float = 0.0) -> dict[str, Any]:
+def _strands(shaft: Shaft, angle: float = 0.0) -> dict[str, Alike]:
     """Radial force of a belt: without its pretension that of torque alone, which is the least."""
     if shaft.belt_pretension is None:
         return {"radial": np.abs, "least": True}
@@ -109,7 +109,7 @@ def _strands(shaft: Shaft, angle: float = 0.0) -> dict[str, Any]:
     return {"radial": lambda effective: pulley_load(effective, pretension, angle)}
 
 
-def _pulley(shaft: Shaft, belt: BeltStage, ratio: Any, drive: BeltDrive | None) -> Carried:
+def _pulley(shaft: Shaft, belt: BeltStage, ratio: Alike, drive: BeltDrive | None) -> Carried:
     if drive is None:
         diameter = math.nan if belt.pulley_diameter is None else belt.pulley_diameter / ratio
         return Carried(diameter, belt.efficiency, **_strands(shaft))
@@ -118,14 +118,14 @@ def _pulley(shaft: Shaft, belt: BeltStage, ratio: Any, drive: BeltDrive | None) 
     return Carried(float(pitch_diameter(teeth[0], pitch)), belt.efficiency, **_strands(shaft, angle))
 
 
-def _teeth(shaft: Shaft, diameter: Any, back: Any, shares: tuple[Any, Any] | None = None) -> Carried:
+def _teeth(shaft: Shaft, diameter: Alike, back: Alike, shares: tuple[Alike, Alike] | None = None) -> Carried:
     radial, axial = shares or tooth_shares(shaft.pressure_angle, shaft.helix_angle)
     return Carried(diameter, back, lambda tangential: radial * tangential, axial)
 
 
 def _pinion(shaft: Shaft, gear: GearStage) -> Carried:
     diameter = math.nan if gear.pinion_diameter is None else gear.pinion_diameter
-    back: Any = gear.fixed_gear().back_efficiency
+    back: Alike = gear.fixed_gear().back_efficiency
     back = np.where(np.asarray(back) > 0.0, back, 1.0)
     if gear.kind == "bevel":
         return _teeth(shaft, diameter, back, bevel_share(shaft.pressure_angle, gear.ratio))
@@ -134,7 +134,7 @@ def _pinion(shaft: Shaft, gear: GearStage) -> Carried:
 
 def _of_the_load(spec: RobotSpec, shaft: Shaft, cycle: AtGearhead) -> Carried | None:
     """Pinion, pulley, drum, wheel or screw of the load itself."""
-    load: Any = spec.load
+    load: Alike = spec.load
     home = MODULES[load.kind]
     if home == "rack_pinion":
         return _teeth(shaft, load.pinion_diameter, load.efficiency)
@@ -145,7 +145,7 @@ def _of_the_load(spec: RobotSpec, shaft: Shaft, cycle: AtGearhead) -> Carried | 
     if home == "screw":
         thrust = next(one.demand for one in cycle.load_cycle.own if one.name == THRUST)
         return Carried(math.inf, thrust=thrust)
-    vehicle: Any = load if isinstance(load, WheeledVehicle) else None
+    vehicle: Alike = load if isinstance(load, WheeledVehicle) else None
     on_wheel = shaft.wheel_load
     if on_wheel is None and vehicle is not None:
         share = 1.0 if vehicle.driven_share is None else vehicle.driven_share
@@ -170,7 +170,7 @@ def shaft_loads(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None) -> 
     return ShaftLoads(radial, axial, moment, one.least, forces, along, duration, speed)
 
 
-def _tangential(cycle: AtGearhead, one: Carried) -> Any:
+def _tangential(cycle: AtGearhead, one: Carried) -> Alike:
     """Force that the torque makes at both ends of each segment; where the load drives, that before the losses."""
     functions = cycle.base.functions
     each = np.moveaxis(functions, 2, 0) if functions.ndim == 3 else functions
@@ -178,7 +178,7 @@ def _tangential(cycle: AtGearhead, one: Carried) -> Any:
     return torque / cycle.belt / (one.diameter / 2.0)
 
 
-def _forces(one: Carried, radial: Any, axial: Any, moment: Any) -> tuple[Force, ...]:
+def _forces(one: Carried, radial: Alike, axial: Alike, moment: Alike) -> tuple[Force, ...]:
     """Radial and axial force, and moment beside the radial force's, by the tangential force and what is added."""
     share, arm = one.axial_share, one.axial_share * one.diameter / 2.0 if np.any(one.axial_share) else 0.0
     return (
@@ -222,13 +222,13 @@ def _has_thrust(spec: RobotSpec, loads: ShaftLoads) -> bool:
     return spec.needs.axial_load is not None or bool(np.any(loads.axial != 0.0))
 
 
-def _distance(spec: RobotSpec, part: Any) -> Any:
+def _distance(spec: RobotSpec, part: Alike) -> Alike:
     """Distance of the radial force: the spec's, or that of the printed limit."""
     given = spec.shaft.distance if spec.shaft else None
     return part["radial_load_distance"] if given is None else given
 
 
-def _behind_the_face(gearhead: Figures) -> Any:
+def _behind_the_face(gearhead: Figures) -> Alike:
     """Distance of the bearing: printed, or by a tilting moment and the radial load that makes it."""
     by_both = gearhead["max_tilting_moment"] / gearhead["max_radial_load"] - gearhead["radial_load_distance"]
     by_both = np.where(by_both >= 0.0, by_both, np.nan)
@@ -236,7 +236,7 @@ def _behind_the_face(gearhead: Figures) -> Any:
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _radial_limit(spec: RobotSpec, gearhead: Figures) -> Any:
+def _radial_limit(spec: RobotSpec, gearhead: Figures) -> Alike:
     """Permissible radial load at the distance; none of its own where the tilting moment decides."""
     limit, moment = gearhead["max_radial_load"], gearhead["max_tilting_moment"]
     if spec.shaft is None or spec.shaft.distance is None:
@@ -247,7 +247,7 @@ def _radial_limit(spec: RobotSpec, gearhead: Figures) -> Any:
     return np.where(np.isnan(limit) & ~np.isnan(moment), np.inf, moved)
 
 
-def _turned(force: Any, lever: Any) -> Any:
+def _turned(force: Alike, lever: Alike) -> Alike:
     """Moment of a force; none without a force, wherever it is."""
     return np.where(np.asarray(force) == 0.0, 0.0, force * lever)
 
@@ -271,7 +271,7 @@ def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Figures
     rated = ~np.isnan(gearhead["max_radial_load"]) | ~np.isnan(gearhead["max_tilting_moment"])
     lever, diameter = _distance(spec, gearhead) + _behind_the_face(gearhead), gearhead["bearing_diameter"]
 
-    def limit(figure: str) -> Any:
+    def limit(figure: str) -> Alike:
         return np.where(np.isnan(gearhead[figure]) & rated, np.inf, gearhead[figure])
 
     turning = _turned(loads.radial, lever) + loads.moment

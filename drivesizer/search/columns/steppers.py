@@ -8,7 +8,7 @@ where the speed passes one of ``LEVELS`` levels. The current is the rated one at
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from drivesizer.machine.part_curves import available_torque
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, SPEED, AtGearhead
 from drivesizer.physics.extremes import undominated
-from drivesizer.physics.figures import Array, Columns, Figures, Mask
+from drivesizer.physics.figures import Alike, Array, Columns, Figures, Mask, Whole
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import bus_voltage
 from drivesizer.physics.stepper import (
@@ -58,11 +58,11 @@ class Frictionless:
     def __init__(self, motor: Columns) -> None:
         self.motor, self.rows = motor, motor.rows
 
-    def on(self, rows: Any) -> Frictionless:
+    def on(self, rows: Whole | Mask | slice) -> Frictionless:
         """Some of them."""
         return Frictionless(self.motor.on(rows))
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Alike:
         if name in ("friction_torque", "viscous_friction"):
             return np.zeros(len(self.motor["rotor_inertia"]))
         return self.motor[name]
@@ -73,9 +73,9 @@ class PullOut(NamedTuple):
 
     motor: Figures
     curves: PullOuts
-    factor: Any = 1.0
+    factor: Alike = 1.0
 
-    def torque(self, speed: Array, volts: Any, rows: Any = slice(None)) -> Array:
+    def torque(self, speed: Array, volts: Alike, rows: Whole | Mask | slice = slice(None)) -> Array:
         """At speeds, shape (rows, points) [N*m]."""
         count = max(len(self.motor["nominal_current"]), len(self.motor[STEPPER]))
         motor = {name: np.broadcast_to(self.motor[name], count)[rows] for name in _CURVE}
@@ -127,7 +127,7 @@ def stepped(
     return Powered(row, [*first, *of_driver, *last], figures | {UNDECIDED: np.zeros(len(current))})
 
 
-def driver_limits(current: Array, controller: Figures, needed: float, ambient: Any) -> list[CheckColumn]:
+def driver_limits(current: Array, controller: Figures, needed: float, ambient: Alike) -> list[CheckColumn]:
     """Rated current of a phase, as RMS and amplitude of sinusoidal currents, against the driver's."""
     return [
         at_most("controller_continuous_current", current, controller_current(controller, ambient), needed=needed),
@@ -181,7 +181,7 @@ def _at_each_speed(spec: RobotSpec, cycle: AtGearhead, demand: Demands, pull_out
     return at_most("pull_out_torque", torque, limit, needed=spec.margins.pull_out - 1.0, time=time)
 
 
-def ends_of(cycle: AtGearhead, demand: Demands, rows: Any = slice(None)) -> tuple[Array, Array]:
+def ends_of(cycle: AtGearhead, demand: Demands, rows: Whole | Mask | slice = slice(None)) -> tuple[Array, Array]:
     """Torque and speed of motors at both ends of each segment, with their signs: shape (rows, segments, 2)."""
     functions, ratio = cycle.base.functions, demand.total_ratio * cycle.belt
     if cycle.base.functions.ndim == 3:

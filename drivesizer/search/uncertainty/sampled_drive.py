@@ -7,7 +7,7 @@ they are bought once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any, NamedTuple, TypeVar
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.parts import BeltDrive
+from drivesizer.catalog.parts import BeltDrive, Controller, Gearhead, Motor
 from drivesizer.catalog.tables import Table
 from drivesizer.catalog.tolerances import Class
 from drivesizer.catalog.view import OWN, STEPPER, has_steppers
@@ -28,7 +28,7 @@ from drivesizer.physics import thermal
 from drivesizer.physics.at_voltage import Winding, operating_point
 from drivesizer.physics.cycle_at_gearhead import ROUNDING, SPEED, AtGearhead, CycleAtBelt, Peak, bounded
 from drivesizer.physics.drive_train import back_emf_constant, commutation, friction, motor_and_gears
-from drivesizer.physics.figures import Array, Figures, Mask
+from drivesizer.physics.figures import Alike, Array, Figures, Mask
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import with_stage_losses
@@ -50,6 +50,7 @@ from drivesizer.spec.mounting import controller_needed, heat_of
 from drivesizer.spec.robot import RobotSpec
 
 Made = TypeVar("Made")
+Part = TypeVar("Part", Motor, Gearhead, Controller)
 _CELLS, _ROWS = 400_000, 16_384  # segments times samples of a block, and samples
 _LONGEST = 2_000_000  # segments times samples, at most: of longer cycles there are fewer samples
 _EACH, _LONGEST_EACH = 1024, 1_000_000  # cycles one by one, and their segments
@@ -250,14 +251,14 @@ class Block(NamedTuple):
     factors: Mapping[Class, Array]  # of the catalogue's figures
     given: Mapping[tuple[str, str], str]  # the spec's own classes, before any other
     belts: Mapping[float, BeltDrive | None]  # by ratio, where they are out of the catalogues
-    made: dict[tuple[Any, ...], Any]  # of parts that were looked at: many drives have the same
+    made: dict[Hashable, Alike]  # of parts that were looked at: many drives have the same
 
     def factors_of(self, catalog: Catalog, part: str, row: int) -> dict[str, Array]:
         """Factors of the figures of a part that are sampled, by figure."""
         own = self.once(lambda: holding(catalog, self.given, part, row), "classes", part, row)
         return {one.figure: self.factors[one] for one in own if one in self.factors}
 
-    def once(self, make: Callable[[], Made], *name: Any) -> Made:
+    def once(self, make: Callable[[], Made], *name: Hashable) -> Made:
         """A figure made of some parts, the first time that its name is used; of the last ones it stays."""
         if name not in self.made:
             if len(self.made) >= _MOST_MADE:
@@ -299,7 +300,7 @@ def blocks(one: Prepared, catalog: Catalog, belts: Sequence[float]) -> Iterator[
 # -- Figures of parts times the factors of their tolerances, of samples as of one drive.
 
 
-def motor_times(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
+def motor_times(motor: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike]:
     """Figures of a motor times the factors of their classes; heat capacities are not sampled.
 
     Torque and voltage constant have one factor: both deviate with the magnets' flux. Their difference, by saturation
@@ -317,7 +318,7 @@ def motor_times(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
     return found | {"back_emf_constant": back_emf_constant(motor) * k} | with_dry_share(motor, factors)
 
 
-def with_dry_share(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
+def with_dry_share(motor: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike]:
     """Friction of a motor whose dry share is sampled: at any speed, and per speed; nothing where it is not."""
     if "dry_friction" not in factors:
         return {}
@@ -326,7 +327,7 @@ def with_dry_share(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]
     return {"friction_torque": coulomb * factor, "viscous_friction": viscous * factor}
 
 
-def stepper_times(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
+def stepper_times(motor: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike]:
     """Figures of a stepper times their factors, with the current that its driver really gives."""
     current = factors.get("phase_current", 1.0)
     times = {name: factors.get(name, 1.0) for name in ("resistance", "inductance", "rotor_inertia", "start_speed")}
@@ -334,7 +335,7 @@ def stepper_times(motor: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
     return {name: motor[name] * factor for name, factor in times.items()}
 
 
-def gearhead_times(gearhead: Figures, factors: Mapping[str, Any]) -> dict[str, Any]:
+def gearhead_times(gearhead: Figures, factors: Mapping[str, Alike]) -> dict[str, Alike]:
     """Figures of a gearhead times their factors: that of its losses is of losses per transmitted torque, 1/e - 1."""
     found = {}
     if (losses := factors.get("efficiency")) is not None:
@@ -422,7 +423,7 @@ def deviating_drive(one: DriveParts, spec: RobotSpec, given: Mapping[Class, floa
         for part in ("motor", "gearhead", "controller")
     )
 
-    def varied(part: Any, figures: Mapping[str, Any]) -> Any:
+    def varied(part: Part, figures: Mapping[str, Alike]) -> Part:
         return replace(part, **{name: float(x) for name, x in figures.items()})
 
     times = stepper_times(one.motor, of_motor | of_controller) if one.steps else motor_times(one.motor, of_motor)
@@ -554,7 +555,7 @@ def figure_columns(catalog: Catalog, one: SetRows, block: Block) -> dict[str, Ar
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Any]:
+def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Alike]:
     """Figures that the load cycle makes, unknown where only a least demand is known; and those at the supply alone."""
     case, (low, high) = _loaded(spec, at, drive, energies=True)
     known, over_time = case.demand.complete, low.agreed(high)
@@ -580,7 +581,7 @@ def _servo_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, A
     return found
 
 
-def _stepper_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Any]:
+def _stepper_figures(spec: RobotSpec, at: AtSamples, drive: _Drive) -> dict[str, Alike]:
     """Figures of a stepper in one load case."""
     parts, pull_out = drive.parts, drive.pull_out
     assert pull_out is not None

@@ -31,6 +31,7 @@ from drivesizer.catalog.view import STEPPER, has_steppers
 from drivesizer.files.fields import OfSolids, moment
 from drivesizer.files.text import listed
 from drivesizer.files.yaml_source import Path_, field_name
+from drivesizer.physics.figures import Alike
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.spec.tolerances import Toleranced
 
@@ -269,23 +270,23 @@ def _replaced(case: Mapping[str, Any], path: Path_) -> bool:
     return path[1] in section or "kind" in section or "profile" in section
 
 
-def applied(spec: RobotSpec, changes: Mapping[Path_, Any]) -> RobotSpec:
+def applied(spec: RobotSpec, changes: Mapping[Path_, Alike]) -> RobotSpec:
     """A spec with some figures moved by differences from their nominal values [SI], figures or columns; unchecked."""
     return _moved(spec, changes) if changes else spec
 
 
-def _moved(place: Any, changes: Mapping[Path_, Any]) -> Any:
+def _moved(place: Any, changes: Mapping[Path_, Alike]) -> Any:
     """A section, list or figure with what is in it moved; places count from it."""
     if () in changes:
         return place + changes[()]
     if isinstance(place, OfSolids):
         solids = _moved(place.solids, changes)
         return moment(solids) if any(np.ndim(x) for x in changes.values()) else OfSolids(solids)
-    within: dict[Any, dict[Path_, Any]] = {}
+    within: dict[str | int, dict[Path_, Alike]] = {}
     for path, difference in changes.items():
         within.setdefault(path[0], {})[path[1:]] = difference
     if isinstance(place, list):
         return [_moved(one, within[n]) if n in within else one for n, one in enumerate(place)]
     if isinstance(place, dict):
         return place | {name: _moved(place[name], some) for name, some in within.items()}
-    return place.model_copy(update={name: _moved(getattr(place, name), some) for name, some in within.items()})
+    return place.model_copy(update={name: _moved(getattr(place, str(name)), some) for name, some in within.items()})
