@@ -105,11 +105,13 @@ def figure(name: str, value: float, at_time: float | None = None, *, rotary: boo
     return Figure(name=name, title=title, value=value, kind=kind, unit=unit, at_time=at_time)
 
 
-def figures_of(section: str, values: Mapping[str, Alike], **words: str) -> tuple[Figure, ...]:
-    """The figures of a section of ``figures.txt`` that have a value."""
+def figures_of(section: str | Sequence[str], values: Mapping[str, Alike], **words: str) -> tuple[Figure, ...]:
+    """The figures of a section of ``figures.txt`` that have a value; of several sections as the last of them has it."""
+    sections = [section] if isinstance(section, str) else section
+    rows = {name: row for one in sections for name, row in _FIGURES[one].items()}
     return tuple(
         Figure(name=name, title=title.format_map(words), value=float(values[name]), kind=units[0][0], unit=units[0][1])
-        for name, (title, units) in _FIGURES[section].items()
+        for name, (title, units) in rows.items()
         if name in values
     )
 

@@ -60,7 +60,8 @@ def choices(problem: Problem, result: SearchResult, most: int, machine: InMachin
     best, alike = best[alike_certain[best]], np.flatnonzero(alike_certain)
     sets, figures = every.sets.on(alike), {name: column[alike] for name, column in every.figures.items()}
     given = np.searchsorted(alike, best)  # the first of them is the best of all
-    looked_at = picked(_cheap(problem, sets, figures, names), given, _affordable(problem)).rows
+    affordable = _CELLS // sum(len(case.at_belt.load_cycle.duration) for case in problem.cases)
+    looked_at = picked(_cheap(problem, sets, figures, names), given, affordable).rows
     found, given = result.every.at(alike[looked_at]), np.searchsorted(looked_at, given)
     few = picked(_objectives(found, names), given, _JUDGED if judge else most)
     found, first = found.on(few.rows), int(np.searchsorted(few.rows, given[0]))
@@ -122,11 +123,6 @@ def _lessened(catalog: Catalog, sets: Candidates, figures: Mapping[str, Array], 
 # -- picking
 
 
-def _affordable(problem: Problem) -> int:
-    """Number of drives whose figures may be computed."""
-    return _CELLS // sum(len(case.at_belt.load_cycle.duration) for case in problem.cases)
-
-
 def _cheap(problem: Problem, sets: Candidates, figures: Mapping[str, Array], names: Sequence[str]) -> dict[str, Array]:
     """Objectives of drives as far as they are known without a waveform, less is better; a bound of the mean power."""
     found = dict[str, Array]()
@@ -161,7 +157,8 @@ def picked(figures: Mapping[str, Array], always: Whole, most: int) -> Picked:
         return Picked(np.arange(count) if count <= most else always, count <= most)
     place = _best_places(columns)
     left, layers = np.sort(np.argsort(place, kind="stable")[:_MOST_LAYERED]), list[Whole]()
-    table = np.stack([_finite(column) for column in columns.values()], axis=1)
+    known_first = (np.where(np.isnan(x), 2.0 * np.nanmax(np.abs(x)) + 1.0, x) for x in columns.values())
+    table = np.stack([*known_first], axis=1)
     while len(left) and sum(map(len, layers)) < most:
         layer = left[undominated(-table[left])]
         left = np.setdiff1d(left, layer)
@@ -177,8 +174,3 @@ def _best_places(columns: Mapping[str, Array]) -> Whole:
     orders = [weighted_order(columns, dict.fromkeys(some, 1.0)).order for some in several]
     found: Whole = np.minimum.reduce([np.argsort(order) for order in orders])
     return found
-
-
-def _finite(column: Array) -> Array:
-    """A column with what is unknown behind all that is known."""
-    return np.where(np.isnan(column), 2.0 * np.nanmax(np.abs(column)) + 1.0, column)

@@ -214,10 +214,8 @@ class InMachine:
 
     def divided(self, whole: Evaluation, top: int, rows: Iterable[int], *, short: bool = False) -> list[int]:
         """Of some rows the best drives that pass the machine's budgets, or the first ones that fail on those."""
-        return list(islice((row for row in rows if self._fails(whole, row) == short), top))
-
-    def _fails(self, whole: Evaluation, row: int) -> bool:
-        return whole.fails(row) or self.rejects(self.budget(whole, row).checks)
+        failing = ((row, whole.fails(row) or self.rejects(self.budget(whole, row).checks)) for row in rows)
+        return list(islice((row for row, fails in failing if fails == short), top))
 
     @property
     def judge(self) -> Judge | None:

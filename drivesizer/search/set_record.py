@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
@@ -22,7 +22,7 @@ from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.figures import Alike, on
 from drivesizer.physics.stepper import natural_frequency, start_speed_with
 from drivesizer.physics.thermal import two_bodies
-from drivesizer.results.check import Check, Figure, Reliability, gravest, verdict
+from drivesizer.results.check import Check, Figure, Reliability, figures_of, gravest, verdict
 from drivesizer.results.check_kinds import with_origins
 from drivesizer.results.drive_set import Comparison, DriveParts, DriveSet, MotorPiece, Relaxation
 from drivesizer.results.problem import Problem
@@ -130,7 +130,7 @@ def drive_in_brief(
         rank=rank,
         status=gravest((evaluation.status(index), verdict(budget.checks))),
         checks=evaluation.tightest_of(index),
-        figures=_rows({name: column[index] for name, column in evaluation.figures.items()}, "cycle"),
+        figures=figures_of("cycle", {name: column[index] for name, column in evaluation.figures.items()}),
         budget=budget.checks,
         reliability=reliability,
         requirements=(), beside=(), machine=(), masses=(), comparison=(), changes=(), energy=None, braking=None,
@@ -197,15 +197,6 @@ def _objective(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[f
 _LIVES = {"gearhead_life": "rated_life", "gearhead_median_life": "median_life"}
 
 
-def _rows(values: Mapping[str, Alike], *heads: str) -> tuple[Figure, ...]:
-    rows = {name: rest for head, (name, *rest) in TABLES if head in heads}
-    return tuple(
-        Figure(name=name, title=title, value=float(values[name]), kind=kind, unit=unit)
-        for name, (title, kind, unit) in rows.items()
-        if name in values
-    )
-
-
 def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Figure, ...]:
     """Figures of a drive, those that its parts have."""
     values: dict[str, Alike] = {name: float(column[index]) for name, column in evaluation.figures.items()}
@@ -213,7 +204,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         return ()
     problem, gearhead, controller = evaluation.problem, parts.gearhead, parts.controller
     if parts.steps:
-        return _rows(values | _of_stepper(problem, parts), "cycle", "stepper")
+        return figures_of(("cycle", "stepper"), values | _of_stepper(problem, parts))
     still = next((case for case in problem.cases if not case.at_belt.acts[SPEED]), None)
     if still is not None:  # the first load case in which nothing moves
         held = warm_up(set_cycle(still.spec, parts, still.at_belt))
@@ -246,7 +237,7 @@ def _figures(evaluation: Evaluation, index: int, parts: DriveParts) -> tuple[Fig
         changed["current_limit"] = {"title": "Current limit to set: no jam overloads the gearhead"}
     if linear:
         changed["stop_travel"] = {"kind": "length", "unit": "mm"}
-    return tuple(replace(one, **changed.get(one.name, {})) for one in _rows(values, "cycle", "servo"))
+    return tuple(replace(one, **changed.get(one.name, {})) for one in figures_of(("cycle", "servo"), values))
 
 
 def _of_stepper(problem: Problem, parts: DriveParts) -> dict[str, float]:

@@ -68,13 +68,11 @@ class Rows:
         """Results of a function of the figures of one part alone, once for each part where that is less."""
         if compute not in self.made:
             few = len(self.rows) <= len(self.table)
-            self.made[compute] = compute(self) if few else _at(compute(self._every), self.rows)
+            every: Figures = self.table
+            if self.some_missing and not few:  # behind all parts one of which nothing is known
+                every = Rows(self.table, np.append(np.arange(len(self.table)), -1))
+            self.made[compute] = compute(self) if few else _at(compute(every), self.rows)
         return self.made[compute]
-
-    @property
-    def _every(self) -> Figures:
-        """All parts of the table; behind them one of which nothing is known, where there is such a row."""
-        return Rows(self.table, np.append(np.arange(len(self.table)), -1)) if self.some_missing else self.table
 
     def on(self, rows: Whole | Mask | slice) -> Rows:
         """Some of the rows; for all of them this one, with the columns that it has taken."""

@@ -450,14 +450,9 @@ class _Candidates(NamedTuple):
         return controllers(spec, self.problem.catalog, motor.rows, required, self.usable)
 
     def by_lower_bounds(self, row: Whole, ranks: Ranks, free: Mask) -> Whole:
-        """Controllers that are the best by lower bounds over the waveform; what has one that meets these keeps it."""
-        parts, unmet = self.with_controllers(row), np.full(len(row), bool(ranks.weight))
-        for case in self.cases:
-            if over_time.kept_on_the_bus(case.spec) > 0.0 and not ranks.weight:
-                lowest = over_time.lowest(case, parts)
-                unmet |= ~np.logical_and.reduce([c.passed for c in _hanging(case.spec, lowest, parts)])
-        rows = np.flatnonzero(unmet & free & (row >= 0) & self.complete)
-        if not len(rows):
+        """Controllers that are the best by lower bounds over the waveform, where their margins count."""
+        rows = np.flatnonzero(free & (row >= 0) & self.complete)
+        if not ranks.weight or not len(rows):
             return row
         unknown, _, _, place = self.some(rows).ranks(ranks.on(rows)).best()
         taken = np.flatnonzero(unknown < LOST)  # where each fails the first one says on what
