@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -264,12 +265,16 @@ def ordered_in_machine(
     best, rejected, by, start, size = [order[:0]], [order[:0]], Counter[str](), 0, _FIRST
     while start < len(order) and sum(map(len, best)) < wanted:
         rows = order[start : start + size]
-        found = judge(sets.on(rows), lambda few, rows=rows: evaluated(rows[few]), wanted - sum(map(len, best)))
+        found = judge(sets.on(rows), partial(_some, evaluated, rows), wanted - sum(map(len, best)))
         best.append(rows[found.best])
         rejected.append(rows[found.rejected])
         by.update(found.by)
         start, size = start + found.judged, min(16 * size, _MOST)
     return BudgetFilter(np.concatenate(best), np.concatenate(rejected), start, by)
+
+
+def _some(evaluated: Evaluated, rows: Whole, few: Whole) -> Evaluation:
+    return evaluated(rows[few])
 
 
 def but_for(rows: Whole, others: Whole) -> Whole:
