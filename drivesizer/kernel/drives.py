@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.cycle_at_gearhead import ACCELERATION, AT_REST, BRAKING, DIRECTION, DRIVING, SPEED, AtGearhead
 from drivesizer.physics.drive_train import COMMUTATION_BAND, commutation
+from drivesizer.physics.figures import Alike, Figures
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.power_stage import Feed
 from drivesizer.physics.thermal import COPPER, resistance_at, two_bodies
@@ -18,16 +17,16 @@ _ERROR = 1e-3  # of what a change within a segment does to the winding at its en
 
 
 def drives_of(
-    ambient: Any,
+    ambient: Alike,
     cycle: AtGearhead,
     demand: Demands,
     heating: Heat,
-    motor: Any,
+    motor: Figures,
     feed: Feed,
     *,
-    leads: Any = 0.0,
-    kept: Any = 0.0,
-    limit: Any = np.nan,
+    leads: Alike = 0.0,
+    kept: Alike = 0.0,
+    limit: Alike = np.nan,
     error: float = _ERROR,
     band: tuple[float, float] = COMMUTATION_BAND,
     cold: bool = False,
@@ -114,6 +113,6 @@ def drives_of(
     return drive._replace(course=np.broadcast_to(known, shape).astype(float))
 
 
-def held(drives: Drive, rise: Any, mean: Any) -> Drive:
+def held(drives: Drive, rise: Alike, mean: Alike) -> Drive:
     """Drives with windings at given rises."""
     return drives._replace(course=np.zeros_like(drives.course), held=rise, held_mean=mean)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -12,13 +11,13 @@ from drivesizer.kernel.cycle import ACCOUNT
 from drivesizer.kernel.kernel import compiled
 from drivesizer.kernel.records import Drive, Figures, Piece
 from drivesizer.physics.figures import Array, Whole
+from drivesizer.physics.load_cycle import LoadCycle
 
-Whole = Whole
 _COUNT = -1  # level of a call that only counts pieces
 _A_THREAD = 20_000  # drives times segments that are worth a thread
 
 
-def evaluate(drives: Drive, cycle: Any, level: int, rows: Whole | None = None) -> Figures:
+def evaluate(drives: Drive, cycle: LoadCycle, level: int, rows: Whole | None = None) -> Figures:
     """Figures of drives over a load cycle that repeats.
 
     Parameters
@@ -57,7 +56,9 @@ def evaluate(drives: Drive, cycle: Any, level: int, rows: Whole | None = None) -
     return Figures(*(found[:, k].reshape(shape) for k in range(found.shape[1])))
 
 
-def pieces(drive: Drive, cycle: Any, cuts: int = 1, most: int = 0, *, merged: bool = False) -> tuple[Figures, Piece]:
+def pieces(
+    drive: Drive, cycle: LoadCycle, cuts: int = 1, most: int = 0, *, merged: bool = False
+) -> tuple[Figures, Piece]:
     """One drive over a load cycle that repeats: its figures, and its course over time.
 
     Each piece is cut into ``cuts`` parts, or fewer, so that there are at most ``most`` where that is given; 0: pieces
@@ -71,7 +72,7 @@ def pieces(drive: Drive, cycle: Any, cuts: int = 1, most: int = 0, *, merged: bo
     return figures, Piece(*rows[: int(figures.pieces[0])].T)
 
 
-def _of_one(drive: Drive, cycle: Any, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
+def _of_one(drive: Drive, cycle: LoadCycle, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
     """One drive, and a number that is given back."""
     table, found = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
     arrays, steps, segments, _ = _laid_out(cycle)
@@ -89,7 +90,7 @@ def _rows(
     compiled()(table[rows], found[rows], *arrays, steps, samples[rows], np.array([*sizes, 1]), nothing)
 
 
-def _laid_out(cycle: Any) -> tuple[list[Array], Whole, int, int]:
+def _laid_out(cycle: LoadCycle) -> tuple[list[Array], Whole, int, int]:
     """Columns as they lie in memory, steps from segment to segment, end to end and cycle to cycle, and both numbers."""
     columns = [cycle.duration, cycle.speed, cycle.acceleration, cycle.torque]
     several = max(x.shape[-1] for x in columns) if cycle.speed.ndim == 3 else 1
