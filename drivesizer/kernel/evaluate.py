@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from drivesizer.kernel.cycle import ACCOUNT
+from drivesizer.kernel.cycle import ACCOUNT, Course
 from drivesizer.kernel.kernel import compiled
 from drivesizer.kernel.records import Drive, Figures, Piece
 from drivesizer.physics.figures import Array, Whole
@@ -17,7 +17,7 @@ _COUNT = -1  # level of a call that only counts pieces
 _A_THREAD = 20_000  # drives times segments that are worth a thread
 
 
-def evaluate(drives: Drive, cycle: LoadCycle, level: int, rows: Whole | None = None) -> Figures:
+def evaluate(drives: Drive, cycle: LoadCycle | Course, level: int, rows: Whole | None = None) -> Figures:
     """Figures of drives over a load cycle that repeats.
 
     Parameters
@@ -57,7 +57,7 @@ def evaluate(drives: Drive, cycle: LoadCycle, level: int, rows: Whole | None = N
 
 
 def pieces(
-    drive: Drive, cycle: LoadCycle, cuts: int = 1, most: int = 0, *, merged: bool = False
+    drive: Drive, cycle: LoadCycle | Course, cuts: int = 1, most: int = 0, *, merged: bool = False
 ) -> tuple[Figures, Piece]:
     """One drive over a load cycle that repeats: its figures, and its course over time.
 
@@ -72,7 +72,7 @@ def pieces(
     return figures, Piece(*rows[: int(figures.pieces[0])].T)
 
 
-def _of_one(drive: Drive, cycle: LoadCycle, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
+def _of_one(drive: Drive, cycle: LoadCycle | Course, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
     """One drive, and a number that is given back."""
     table, found = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
     arrays, steps, segments, _ = _laid_out(cycle)
@@ -90,7 +90,7 @@ def _rows(
     compiled()(table[rows], found[rows], *arrays, steps, samples[rows], np.array([*sizes, 1]), nothing)
 
 
-def _laid_out(cycle: LoadCycle) -> tuple[list[Array], Whole, int, int]:
+def _laid_out(cycle: LoadCycle | Course) -> tuple[list[Array], Whole, int, int]:
     """Columns as they lie in memory, steps from segment to segment, end to end and cycle to cycle, and both numbers."""
     columns = [cycle.duration, cycle.speed, cycle.acceleration, cycle.torque]
     several = max(x.shape[-1] for x in columns) if cycle.speed.ndim == 3 else 1

@@ -6,12 +6,11 @@ The kernel's own equations, over a single piece. Temperatures are absolute [K], 
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 
-from drivesizer.kernel.cycle import HEAT
+from drivesizer.kernel.cycle import HEAT, Course
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.kernel.records import Drive
 from drivesizer.physics.figures import Alike, Figure
@@ -64,7 +63,7 @@ def after(bodies: TwoBodies, ambient: Figure, start: State, I2: Figure, P_h: Fig
     )  # fmt: skip
     shape, one = np.broadcast_shapes(*map(np.shape, (*drive, t))), np.ones((1, 2, 1))
     spans = np.broadcast_to(np.maximum(t, _NO_TIME), shape).reshape(1, -1)
-    span = SimpleNamespace(duration=spans, speed=one, acceleration=0.0 * one, torque=one)
+    span = Course(spans, one, 0.0 * one, one, steps=np.zeros((0, 0), np.int64))  # steps are those of its memory
     ends = evaluate(drive._replace(course=np.ones(shape)), span, HEAT)
     rises = (np.where(np.isinf(ends.winding), np.inf, x) for x in (ends.winding_end, ends.housing_end))
     return State(*((ambient + rise)[()] for rise in rises))
