@@ -266,8 +266,8 @@ def printed(section: str) -> dict[str, Column]:
     return {name: column for name, column in columns_of(section).items() if name not in made}
 
 
-# columns that come first of any part, and those that come last
-_FIRST = ("part", "order_number", "also_called", "family", "manufacturer")
+# columns that come first of any part, its names, and those that come last
+NAMES = ("part", "order_number", "also_called", "family", "manufacturer")
 _LAST = ("mass", "price", "price_5", "price_20", "list_price", "foreign_price", "currency")
 
 
@@ -279,8 +279,8 @@ def columns_of(section: str) -> Mapping[str, Column]:
     'g*cm^2'
     """
     found = _FIELDS[section]
-    inner = [name for name in found if name not in (*_FIRST, *_LAST)]
-    return MappingProxyType({name: found[name] for name in (*_FIRST, *inner, *_LAST) if name in found})
+    inner = [name for name in found if name not in (*NAMES, *_LAST)]
+    return MappingProxyType({name: found[name] for name in (*NAMES, *inner, *_LAST) if name in found})
 
 
 # -- Tables of batteries and steppers: every printed figure is one entry of columns, in the order of the file

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from math import isnan
 from typing import Any
 
 from drivesizer.catalog.catalog_file import parse
 from drivesizer.catalog.exporting import digits, file_text
-from drivesizer.catalog.parts import Column, printed
-from drivesizer.catalog.query import Hit, partners
+from drivesizer.catalog.parts import NAMES, Column, printed
+from drivesizer.catalog.query import Hit, is_known, partners
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.identification import declared
@@ -17,9 +16,8 @@ from drivesizer.results.identification import Identification
 from drivesizer.units import from_si
 
 _DROPPED = {  # of the data sheet: names, and what would contradict
-    "part", "order_number", "also_called", "family", "manufacturer", "speed_constant", "no_load_speed",
-    "no_load_current",
-    "stall_torque", "stall_current", "speed_torque_gradient", "mechanical_time_constant", "max_efficiency",
+    *NAMES, "speed_constant", "no_load_speed", "no_load_current", "stall_torque", "stall_current",
+    "speed_torque_gradient", "mechanical_time_constant", "max_efficiency",
 }  # fmt: skip
 _NEEDED = ("R", "k_t", "rotor_inertia")
 
@@ -45,8 +43,7 @@ def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
     if hit is not None:
         for column in columns.values():
             value = hit[column.name]
-            known = bool(value) if column.kind == "text" else not isnan(value)
-            if known and column.name not in _DROPPED:
+            if is_known(value) and column.name not in _DROPPED:
                 row[column.name] = str(value) if column.kind == "text" else digits(value, column)
     for column_name, value in measured.items():
         row[column_name] = _rounded(value, columns[column_name])

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivesizer.catalog import tables
 from drivesizer.catalog.estimates.estimate import MOUNTED, UNRATED, estimates, estimates_of_catalog
 from drivesizer.catalog.expressions import value
-from drivesizer.catalog.parts import DIRECT, RELATIONS, columns_of, singular
+from drivesizer.catalog.parts import DIRECT, NAMES, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, filled, with_pairs, with_rows
 from drivesizer.catalog.tolerances import usual_of_spur_gears
 from drivesizer.errors import CatalogError, quoted
@@ -69,7 +69,6 @@ def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Tab
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
-_NAMES = ("part", "order_number", "also_called", "family", "manufacturer")
 _INSIDE: dict[str, dict[str, Any]] = shipped_data("drivesizer.catalog.view", "inside.yaml")
 
 
@@ -179,7 +178,7 @@ def _with_parts_inside(
     table: Table[Any], units: Table[Any], of: NDArray[np.int64], columns: Mapping[str, Any]
 ) -> Table[Any]:
     """A table followed by the rows of the parts inside some actuators, or motors."""
-    figures = {name: units[name] for name in _NAMES} | {"inside": units["part"]} | dict(columns)
+    figures = {name: units[name] for name in NAMES} | {"inside": units["part"]} | dict(columns)
     inside = {name: values[of] for name, values in filled(table.section, figures, len(units)).items()}
     return with_rows(table, inside, units.source[of], units.excluded[of])
 
