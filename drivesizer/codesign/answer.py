@@ -8,19 +8,8 @@ from math import floor, isinf, isnan, log10
 from pathlib import Path
 from typing import Any
 
-from drivesizer.codesign.search import (
-    Choice,
-    Machine,
-    Machines,
-    Pair,
-    Values,
-    best_of,
-    every_machine,
-    evolved,
-    front_of,
-    machines,
-    nearest_of,
-)
+from drivesizer.codesign import search
+from drivesizer.codesign.search import Choice, Machine, Machines, Pair, Values
 from drivesizer.codesign.task import Task, read_task
 from drivesizer.files.arithmetic import Expression
 from drivesizer.files.yaml_source import source_of
@@ -225,20 +214,20 @@ def answer(
     advance: Progress = progress or (lambda done, total: None)
     forget_files()
     whole = task.combinations <= task.evaluations
-    with workers(most, scheduler) as on, machines(task, on, folder, fresh=fresh) as of:
-        (every_machine if whole else evolved)(of, advance)
-        best = best_of(list(of.known.values()))
+    with workers(most, scheduler) as on, search.machines(task, on, folder, fresh=fresh) as of:
+        (search.every_machine if whole else search.evolved)(of, advance)
+        best = search.best_of(list(of.known.values()))
         flat, rounded = tuple[Flat, ...](), None
         if best is not None:
             flat = tuple(_flatness(of, best))
-            better = best_of(list(of.known.values()))
+            better = search.best_of(list(of.known.values()))
             if better is not None and better is not best:  # that a neighbour is
                 best, flat = better, tuple(_flatness(of, better))
             rounded = _rounded(of, best, flat)
         return Answer(
             task=task, best=best, choice=best.choice() if best else None,
-            nearest=None if best else nearest_of(list(of.known.values())), front=tuple(front_of(of)), flat=flat,
-            rounded=rounded, sized=of.sized, looked_at=len(of.known), whole=whole,
+            nearest=None if best else search.nearest_of(list(of.known.values())), flat=flat,
+            front=tuple(search.front_of(of)), rounded=rounded, sized=of.sized, looked_at=len(of.known), whole=whole,
         )  # fmt: skip
 
 

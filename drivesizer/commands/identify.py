@@ -10,23 +10,7 @@ import typer
 
 from drivesizer.commands import common
 from drivesizer.commands.catalog import Names
-from drivesizer.commands.common import (
-    Chosen,
-    Json,
-    More,
-    OfAxis,
-    Profile,
-    Report,
-    accept_reports,
-    file_argument,
-    file_option,
-    number_option,
-    present,
-    print_json,
-    print_notes,
-    print_written,
-    working,
-)
+from drivesizer.commands.common import Chosen, Json, More, OfAxis, Profile, file_argument, file_option, number_option
 from drivesizer.errors import InputError, quoted
 
 if TYPE_CHECKING:
@@ -66,7 +50,7 @@ def predict(
     figure: Annotated[
         Path | None, file_option(metavar="FILE", help="Also draw line and temperatures: .svg or .png.")
     ] = None,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Predict what is measured of a set at the bench: each figure with its 5 to 95 % band."""
     from drivesizer.errors import FieldError
@@ -74,14 +58,14 @@ def predict(
     from drivesizer.output.document.bench import bench_document
     from drivesizer.prediction.bench import predict_set
 
-    accept_reports(report)
+    common.accept_reports(report)
     if figure is not None:
         if figure.suffix.lower() not in _FORMS:
             expected = f"expected {' or '.join(_FORMS)}"
             raise InputError(f"{quoted(figure.name)} does not say which kind of figure; {expected}")
         ready(figure)
     try:
-        with working("predicting"):
+        with common.working("predicting"):
             found = predict_set(
                 motor, gearhead, controller, catalogs=catalogs or (), voltage=voltage, resistance=resistance,
                 ambient=ambient, load=load, hold=hold, inertia=inertia, minutes=minutes, warm=warm,
@@ -95,15 +79,15 @@ def predict(
         drawn = {figure: bench_document(found).pictures["bench"].paper(form)}
     try:  # none of the figure where the answer cannot be given, but to a reader who has enough
         if json:
-            print_json(found)
+            common.print_json(found)
         else:
-            present(bench_document(found), report)
-            print_notes(found.warnings)
+            common.present(bench_document(found), report)
+            common.print_notes(found.warnings)
         sys.stdout.flush()
     except (BrokenPipeError, SystemExit):  # rich makes the second of the first
         write_files(drawn)
         raise
-    print_written(write_files(drawn))
+    common.print_written(write_files(drawn))
 
 
 _ONE = "a log is that of one drive"
@@ -140,7 +124,7 @@ def identify(
     ] = None,
     axis: OfAxis = None,
     catalogs: Names = None,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Identify a drive by its log: figures with bands, what it cannot separate, what is wrong with it."""
     from drivesizer.identification.identify import identify as identified
@@ -247,7 +231,7 @@ def compare(
     ] = None,
     axis: OfAxis = None,
     catalogs: More = None,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Hold a machine's log against its sizing: margins that are really left, and what explains the difference."""
     from drivesizer.identification.compare import compare as compared

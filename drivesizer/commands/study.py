@@ -8,20 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from drivesizer.commands import common
-from drivesizer.commands.common import (
-    DEFAULT,
-    Fields,
-    Processes,
-    Report,
-    Scheduler,
-    Spec,
-    accept_reports,
-    file_argument,
-    file_option,
-    print_notes,
-    progress,
-    stoppable,
-)
+from drivesizer.commands.common import DEFAULT, Fields, Processes, Scheduler, Spec, file_argument, file_option
 from drivesizer.errors import InputError, quoted
 from drivesizer.output.words import number_of
 
@@ -41,12 +28,12 @@ def study(
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew; results that are there are lost.")] = False,
     over: Annotated[str | None, typer.Option("--map", metavar="A,B", help="The two fields that maps are over.")] = None,
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Size every variant of a spec: tables and maps; the same command resumes after an interruption."""
     from drivesizer.study.workers import one_thread_each
 
-    accept_reports(report)
+    common.accept_reports(report)
     target = Path(path.stem) if folder is None else folder
     names = tuple(name.strip() for name in over.split(",")) if over else ()
     with one_thread_each():  # before NumPy is loaded
@@ -55,7 +42,7 @@ def study(
 
         plan = read_study(path)
         kept = f"{target}: stopped; results so far are kept, and the same command resumes"
-        with stoppable(kept), progress("variants", 0.0) as advance:
+        with common.stoppable(kept), common.progress("variants", 0.0) as advance:
             found = carry_out(
                 plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
                 progress=advance,
@@ -71,7 +58,7 @@ def study(
 
         for one in write_document(document_of(found), report):
             typer.echo(one)
-    print_notes(tuple(found.notes))
+    common.print_notes(tuple(found.notes))
     raise typer.Exit(0 if any(found.variants[name] for name in ("pass", "open", "unknown")) else 1)
 
 
@@ -99,12 +86,12 @@ def design(
     processes: Processes = 0,
     scheduler: Scheduler = None,
     fields: Fields = None,
-    report: Report = None,
+    report: common.Report = None,
 ) -> None:
     """Find the best machine with its drive: free figures, limits, a front; what holds it and what may be rounded."""
     from drivesizer.study.workers import one_thread_each
 
-    accept_reports(report)
+    common.accept_reports(report)
     with one_thread_each():  # before NumPy is loaded
         from drivesizer.codesign.answer import answer
         from drivesizer.codesign.task import read_task
