@@ -37,7 +37,7 @@ from drivesizer.results.drive_set import BrakingBudget, DriveParts, EnergyBudget
 from drivesizer.results.problem import Problem
 from drivesizer.spec.platform import Budget, Platform
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.spec.sections import Supply
+from drivesizer.spec.sections import Battery, Supply
 from drivesizer.units import show
 
 Item = tuple[str, Any, int]  # role, part or None where none is known, and how many
@@ -284,6 +284,15 @@ def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, limit: float =
 # --- the machine with a drive in it
 
 
+def mass_budget(
+    budget: Budget, drives: Sequence[tuple[Problem, DriveParts]], battery: Battery | None, catalog: Catalog
+) -> MassBudget:
+    """The mass budget of a machine with its drives, of one axis or of several, and the payloads of its platform."""
+    rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
+    platform = next((problem.spec.platform for problem, _ in drives if problem.spec.platform), None)
+    return machine_mass(budget, rows, platform=platform, battery=mass_of(battery, catalog))
+
+
 class MachineBudget(NamedTuple):
     """A machine with a drive in it against its budgets; empty where the spec has none."""
 
@@ -317,8 +326,7 @@ def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | N
     spec, catalog = problem.spec, problem.catalog
     checks, figures, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
     if spec.budget and spec.budget.weighs:
-        load, own = problem.machine.load, mass_of(spec.battery, catalog)
-        mass = machine_mass(spec.budget, rows_of_drive(problem, one), platform=spec.platform, battery=own)
+        load, mass = problem.machine.load, mass_budget(spec.budget, [(problem, one)], spec.battery, catalog)
         checks += mass.checks(load.mass if isinstance(load, WheeledVehicle) else None)
         figures += mass.figures()
         masses = mass.rows

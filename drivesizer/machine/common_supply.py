@@ -12,9 +12,8 @@ import numpy as np
 from drivesizer.catalog import Catalog
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files.yaml_source import Path_
-from drivesizer.machine.battery import mass_of
 from drivesizer.machine.braking import with_parts_of_supply
-from drivesizer.machine.budgets import MachineBudget, feeds_of, machine_mass, price_check, rows_of_drive, stall_check
+from drivesizer.machine.budgets import MachineBudget, feeds_of, mass_budget, price_check, stall_check
 from drivesizer.machine.common_bus import AxisPower, CommonBus, common_bus, moving_alone, unknown_at_rest
 from drivesizer.machine.supply_power import DrivePower, side_by_side
 from drivesizer.physics.power_stage import bus_voltage, least_capacitance
@@ -346,9 +345,7 @@ def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: Machi
         return tuple(found)
     catalog = _listing(machine, [problem.catalog for problem, _ in drives])
     if budget.weighs:
-        rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
-        platform = next((problem.spec.platform for problem, _ in drives if problem.spec.platform), None)
-        found += machine_mass(budget, rows, platform=platform, battery=mass_of(machine.battery, catalog)).checks()
+        found += mass_budget(budget, drives, machine.battery, catalog).checks()
     if budget.price is not None:
         braking = power.braking if power else None
         found.append(price_check(budget.price, drives, machine.supply, braking, catalog))
