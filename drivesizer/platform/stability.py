@@ -190,30 +190,7 @@ def used_footing(
     tips: bool = False,
     gravity: float = LEVEL.gravity,
 ) -> float:
-    """Share of what keeps a platform on its wheels that several accelerations take together; above 1 it does not.
-
-    Parameters
-    ----------
-    platform
-        Contact points, mass and centre of mass.
-    together
-        Size [m/s^2] and direction in the robot's frame [rad] of each; None is any, the worst for each contact. A slope
-        counts as g tan s uphill.
-    tips
-        Whether it must tip over, rather than a wheel lift off.
-    gravity
-        [m/s^2].
-
-    Returns
-    -------
-    float
-        Share [1]; infinite where a contact carries nothing at rest.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
+    """Share of what keeps a platform on its wheels that several accelerations take together; above 1 it does not."""
     at_rest, change = (_tipping if tips else _lifting)(platform, gravity)
     taken = sum((size * _falls(change, direction) for size, direction in together), 0.0 * at_rest)
     if not carrying(at_rest).all():
@@ -271,30 +248,7 @@ class Moment(NamedTuple):
 
 
 def least_load(platform: Platform, trajectory: Trajectory, ground: Ground = LEVEL, *, share: bool = False) -> Moment:
-    """The least that a wheel or caster carries over a trajectory, which, and when.
-
-    Parameters
-    ----------
-    platform
-        Contact points, mass and centre of mass.
-    trajectory
-        In the world.
-    ground
-        The floor, the same everywhere.
-    share
-        Whether as a share of what it carries on a level floor at rest: below 0 it has lifted off; minus infinity where
-        it carries nothing at rest.
-
-    Returns
-    -------
-    Moment
-        Load [N] or share [1], time [s] and number of the contact.
-
-    Raises
-    ------
-    InputError
-        When the contact points lie on one line.
-    """
+    """The least load of a wheel or caster over a trajectory [N], or as a share of that at rest [1]; when and where."""
     support_polygon(platform)
     fine = finer(trajectory)
     loads = contact_loads(platform, fine.posture[2], ground, centre_acceleration(platform, Moving(*fine.in_robot())))
@@ -438,23 +392,7 @@ def grip_acceleration(
 
 
 def grip_slope(d: Dynamics, friction: float, uphill: float | None = None) -> float:
-    """Steepest slope that a platform climbs at a steady speed before a wheel slips, or something lifts off [rad].
-
-    Parameters
-    ----------
-    d
-        The platform.
-    friction
-        Coefficient between wheels and floor, μ.
-    uphill
-        In the robot's frame [rad]; the worst of all directions where it is not given. Where its wheels do not allow
-        that direction it is at rest.
-
-    Returns
-    -------
-    float
-        Slope [rad]; 0 where none is held.
-    """
+    """Steepest slope that a platform climbs at a steady speed before a wheel slips, or something lifts off [rad]."""
     angles = np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS) if uphill is None else np.array([uphill])
     unit = np.array([np.cos(angles), np.sin(angles), 0.0 * angles])
     climbs = np.where(

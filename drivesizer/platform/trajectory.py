@@ -257,20 +257,6 @@ def curve_at_rest(time: Array, posture: Array, smoothing: float) -> Callable[[Ar
 def thinned(time: Array, smoothing: float) -> NDArray[np.int64]:
     """Places of samples at least so far apart, both ends among them.
 
-    Parameters
-    ----------
-    time
-        Rising [s].
-    smoothing
-        Least time from one to the next [s]; all samples where they are no closer.
-
-    Returns
-    -------
-    array
-        Indices of the samples that are kept.
-
-    Examples
-    --------
     >>> thinned(np.array([0.0, 0.1, 0.2, 0.35, 0.5, 0.6]), 0.2)
     array([0, 2, 5])
     """
