@@ -411,5 +411,5 @@ def of_points(table: Array, right: Array) -> tuple[Array, Array]:
 
 
 def widest(three: Array) -> list[str]:
-    """Which kind of band is the widest, of each figure."""
+    """The kind of band that is the widest, of each figure."""
     return [("formal", "bootstrap", "subsets")[k] for k in three.argmax(axis=0).tolist()]

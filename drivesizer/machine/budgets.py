@@ -356,7 +356,7 @@ def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus]) -> M
 
 
 def on_its_supply(problem: Problem, one: DriveParts) -> MachineBudget:
-    """What feeds a machine of one axis, with a drive."""
+    """Supply, battery and brake resistor of a machine of one axis with a drive."""
     axis = AxisPower("", problem, one)
     cases = [(problem.name_of(numbers), problem.cases[numbers[0]].spec) for numbers in problem.machine_cases]
     buses = [common_bus(name, spec, [axis], synchronised=True, cycle_time=None) for name, spec in cases]

@@ -171,7 +171,7 @@ class CheckColumn(NamedTuple):
 
 
 class Notes(TypedDict, total=False):
-    """What a check says beside its verdict."""
+    """Words of a check beside its verdict."""
 
     by_choice: bool
     advice: bool
