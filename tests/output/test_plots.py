@@ -16,6 +16,7 @@ from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit, every, find, open_catalogs
 from drivesizer.machine.part_curves import gear_efficiency, line, nominal_voltage_curves
 from drivesizer.output.report.figures import parts
+from drivesizer.output.report.figures.picture import on_paper
 from drivesizer.output.report.figures.style import Window, across, strip, within
 from drivesizer.output.report.html.candidate_plots import choices_plot
 from drivesizer.output.report.html.plots import movable
@@ -39,8 +40,10 @@ def own(tmp_path: Path, section: str, **figures: str) -> Hit:
 
 
 def part_plots(hit: Hit) -> dict[str, Any]:
-    """Curves of a part as the page has them."""
-    return {name: movable(plot) for name, plot in parts.part_plots(hit).items()}
+    """Curves of a part as the page has them; paper can draw each, with plain figures at its axes."""
+    plots = parts.part_plots(hit)
+    assert not [name for name, plot in plots.items() if b"math" in on_paper(plot)("typeset")]
+    return {name: movable(plot) for name, plot in plots.items()}
 
 
 def trace(plot: Any, begins: str) -> tuple[Any, Any]:

@@ -25,6 +25,7 @@ from drivesizer.units import from_si, label, show
 Array = NDArray[np.float64]
 Made = Iterator[tuple[str, Plot]]
 _POINTS = 121
+_TALL = 1.8  # in, of a diagram alone on paper
 _SUPPLIES = (24.0, 48.0)  # V, of a stepper without a printed curve
 _USEFUL = 0.15  # of its torque at rest
 _COLOURS = ("blue", "vermillion", "green", "purple", "orange", "grey")
@@ -134,10 +135,9 @@ def _gearhead(hit: Hit) -> Made:
     if reach > 0.0 and not isnan(hit["no_load_torque"] + hit["efficiency"]):
         unit, torque = torque_unit(reach), np.linspace(0.0, reach, _POINTS)[1:]
         curve = Curve(name="efficiency", x=from_si(torque, unit, "torque"), y=100.0 * gear_efficiency(hit, torque))
-        yield "efficiency", Plot(
-            diagrams=[Diagram(name="efficiency", unit="%", curves=[curve], whole=True)], across="torque at the output",
-            unit=unit, title="Efficiency over load, as sizing computes it",
-        )  # fmt: skip
+        diagram = Diagram(name="efficiency", unit="%", curves=[curve], whole=True, height=_TALL)
+        yield "efficiency", Plot(diagrams=[diagram], across="torque at the output", unit=unit,
+                                 title="Efficiency over load, as sizing computes it")  # fmt: skip
     table = hit.table
     family = np.flatnonzero((table["family"] == hit["family"]) & ~table.excluded)
     curves = []
@@ -152,7 +152,7 @@ def _gearhead(hit: Hit) -> Made:
         if hit.row in known:
             curves.append(Curve(name=f"{hit.part}, {words}", x=[hit["ratio"]], y=[hit[name]], **look))
     if curves:
-        diagram = Diagram(name="torque at the output", unit="N*m", curves=curves, whole=True)
+        diagram = Diagram(name="torque at the output", unit="N*m", curves=curves, whole=True, height=_TALL)
         yield "torque-ratio", Plot(diagrams=[diagram], across="ratio", unit="", log=True,
                                    title=f"Permissible torque in {hit['family']} over ratio")  # fmt: skip
 
@@ -169,7 +169,7 @@ def _stepper(hit: Hit) -> Made:
     if not curves:
         curves, title = list(_modelled(hit, unit)), "Pull-out torque, estimated: no curve is printed"
     if curves:
-        diagram = Diagram(name="pull-out torque", unit=unit, curves=curves, whole=True)
+        diagram = Diagram(name="pull-out torque", unit=unit, curves=curves, whole=True, height=_TALL)
         yield "pull-out", Plot(diagrams=[diagram], across="speed", unit="rpm", title=title)
 
 
@@ -228,8 +228,8 @@ def _battery(hit: Hit) -> Made:
 
 
 def _run_times(curves: list[Curve], across: str, unit: str, title: str) -> Plot:
-    return Plot(diagrams=[Diagram(name="run time", unit="h", curves=curves, log=True)], across=across, unit=unit,
-                log=True, title=title)  # fmt: skip
+    diagram = Diagram(name="run time", unit="h", curves=curves, log=True, height=_TALL)
+    return Plot(diagrams=[diagram], across=across, unit=unit, log=True, title=title)
 
 
 _OF: dict[str, Callable[[Hit], Made]] = {

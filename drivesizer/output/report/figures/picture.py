@@ -238,6 +238,7 @@ def draw(
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]) if axes.dataLim.y0 < 0.0 else 0.0)
     if one.log:
         axes.set_yscale("log")
+        axes.yaxis.set_major_formatter("{x:g}")
     if one.tick:
         from matplotlib.ticker import MultipleLocator
 
