@@ -3,24 +3,28 @@
 import { drawnIn } from "./answer.js";
 import { button, element, words } from "./dom.js";
 import * as filter from "./catalogue_filter.js";
-import * as own from "./catalogue_own.js";
-import { whole } from "./requests.js";
-import { state } from "./state.js";
+import { handed } from "./files.js";
+import { post, whole } from "./requests.js";
+import { state, watch } from "./state.js";
 
 const dialog = document.getElementById("browser"), opener = document.getElementById("catalogues");
 const found = element("section", { className: "found", aria: { label: "parts" } });
-let act = () => {};
+let act, again, notice;
 let built = false;
 
 /** `edit` makes edits of the spec, `again` has it sized anew, `notice` says something above the page. */
-export function prepare({ edit, again, notice }) {
-  act = edit;
+export function prepare(does) {
+  ({ edit: act, again, notice } = does);
   opener.setAttribute("aria-haspopup", "dialog");
   opener.addEventListener("click", open);
-  own.prepare({ dialog, choose, open, changed: (name) => renew(name, again), fitted, notice });
+  input.addEventListener("change", () => { take(input.files[0]); input.value = ""; });
+  addEventListener("dragover", (event) => { if (event.dataTransfer?.types.includes("Files")) event.preventDefault(); });
+  addEventListener("drop", dropped);
+  dialog.addEventListener("paste", pasted);
+  watch(lackingBeside);
 }
 
-export async function open() {
+async function open() {
   if (!built) build();
   if (!dialog.open) {
     reading = false;
@@ -33,18 +37,18 @@ function build() {
   built = true;
   const close = button("Close", () => dialog.close());
   const head = element("div", { className: "head" }, element("h2", { id: "browser-head", textContent: "Catalogues" }), close);
-  const box = filter.build(look, own.place());
+  const box = filter.build(look, ownPlace());
   dialog.append(head, element("div", { className: "browse" }, box, found));
   dialog.addEventListener("close", () => opener.focus());
 }
 
 /** The catalogues as they are now; of one that has changed the spec is sized anew. */
-async function renew(name = null, again = () => {}) {
+async function renew(name = null) {
   if (name !== null && state.text.includes(name)) again();
   if (!built) return;
   try {
     const [piece] = await whole("catalogues", { text: state.text });
-    own.known(piece.catalogues);
+    ownKnown(piece.catalogues);
     filter.show(piece, name);
     if (!reading) await look(); // what is being read stays
   } catch (error) {
@@ -61,7 +65,7 @@ async function look(start = 0) {
   const mine = ++requested, wanted = filter.wanted();
   found.setAttribute("aria-busy", "true");
   try {
-    const [piece] = await whole("parts", { text: state.text, ...wanted, sort: sortOf(wanted.section), start });
+    const [piece] = await whole("parts", { text: state.text, ...wanted, sort: sorts[wanted.section] ?? "", start });
     if (mine !== requested || piece.kind === "superseded") return;
     filter.faults(piece.faults ?? []);
     if (piece.kind === "parts") list(piece);
@@ -69,14 +73,6 @@ async function look(start = 0) {
     if (mine === requested) wrong(error);
   }
   found.removeAttribute("aria-busy");
-}
-
-async function visit({ catalogue, part: number }) {
-  await turned("part", { catalogue, section: filter.kind(), part: number }, showPart);
-}
-
-async function compare(rows) {
-  await turned("beside", { section: filter.kind(), parts: rows.map((row) => [row.catalogue, row.part]) }, sideBySideOf);
 }
 
 /** Another view in place of the list. */
@@ -107,7 +103,8 @@ function inPlace(head, ...body) {
 function back() {
   reading = false;
   requested += 1;
-  listAgain();
+  if (last) list(last);
+  (found.querySelector(".opened") ?? found.querySelector("tbody button"))?.focus();
 }
 
 /** Puts what was chosen into the spec. */
@@ -128,8 +125,6 @@ const sorts = {}; // by kind of part: a column, -column for the largest first
 let chosen = []; // rows to set side by side
 let last = null; // what was listed
 
-const sortOf = (section) => sorts[section] ?? "";
-
 function wrong(error) {
   found.replaceChildren(element("p", { className: "fault", role: "alert", textContent: error.message }));
 }
@@ -142,16 +137,11 @@ function refused(error) {
   said.focus();
 }
 
-function listAgain() {
-  if (last) list(last);
-  (found.querySelector(".opened") ?? found.querySelector("tbody button"))?.focus();
-}
-
 function list(piece) {
   if (last?.section !== piece.section) chosen = [];
   const opened = found.querySelector(".opened")?.value ?? last?.opened;
   last = { ...piece, opened };
-  found.replaceChildren(summary(piece), pages(piece), piece.rows.length ? table(piece) : "", bar());
+  found.replaceChildren(summary(piece), pages(piece), piece.rows.length ? table(piece) : "", box);
   tabled(found);
   sideBySide();
 }
@@ -192,7 +182,7 @@ function headOf(one, piece) {
 function line(row, piece) {
   const box = element("input", { type: "checkbox", checked: chosen.some((one) => same(one, row)), aria: { label: `${row.part}: side by side` } });
   box.addEventListener("change", () => pick(row, box));
-  const opens = button(row.part, () => { last.opened = row.part; for (const old of document.querySelectorAll("#browser .opened")) old.classList.remove("opened"); opens.classList.add("opened"); visit(row); }, { className: row.part === last.opened ? "part-link opened" : "part-link" });
+  const opens = button(row.part, () => { last.opened = row.part; for (const old of document.querySelectorAll("#browser .opened")) old.classList.remove("opened"); opens.classList.add("opened"); turned("part", { catalogue: row.catalogue, section: filter.kind(), part: row.part }, showPart); }, { className: row.part === last.opened ? "part-link opened" : "part-link" });
   const name = element("th", { scope: "row" }, opens, row.excluded ? element("small", { textContent: "excluded from sizing" }) : "");
   const cells = row.cells.map((cell, n) => element("td", { className: piece.columns[n].text ? "" : "n", textContent: cell || "–" }));
   return element("tr", {}, element("td", {}, box), name, element("td", { textContent: row.family }), element("td", { textContent: row.maker, title: row.catalogue }), ...cells);
@@ -212,11 +202,10 @@ function pick(row, box) {
   sideBySide();
 }
 
-const comparing = button("Compare", () => compare(chosen));
+const comparing = button("Compare", () => turned("beside", { section: filter.kind(), parts: chosen.map((row) => [row.catalogue, row.part]) }, sideBySideOf));
 const none = button("none of them", () => { chosen = []; for (const box of document.querySelectorAll("#browser .listed input")) box.checked = false; sideBySide(); });
 const said = element("span");
 const box = element("p", { className: "chosen", role: "status" }, said, " ", comparing, " ", none);
-const bar = () => box;
 
 function sideBySide() {
   box.hidden = !chosen.length;
@@ -261,4 +250,141 @@ function sources(documents) {
 
 function sideBySideOf(piece) {
   inPlace(element("h3", { tabIndex: -1, textContent: "Side by side" }), element("div", { innerHTML: piece.html })); // of the server's own templates
+}
+
+// -- one's own catalogues, tables, data sheets and logs: dropped or pasted, checked, known by name until the server ends
+
+const LARGEST = 16_000_000, FOLDER = "dropped/";
+const input = element("input", { type: "file", accept: ".yaml,.yml,.csv,.tsv,.txt,.xlsx,.pdf,.json,.cfg,.xml,.mjcf,.log,.wpilog", hidden: true, aria: { label: "catalogue, table, data sheet or log" } });
+const checked = element("div", { className: "checked", role: "status" }), kept = element("div", { className: "own" });
+const names = new Map(); // that the server has, with the catalogue that it made of a table
+let saved = null;
+
+function ownPlace() {
+  const zone = element("div", { className: "drop" }, element("p", {}, "Drop a catalogue, a table of parts, a data sheet or the log of a drive here, paste rows of a table with their head, or ", button("choose a file", () => input.click())), input);
+  zone.addEventListener("dragenter", () => zone.classList.add("over"));
+  zone.addEventListener("dragleave", (event) => { if (!zone.contains(event.relatedTarget)) zone.classList.remove("over"); });
+  return element("div", {}, zone, checked, kept);
+}
+
+/** A file that is dropped anywhere: without this the browser would leave the page for it. */
+async function dropped(event) {
+  const [file] = event.dataTransfer?.files ?? [];
+  if (!file) return;
+  event.preventDefault();
+  for (const zone of document.querySelectorAll(".drop.over")) zone.classList.remove("over");
+  if (!dialog.open) {
+    if (/\.ya?ml$/.test(file.name) && !/^catalog\s*:/m.test(await file.slice(0, 100_000).text())) {
+      notice(`${file.name} is no catalogue; "Open …" takes a spec.`);
+      return;
+    }
+    await open();
+  }
+  take(file);
+}
+
+/** Rows of a table as a spreadsheet or a shop's page gives them. */
+function pasted(event) {
+  const text = event.clipboardData?.getData("text/plain") ?? "";
+  if (event.target.tagName !== "INPUT" && text.trim()) take(new File([text], "pasted.csv"));
+}
+
+async function take(file, anyway = false, given = {}) {
+  if (!file) return;
+  if (file.size > LARGEST) return say(`${file.name} is larger than ${LARGEST / 1e6} MB.`);
+  say(`checking ${file.name} …`);
+  try {
+    const response = await post("catalogue", { name: file.name, content: await encoded(file), anyway, given, text: state.text });
+    report(file, await response.json());
+  } catch {
+    say(`${file.name} was not checked: the server does not answer.`);
+  }
+}
+
+function encoded(file) {
+  return new Promise((done, failed) => {
+    const reader = new FileReader();
+    reader.addEventListener("load", () => done(reader.result.slice(reader.result.indexOf(",") + 1)));
+    reader.addEventListener("error", () => failed(reader.error));
+    reader.readAsDataURL(file);
+  });
+}
+
+function say(text, ...more) {
+  checked.replaceChildren(element("p", { textContent: text }), ...more);
+}
+
+const lines = (found = [], className = "findings") => element("ul", { className }, ...found.map((text) => element("li", { textContent: text })));
+
+function report(file, found) {
+  if (found.kind === "superseded") return;
+  if (found.kind === "fit") {
+    const fit = element("div", { className: "fit", innerHTML: found.html }); // of the server's own templates, which escape every text
+    fitted(element("h3", { tabIndex: -1, textContent: `${found.name}: the drive by its log` }), fit);
+    say("");
+    drawnIn(fit, found.figures);
+  } else if (found.kind === "kept") {
+    names.set(found.name, found.text);
+    say(`${found.name}: ${filter.counted(found.parts)}.`, ...givenOf(file, found.given), lines(found.lines), lines(found.read, "note"));
+    entries();
+    renew(found.name);
+  } else if (found.kind === "contradictory") {
+    const count = found.lines.length + found.more;
+    say(`${file.name}: ${count === 1 ? "a figure contradicts" : `${count} figures contradict`} others and no note says why. It is not taken.`, lines(found.lines), lines(found.read, "note"),
+      found.more ? element("p", { textContent: `and ${found.more} more` }) : "", button("take it all the same", () => take(file, true)));
+  } else {
+    say(`${file.name} is not taken:`, lines(found.lines ?? []));
+  }
+}
+
+const KINDS = ["", "brushed", "brushless"];
+
+/** What a table does not say of its parts, and may be said by the user. */
+function givenOf(file, given) {
+  if (!given) return [];
+  const fields = Object.entries(given).map(([name, value]) => {
+    const input = name === "kind" ? element("select", {}, ...KINDS.map((one) => element("option", { value: one, textContent: one, selected: one === value }))) : element("input", { type: "text", value });
+    input.name = name;
+    return element("label", { className: "field" }, name === "manufacturer" ? "maker" : name, input);
+  });
+  const again = () => take(file, false, Object.fromEntries(fields.map((one) => [one.lastChild.name, one.lastChild.value])));
+  return [element("div", { className: "given" }, ...fields, button("read it so", again))];
+}
+
+// -- those that are here
+
+function entries() {
+  kept.replaceChildren(...[...names].map(([name, text]) => element("div", { className: "one" }, element("p", {}, element("strong", { textContent: name })),
+    element("p", { className: "note", textContent: `Kept in memory until drivesizer serve ends. A spec finds it by this name: save the spec, and ${name.slice(FOLDER.length)} must lie beside it in a folder ${FOLDER.slice(0, -1)}.` }),
+    element("p", {}, button("Search it too", () => choose({ catalogues: [name], add: true })), " ", button("Search it alone", () => choose({ catalogues: [name] })), " ", ...(text ? [button("save the file", () => handed(name.slice(FOLDER.length), text, "application/yaml")), " "] : []), button("give it up", () => leave(name))))));
+}
+
+/** Takes the names of those that the server has: a page that was loaded anew finds them again. */
+function ownKnown(catalogues) {
+  const there = catalogues.filter((one) => one.own).map((one) => [one.name, names.get(one.name)]);
+  names.clear();
+  for (const one of there) names.set(...one);
+  entries();
+}
+
+async function leave(name) {
+  try {
+    await post("catalogue", { name: name.slice(FOLDER.length), content: null });
+    names.delete(name);
+    checked.replaceChildren();
+    entries();
+    renew(name);
+  } catch {
+    say("The server does not answer.");
+  }
+}
+
+/** A spec that has just been saved may name what lies nowhere. */
+async function lackingBeside() {
+  const before = saved;
+  saved = state.saved;
+  if (!before || before === saved || !saved.includes(FOLDER)) return;
+  ownKnown((await whole("catalogues", { text: saved }))[0].catalogues);
+  const lacking = [...names.keys()].filter((name) => saved.includes(name)).map((name) => name.slice(FOLDER.length));
+  if (lacking.length) notice(`${state.name} names what is in memory alone: put ${lacking.join(" and ")} into a folder ${FOLDER.slice(0, -1)} beside it, or it cannot be sized elsewhere.`, [], "", "own");
 }

@@ -2,10 +2,8 @@
 
 import { button, element, keyOf, words } from "./dom.js";
 import * as fields from "./fields.js";
-import { branch, chosen, example, isOpen, isText, resolved, turnedInto, written } from "./fields.js";
-import { Focus } from "./focus.js";
+import { branch, chosen, example, isFigure, isOpen, isText, read, resolved, turnedInto, written } from "./fields.js";
 import { open as openMenu } from "./menu.js";
-import { row, single, small } from "./rows.js";
 
 const form = document.getElementById("form");
 const OPEN = new Set(["load", "motion", "transmission", "supply", "axes", "robot"]); // sections that are open at first
@@ -15,7 +13,7 @@ const LAST = ["cases", "tolerances", "design", "report"];
 const SHORT = 3; // items of a list that are open at first
 const added = new Set(); // paths of fields that were added and have no value yet
 const opened = new Map(); // groups that the user opened or closed
-const focused = new Focus(form);
+let wantedFocus = null; // the field that is to have the keyboard when it has come
 let context = null; // of the form as it is drawn
 let drawn = ""; // what is shown
 const resting = new Map(); // the motion that a load had along a line, and about an axis
@@ -25,6 +23,7 @@ export function prepare(schemas, act, slide) {
   drawn = "";
   context = { schemas, act, slide, filled: (path) => added.delete(keyOf(path)) };
   form.addEventListener("submit", (event) => event.preventDefault());
+  for (const name of ["keydown", "pointerdown"]) addEventListener(name, () => { wantedFocus = null; }, true);
 }
 
 /** Draws the form anew where it changes; the field that has the keyboard keeps it, and what is typed in it. */
@@ -35,7 +34,7 @@ export function show(data, faults) {
   const several = data && typeof data === "object" && ("axes" in data || "robot" in data);
   Object.assign(context, { root: context.schemas[several ? "machine" : "spec"], data: data ?? {}, faults: faults.map((one) => ({ ...one })), count: 0 });
   const inside = fieldsOf(context.root, context.data, []);
-  focused.kept(() => form.replaceChildren(...elsewhere([]), ...inside));
+  keepingFocus(() => form.replaceChildren(...elsewhere([]), ...inside));
 }
 
 /** Forgets fields that were added and groups that were opened: another spec follows. */
@@ -48,9 +47,6 @@ export function forget() {
 
 /** Whether the form can be used: not beside a text that cannot be read. */
 export function use(able) { form.inert = !able; }
-
-/** Shows a field, or the group that it would be in, and gives it the keyboard. */
-export const focus = (path) => focused.to(path);
 
 /** What is wrong at a place and has no field there. */
 function elsewhere(path) {
@@ -96,7 +92,7 @@ function add(schema, path, name) {
   const place = [...path, name], found = branch(substituted(schema.properties[name], place), undefined, context.root);
   const compound = found.kinds || found.properties || found.type === "array";
   opened.set(keyOf(place), true);
-  focused.next(place);
+  focusNext(place);
   if ((compound && !isEmpty(found)) || found.enum || found.type === "boolean") {
     context.act([[place, example(found, context.root), isText(found)]]);
   } else {
@@ -114,7 +110,7 @@ function namer(schema, value, path) {
     const wanted = name.value.trim();
     if (!wanted || wanted in value) return name.focus();
     opened.set(keyOf([...path, wanted]), true);
-    focused.next([...path, wanted]);
+    focusNext([...path, wanted]);
     return context.act([[[...path, wanted], Object.values(value).at(-1) ?? example(schema.additionalProperties, context.root), false]]);
   }, { dataset: { key: keyOf([...path, "+name"]) }, aria: { label: `add another of ${words(path.at(-1))}` } });
   return element("span", { className: "namer" }, name, made);
@@ -190,7 +186,7 @@ function list(schema, value, path, required) {
     fields.moving(axisOf(path));
     const place = [...path, value.length], items = resolved(schema.items, context.root);
     opened.set(keyOf(place), true);
-    focused.next(place);
+    focusNext(place);
     context.act([[place, example(schema.items, context.root), isText(items)]]);
   }, [...path, "+"]);
   const tools = removable(value.length ? value : undefined, path, required) ? [more, remover(path)] : [more];
@@ -226,4 +222,154 @@ function digest(value) {
 
 function remover(path) {
   return small("remove", `remove ${words(path.at(-1))}`, () => { added.delete(keyOf(path)); context.act([[path, null, false]]); }, [...path, "-"]);
+}
+
+// -- one field: its label, its input, its help, what is wrong with it, and what else may be done with it
+
+const RANGE = /^([-+]?\d+(?:\.\d+)?)\s*([^.\s].*?)?\s*\.\.\s*([-+]?\d+(?:\.\d+)?)\s*(.*)$/; // 1 m/s .. 2 m/s
+const PLAIN = / with unit$|^a plain number or percent$/; // says what the value says itself
+
+/** A field of one value. */
+function single(schema, value, path, context, required) {
+  const plain = written(value);
+  const options = isOpen(value) ? null : schema.enum ?? (schema.type === "boolean" ? [true, false] : schema.const !== undefined ? [schema.const] : null);
+  const input = options ? picked(schema, options, plain, path, context) : typed(schema, plain, path, context, required);
+  const beside = [];
+  if (/^[-+]?[\d.]/.test(plain) && !options && isFigure(schema)) beside.push(slider(path, schema.type === "integer", context));
+  if (plain !== "" && !required) beside.push(small("×", `remove ${words(path.at(-1))}`, () => context.act([[path, null, false]]), [...path, "-"]));
+  return row(input, path, schema.description, context, beside);
+}
+
+function picked(schema, options, plain, path, context) {
+  const said = (one) => (one === true ? "yes" : one === false ? "no" : words(one));
+  const now = plain || String(schema.default ?? options[0]);
+  const input = element("select", {}, ...options.map((one) => element("option", { value: String(one), textContent: said(one), selected: String(one) === now })));
+  if (plain && !options.some((one) => String(one) === plain)) input.prepend(element("option", { value: plain, textContent: plain, selected: true }));
+  input.addEventListener("change", () => context.act([[path, schema.type === "boolean" ? input.value === "true" : input.value, isText(schema)]]));
+  return input;
+}
+
+/** What is typed counts when the field is left, or with Enter; a form that is drawn anew takes it along. */
+function typed(schema, plain, path, context, required) {
+  const input = element("input", { type: "text", value: plain, defaultValue: plain, placeholder: hint(schema, required), autocomplete: "off", spellcheck: false });
+  let sent = plain;
+  const commit = () => {
+    const text = input.value.trim();
+    if (!input.isConnected || text === sent) return;
+    const [, low, one = "", high, unit] = RANGE.exec(text) ?? [], own = ["", plain.replace(/^[-+\d.eE]+\s*/, "")];
+    if (high && own.includes(one) && own.includes(unit) && isFigure(schema)) { // it is free between these
+      input.value = plain;
+      context.slide({ path, whole: schema.type === "integer", low: Number(low), high: Number(high) });
+      return;
+    }
+    sent = text;
+    context.filled(path);
+    const value = isFigure(schema) ? read(text) : text;
+    context.act([[path, text === "" ? null : value, value === text && isText(schema)]]);
+  };
+  input.addEventListener("change", commit);
+  input.addEventListener("blur", commit);
+  return input;
+}
+
+function hint(schema, required) {
+  if (schema.default !== undefined && schema.default !== null && typeof schema.default !== "object") return String(schema.default);
+  return schema.examples?.length ? `e.g. ${schema.examples[0]}` : required ? "required" : "";
+}
+
+/** A label beside its input, and below them help and errors. */
+function row(input, path, description, context, beside = []) {
+  const key = keyOf(path), id = `field-${(context.count += 1)}`;
+  input.id = id;
+  input.dataset.key = key;
+  const made = element("div", { className: "field" }, element("label", { htmlFor: id }, words(path.at(-1)), ...symbol(path, context)), input, element("span", { className: "beside" }, ...beside));
+  const ids = [];
+  const say = (className, text) => {
+    const said = element("p", { className, id: `${id}-${ids.length}`, textContent: text });
+    ids.push(said.id);
+    made.append(said);
+  };
+  const help = (description ?? "").split("\n\n")[0];
+  if (help && !PLAIN.test(help)) say("help", help);
+  for (const one of context.faults.filter((fault) => keyOf(fault.path) === key)) {
+    one.shown = true;
+    say("error", one.text);
+    input.setAttribute("aria-invalid", "true");
+  }
+  if (ids.length) input.setAttribute("aria-describedby", ids.join(" "));
+  return made;
+}
+
+/** The symbol of a load's field in its sketch. */
+function symbol(path, context) {
+  const load = path.at(-2) === "load" ? path.slice(0, -1).reduce((at, step) => at?.[step], context.data) : null;
+  const found = context.schemas.symbols?.[load?.kind]?.[path.at(-1)];
+  if (!found) return [];
+  const [base, index] = found.split("_");
+  return [element("i", { className: "symbol", aria: { hidden: "true" } }, base, ...(index ? [element("sub", { textContent: index })] : []))];
+}
+
+function slider(path, whole, context) {
+  const name = path.filter((step) => typeof step === "string").map(words).join(" ");
+  const made = small("", `slider for ${name}`, () => context.slide({ path, whole }), [...path, "~"]);
+  made.classList.add("slides");
+  return made;
+}
+
+function small(text, label, does, path) {
+  return button(text, does, { className: "small", title: label, aria: { label }, dataset: { key: keyOf(path) } });
+}
+
+// -- the keyboard's place in a form that is drawn anew
+
+/** Gives the keyboard to a field as soon as it is there. */
+function focusNext(path) {
+  setTimeout(() => { if (!focus(path, true)) wantedFocus = path; });
+}
+
+function fieldAt(key) {
+  return form.querySelector(`[data-key="${CSS.escape(key)}"]`);
+}
+
+/** Shows a field and gives it the keyboard; else, unless `exactly` it is wanted, the group that it would be in. */
+export function focus(path, exactly = false) {
+  for (let length = path.length; length > 0; length -= 1) {
+    const key = keyOf(path.slice(0, length));
+    const found = fieldAt(key) ?? firstIn(key);
+    if (!found && exactly) return false;
+    if (!found) continue;
+    for (let group = found.closest("details"); group; group = group.parentElement.closest("details")) group.open = true;
+    found.focus({ preventScroll: true });
+    if (found.type === "text") found.select();
+    found.scrollIntoView({ block: "center" });
+    return true;
+  }
+  return false;
+}
+
+/** The first field of a group, or its head. */
+function firstIn(key) {
+  const head = fieldAt(`${key}\u001f=`);
+  return head?.parentElement.querySelector("input, select") ?? head;
+}
+
+/** Draws, and gives the keyboard back: to the same field with what is typed in it, or to its nearest neighbour. */
+function keepingFocus(draw) {
+  const active = form.contains(document.activeElement) ? document.activeElement : null;
+  const place = active?.dataset.key;
+  const order = [...form.querySelectorAll("[data-key]")].map((one) => one.dataset.key);
+  const typing = active?.tagName === "INPUT" ? { text: active.value, dirty: active.value !== active.defaultValue, at: active.selectionStart } : null;
+  draw();
+  if (wantedFocus && focus(wantedFocus, true)) wantedFocus = null;
+  else if (place !== undefined) restoreFocus(place, order, typing);
+}
+
+function restoreFocus(place, order, typing) {
+  const at = order.indexOf(place);
+  const again = fieldAt(place) ?? [...order.slice(0, at).reverse(), ...order.slice(at)].map((key) => fieldAt(key)).find((one) => one?.checkVisibility());
+  if (!again) return;
+  again.focus({ preventScroll: true });
+  if (!typing || again.tagName !== "INPUT" || again.dataset.key !== place) return;
+  if (typing.dirty && typing.text.trim() !== again.value) again.value = typing.text;
+  again.setSelectionRange(typing.at, typing.at);
 }

@@ -2,12 +2,10 @@
 
 import * as answer from "./answer.js";
 import * as catalogue from "./catalogue.js";
-import * as compare from "./compare.js";
 import { able, button, element, enable } from "./dom.js";
 import * as files from "./files.js";
 import * as form from "./form.js";
 import * as headline from "./headline.js";
-import { reveal, turn } from "./panes.js";
 import { get, pieces, whole } from "./requests.js";
 import * as sliders from "./sliders.js";
 import { packed, put, redo, state, undo, unpacked, watch } from "./state.js";
@@ -147,8 +145,8 @@ function found(piece) {
   if (piece.kind === "sections") {
     answer.sections(piece.sections);
     headline.row(piece.sections);
-    compare.boxes(piece.drives ?? []);
-    compare.renew();
+    headline.boxes(piece.drives ?? []);
+    headline.compared();
   } else if (piece.kind === "figures") answer.plots(piece.figures);
   else if (piece.kind === "still") answer.still(piece.name, piece.address);
 }
@@ -234,6 +232,69 @@ async function design() {
     files.notice(error.message, [], "", "design");
   }
 }
+
+// -- which part is in sight: the machine as form or YAML, and on a narrow screen the machine or its answer
+
+const tabs = [...document.querySelectorAll('[role="tab"]')];
+const switches = [...document.querySelectorAll("#switch button")];
+
+/** The machine as `form` or `yaml`. */
+function choose(name) {
+  document.body.dataset.machine = name;
+  for (const tab of tabs) {
+    const here = tab.id === `tab-${name}`;
+    tab.setAttribute("aria-selected", here);
+    tab.tabIndex = here ? 0 : -1;
+    document.getElementById(tab.getAttribute("aria-controls")).hidden = !here;
+  }
+}
+
+/** On a narrow screen: `machine` or `answer`. */
+function turn(name) {
+  document.body.dataset.pane = name;
+  for (const one of switches) one.setAttribute("aria-pressed", one.dataset.pane === name);
+  dispatchEvent(new Event("resize")); // for figures that were drawn for another width
+}
+
+/** Shows the field of a fault, or its line. */
+function reveal(fault) {
+  turn("machine");
+  const fields = document.getElementById("form");
+  if (!fields.hidden && !fields.inert && form.focus(fault.path)) return;
+  choose("yaml");
+  const lines = area.value.split("\n"), number = Math.min(fault.line ?? 1, lines.length);
+  const start = lines.slice(0, number - 1).reduce((sum, line) => sum + line.length + 1, 0);
+  area.focus();
+  area.setSelectionRange(start, start + lines[number - 1].length);
+  area.scrollTop = Math.max(0, (number - 4) * parseFloat(getComputedStyle(area).lineHeight));
+}
+
+for (const tab of tabs) {
+  tab.addEventListener("click", () => {
+    choose(tab.id.slice(4));
+    if (tab.id === "tab-yaml" && state.faults[0]?.line) reveal(state.faults[0]);
+  });
+  tab.addEventListener("keydown", (event) => {
+    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+    const other = tab.id === "tab-form" ? "yaml" : "form";
+    choose(other);
+    document.getElementById(`tab-${other}`).focus();
+  });
+}
+for (const one of switches) {
+  one.addEventListener("click", () => { turn(one.dataset.pane); scrollTo({ top: document.getElementById("front").offsetTop }); });
+}
+document.querySelector(".skip").addEventListener("click", () => turn("answer"));
+
+/** Height of what stays at the top, so that nothing that is scrolled to lies below it. */
+const head = document.getElementById("top"), front = document.getElementById("front");
+new ResizeObserver(() => {
+  const narrow = getComputedStyle(head).display === "contents", stays = narrow ? front : head;
+  const height = getComputedStyle(stays).position === "sticky" ? stays.offsetHeight : 0;
+  document.documentElement.style.setProperty("--top", `${height}px`);
+}).observe(front);
+turn("machine");
+choose("form");
 
 // -- from the start
 
