@@ -94,15 +94,14 @@ def test_letters_of_other_scripts_and_control_characters_do_no_harm(result):
     named = result.spec.model_copy(update={"name": "測試 робот 😀 \x00\x1b[31m \u202e"})
     with blank_figures():
         content = pdf.report_pdf(Content(replace(result, problem=replace(result.problem, machine=named))))
-    assert "робот" in text_of(content)
-    assert "\\x1b[31m" in text_of(content)
+    assert all(said in text_of(content, most=1) for said in ("робот", "\\x1b[31m"))
 
 
 def test_nothing_to_look_at_at_all(result):
     empty = replace(result.counts, considered=0, feasible=0, failed_by={})
     bare = replace(result, sets=(), misses=(), counts=empty, unrestricted=None)
     with blank_figures():
-        assert "no combination of motor and gearhead" in text_of(pdf.report_pdf(Content(bare)))
+        assert "no combination of motor and gearhead" in text_of(pdf.report_pdf(Content(bare)), most=1)
     assert csv_tables.report_csv(Content(bare))
 
 
