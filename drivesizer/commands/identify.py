@@ -32,7 +32,7 @@ def predict(
     ] = None,
     catalogs: Names = None,
     voltage: Annotated[str | None, typer.Option(help="Of the supply; else the motor's nominal one.")] = None,
-    resistance: Annotated[str | None, typer.Option(help="Of supply and leads; else none.")] = None,
+    resistance: Annotated[str | None, typer.Option(help="Of supply and leads; else usual leads.")] = None,
     ambient: Annotated[str | None, typer.Option(help="Temperature around the motor; else 25 degC.")] = None,
     load: Annotated[str | None, typer.Option(help="Torque at the output; else the continuous torque.")] = None,
     hold: Annotated[str | None, typer.Option(help="Torque held at rest; else the load.")] = None,

@@ -54,7 +54,7 @@ def predict_set(
     catalogs
         Names of catalogues or paths of files; all that ship where none is given.
     voltage, resistance
-        Of the supply, the first that of the motor where not given, the second with leads, none where not given.
+        Of the supply, the first that of the motor where not given, the second with leads: usual ones where not given.
     ambient, warm
         Temperatures: around the motor, 25 degC where not given, and at a warm start, where not given the housing's
         after long nominal work.
@@ -80,7 +80,7 @@ def predict_set(
 
     Examples
     --------
-    >>> found = predict_set("118752", voltage="24 V", catalogs=["maxon"])
+    >>> found = predict_set("118752", voltage="24 V", resistance="0 ohm", catalogs=["maxon"])
     >>> round(next(one for one in found.figures if one.name == "stall_torque").band.nominal, 2)
     0.24
     """
@@ -91,7 +91,7 @@ def predict_set(
              "inertia": inertia, "warm": warm}  # fmt: skip
     read = {name: _read(name, text) for name, text in texts.items()}
     robot = None if spec is None else load_spec(spec)
-    usual = {"resistance": 0.0, "ambient": _ROOM, "inertia": 0.0} if robot is None else of_machine(robot)
+    usual = {"ambient": _ROOM, "inertia": 0.0} if robot is None else of_machine(robot)
     given = Conditions(**read, duration=60.0 * minutes)
     given = given._replace(**{name: value for name, value in usual.items() if isnan(read[name])})
     shelf = open_catalogs(catalogs)
@@ -123,7 +123,7 @@ def of_machine(spec: RobotSpec) -> dict[str, float]:
         still = np.abs(steady[(cycle.speed == 0.0).all(axis=1)])
         resting = max(resting, float(still.max(initial=0.0)), float(np.nan_to_num(cycle.held)))
     return {
-        "voltage": spec.supply.nominal, "resistance": spec.supply.resistance or 0.0,
+        "voltage": spec.supply.nominal, "resistance": nan if spec.supply.resistance is None else spec.supply.resistance,
         "ambient": spec.environment.ambient, "load": moving / (belt * e), "hold": resting / belt,
         "inertia": inertia / (belt**2 * e),
     }  # fmt: skip

@@ -30,6 +30,7 @@ from drivesizer.prediction.set_at_voltage import (
     time_to_limit,
 )
 from drivesizer.results.check_kinds import figure_words
+from drivesizer.results.drive_set import EstimatedFigure
 from drivesizer.results.prediction import HOTTEST, Band, Conditions, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 
@@ -38,9 +39,7 @@ _MOMENTS = 121  # over the duration
 _POINTS = 41  # of the line of speed over torque
 _STAGE_AT_WORST = 0.9, 1.0  # duty, and voltage drop [V], of controllers that print neither
 _DECIDES = 0.25  # share of a figure from which on it is said that it decides
-# V at the nominal current of cables to a motor 1 m away: both conductors, copper of 5 A/mm^2. Of two dynamometers of
-# robot contests the same supplies show 12 mohm beside a winding of 35 to 47 mohm
-_CABLES, _NOTICED = 2.0 * 1.0 * 1.75e-8 * 5e6, 0.1  # V; share of the stall current
+_LEADS_LAW = "assumed: 0.03 to 0.35 V at the nominal current, both of 0.3 to 1.5 m of copper at 3 to 6.5 A/mm²"
 _PER_CENT = (0.05, 0.5, 0.95)
 
 
@@ -102,7 +101,7 @@ def predict(
         speed=speed,
         courses=tuple(courses),
         limit=float(one.motor["max_winding_temperature"][0]),
-        estimates=parts.estimates,
+        estimates=(*parts.estimates, *_leads(one, given)),
         tolerances=tuple((c.title, c.text, c.why) for c in parts.classes),
         assumptions=tuple(_assumptions(one, parts, given)),
         warnings=tuple(_warnings(motor, gearhead, controller, given, columns)),
@@ -119,7 +118,7 @@ def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
     torque = np.minimum(torque, one.most_torque)
     speed, current = one.running(given.load, ambient)
     power = given.load * speed / one.drive.ratio
-    drawn = one.source_power(given.voltage, given.resistance, current)
+    drawn = one.source_power(given.voltage, np.nan_to_num(given.resistance), current)
     e = one.drive.efficiency if given.inertia else 1.0  # that of the gear has no say without a load
     driving = one.drive.inertia + given.inertia / (one.drive.ratio**2 * e)
     driven = one.drive.inertia + given.inertia * e / one.drive.ratio**2
@@ -247,6 +246,13 @@ def _share_of_idle(one: SetAtVoltage) -> float:
     return float(one.drive.idle[0] / (one.coulomb + one.drive.viscous * free)[0])
 
 
+def _leads(one: SetAtVoltage, given: Conditions) -> Iterable[EstimatedFigure]:
+    """Leads that nobody names, with their band."""
+    if isnan(given.resistance) and one.leads.any():
+        value, low, high = (float(x) for x in np.quantile(one.leads[1:], (0.5, 0.05, 0.95)))
+        yield EstimatedFigure("supply", "leads", value, low, high, "resistance", "mohm", _LEADS_LAW, "assumed by class")
+
+
 def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:
     """Assumptions, as sentences."""
     yield "the winding is at ambient temperature in all but the temperatures and the times to its limit"
@@ -264,12 +270,6 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         yield "the power of the supply is before its resistance, with losses and standby power of the controller"
         if np.isnan(parts.controller["standby_current"][0]):
             yield "standby power of the controller not counted: it is not printed"
-    leads = _CABLES / one.motor["nominal_current"][0]
-    taken = leads / (leads + np.asarray(one.bodies.R_25)[0])
-    if given.resistance == 0.0 and taken > _NOTICED:
-        yield ("supply and leads have no resistance; copper cables of 1 m for the nominal current have "
-               f"{show(leads, 'mohm', 'resistance', 2)} and take {taken:.0%} of the stall current: give --resistance"
-               ).replace("%", " %")  # fmt: skip
     if parts.controller is None and not np.isfinite(one.most_current[0]):
         left = _STAGE_AT_WORST[0] * max(1.0 - _STAGE_AT_WORST[1] / given.voltage, 0.0)
         yield ("without a controller the winding is connected to the supply: nothing limits the current; one that is "

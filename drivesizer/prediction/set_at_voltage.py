@@ -23,7 +23,14 @@ from drivesizer.catalog.estimates.estimate import (
 from drivesizer.catalog.parts import NO_GEARHEAD
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Pairs, empty
-from drivesizer.catalog.tolerances import Class, classes, lognormal, usual_of_spur_gears
+from drivesizer.catalog.tolerances import (
+    Class,
+    classes,
+    deviations_at,
+    lognormal,
+    resistance_from_stall,
+    usual_of_spur_gears,
+)
 from drivesizer.catalog.view import split_actuators
 from drivesizer.kernel.warming import State, after
 from drivesizer.physics.at_voltage import Winding, operating_point
@@ -309,6 +316,7 @@ def _step(heating: Heating, state: tuple[Array, Array], span: Alike) -> tuple[Ar
     return moved
 
 
+_LEADS = 0.03, 0.1, 0.35  # V at the nominal current: both of 0.3 to 1.5 m of copper at 3 to 6.5 A/mm^2
 _LIMITED = 0.9  # of V/R: a printed stall current below this is a controller's
 _HALF_STEP = np.pi / 6.0  # rad, electrical: farther away another phase carries most
 
@@ -363,6 +371,15 @@ class SetAtVoltage(NamedTuple):
         return np.where(stuck, 0.0, speed), np.where(stuck, self.stall_current(temperature), current)
 
 
+def usual_leads(parts: SampledParts) -> Array:
+    """Resistance of leads that nobody names [ohm]; none beside one by a printed stall, which has them in it."""
+    nominal = parts.motor["nominal_current"][0]
+    if isnan(nominal) or resistance_from_stall() in parts.classes:
+        return np.zeros(len(parts.free))
+    share = (parts.free[:, 1] + parts.free[:, 2] + 0.5) % 1.0  # uniform, and of either of the two independent
+    return np.asarray(lognormal(*_LEADS, deviations_at(share)) / nominal)
+
+
 def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     """A set at a supply."""
     motor, controller, whole = parts.motor, parts.controller, np.ones(len(parts.motor["part"]))
@@ -370,14 +387,15 @@ def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
     higher = max(given.voltage / motor["nominal_voltage"][0], 1.0)  # than that of the printed stall
     if controller is not None:
         stage = power_stage(controller, given.voltage)
-        duty, feed = controller["max_duty"], Feed(stage, given.voltage, given.resistance, 1)
+        duty, feed = controller["max_duty"], Feed(stage, given.voltage, np.nan_to_num(given.resistance), 1)
         voltage, most = feed.usable, np.asarray(controller["peak_current"], float)
     else:  # of one inside an actuator its stall's current, where the winding would take more
         stall, of_winding = motor["stall_current"][0], motor["nominal_voltage"][0] / motor["resistance"][0]
         limited = motor["commutation"][0] == ELECTRONICS and stall < _LIMITED * of_winding
         most = np.minimum(stall if limited else np.inf, parts.most[0] * higher)
     drive = motor_and_gears(motor, parts.gearhead)._replace(k_e=motor["back_emf_constant"])
-    leads, losses = duty**2 * given.resistance, housing_loss(motor, whole)
+    leads = usual_leads(parts) if isnan(given.resistance) else duty**2 * given.resistance
+    losses = housing_loss(motor, whole)
     return SetAtVoltage(
         motor, drive, voltage, duty, leads, feed, most, parts.most[1] * higher, two_bodies(motor), losses
     )

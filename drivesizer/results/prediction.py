@@ -21,7 +21,7 @@ class Conditions(NamedTuple):
     inertia: float  # of what is mounted at the output
     duration: float  # s, of running and of holding
     warm: float  # temperature of winding and housing at a warm start; NaN unknown
-    resistance: float  # of supply and leads
+    resistance: float  # of supply and leads; NaN: usual leads, with a band
 
 
 class Band(NamedTuple):
