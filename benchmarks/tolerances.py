@@ -72,7 +72,7 @@ def sampled(path: Path) -> None:
     result = sample_drives(given, subjects, Sampling(SAMPLES, 1, float(CONFIDENCE)))
     shown = result.examined([*result.good[:SHOWN], *result.bad[:SHOWN]])
     taken = time.process_time() - processor, time.perf_counter() - wall
-    assert len(result.good) + len(result.bad) == SETS and result.drawn.size == SAMPLES
+    assert len(result.good) + len(result.bad) == SETS and len(result.ready.values) == SAMPLES
     assert all((shown[row].reliability.probability >= float(CONFIDENCE)) == (row in result.good) for row in shown)
     processor = time.process_time()
     assert len(sample_drives(given, subjects, Sampling(SAMPLES, 1, None)).examined(subjects)) == SETS

@@ -3,102 +3,104 @@
 from __future__ import annotations
 
 from math import nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from drivesizer.physics.figures import Alike
 
 
 class Drive(NamedTuple):
     """A drive as the kernel takes it; speed, acceleration and torque are the load's."""
 
     # current of the motor
-    driving: Any  # A/(N*m), by a torque that drives
-    braking: Any  # A/(N*m), by one that brakes
-    resting: Any  # A/(N*m), by one at rest
-    accelerating: Any  # A*s^2/rad
-    direction: Any  # A, dry friction
-    turning: Any  # A*s/rad
+    driving: Alike  # A/(N*m), by a torque that drives
+    braking: Alike  # A/(N*m), by one that brakes
+    resting: Alike  # A/(N*m), by one at rest
+    accelerating: Alike  # A*s^2/rad
+    direction: Alike  # A, dry friction
+    turning: Alike  # A*s/rad
     # winding
-    emf: Any  # V*s/rad, induced
-    surplus: Any  # V*s/rad, of it what the back-EMF constant is above the torque constant
-    R: Any  # ohm, at ambient temperature
-    R_rise: Any  # ohm/K
+    emf: Alike  # V*s/rad, induced
+    surplus: Alike  # V*s/rad, of it what the back-EMF constant is above the torque constant
+    R: Alike  # ohm, at ambient temperature
+    R_rise: Alike  # ohm/K
     # heat
-    R_th1: Any  # K/W, winding to housing
-    R_th2: Any  # K/W, housing to ambient
-    C_w: Any  # J/K
-    C_h: Any  # J/K
-    friction: Any  # W*s/rad, loss at the housing
-    iron: Any  # W*s^2/rad^2
-    permitted: Any  # K, rise at which a winding that runs away is held
-    course: Any  # 1: the winding's course is computed; 0: it is held at a rise
-    held: Any  # K, that rise
-    held_mean: Any  # K, of it for the mean loss
-    finest: Any  # s: a segment in which anything changes is cut into sqrt(duration / finest) pieces
+    R_th1: Alike  # K/W, winding to housing
+    R_th2: Alike  # K/W, housing to ambient
+    C_w: Alike  # J/K
+    C_h: Alike  # J/K
+    friction: Alike  # W*s/rad, loss at the housing
+    iron: Alike  # W*s^2/rad^2
+    permitted: Alike  # K, rise at which a winding that runs away is held
+    course: Alike  # 1: the winding's course is computed; 0: it is held at a rise
+    held: Alike  # K, that rise
+    held_mean: Alike  # K, of it for the mean loss
+    finest: Alike  # s: a segment in which anything changes is cut into sqrt(duration / finest) pieces
     # supply
-    leads: Any  # ohm, that take of the voltage before the winding
-    loss: Any  # V, of the power stage per ampere
-    least_loss: Any  # V, of it for what is stored
-    R_stage: Any  # ohm
-    standby: Any  # W
-    V_0: Any  # V, of the source without load
-    R_source: Any  # ohm, with cables
-    drives: Any  # 1, alike at this source
-    kept: Any  # 1, share of what is returned that stays on the bus
-    limit: Any  # A, of which the time above counts
-    commutation: Any  # V*s/(A*rad), that commutation takes of a motor that drives, at most
-    least_commutation: Any  # V*s/(A*rad), at least
-    winding_start: Any = nan  # K, rises with which a cycle begins; NaN: those with which it ends, too
-    housing_start: Any = nan
+    leads: Alike  # ohm, that take of the voltage before the winding
+    loss: Alike  # V, of the power stage per ampere
+    least_loss: Alike  # V, of it for what is stored
+    R_stage: Alike  # ohm
+    standby: Alike  # W
+    V_0: Alike  # V, of the source without load
+    R_source: Alike  # ohm, with cables
+    drives: Alike  # 1, alike at this source
+    kept: Alike  # 1, share of what is returned that stays on the bus
+    limit: Alike  # A, of which the time above counts
+    commutation: Alike  # V*s/(A*rad), that commutation takes of a motor that drives, at most
+    least_commutation: Alike  # V*s/(A*rad), at least
+    winding_start: Alike = nan  # K, rises with which a cycle begins; NaN: those with which it ends, too
+    housing_start: Alike = nan
 
 
 class Figures(NamedTuple):
     """Figures of a drive over a cycle, without standby power."""
 
-    I_rms: Any  # A
-    I_peak: Any  # A
-    I_peak_time: Any  # s
-    winding: Any  # K, highest rise; infinite: it runs away; NaN: it is held
-    winding_time: Any  # s
-    winding_mean: Any  # K, over time
-    winding_least: Any  # K, at ends of pieces
-    winding_start: Any  # K, where the cycle begins
-    housing_start: Any  # K
-    winding_end: Any  # K, where it ends
-    housing_end: Any  # K
-    voltage: Any  # V, largest, the winding as warm as it then is, with the most that commutation takes
-    voltage_time: Any  # s
-    least_voltage: Any  # V, with the least
-    least_voltage_time: Any  # s
-    copper: Any  # W, mean heat of the winding
-    above: Any  # s, longest without a break above the limit
-    above_in_all: Any  # s, all such time
-    power: Any  # W, largest into the stage
-    power_time: Any  # s
-    drawn: Any  # J, at the stage
-    returned: Any  # J
-    source_heat: Any  # J
-    stored: Any  # J, the most that is back and not drawn again; infinite: more with every cycle
-    motor: Any  # J, net into the motor
-    unlike: Any  # J, of it what its two constants differ by
-    pieces: Any  # 1, of its course over time
+    I_rms: Alike  # A
+    I_peak: Alike  # A
+    I_peak_time: Alike  # s
+    winding: Alike  # K, highest rise; infinite: it runs away; NaN: it is held
+    winding_time: Alike  # s
+    winding_mean: Alike  # K, over time
+    winding_least: Alike  # K, at ends of pieces
+    winding_start: Alike  # K, where the cycle begins
+    housing_start: Alike  # K
+    winding_end: Alike  # K, where it ends
+    housing_end: Alike  # K
+    voltage: Alike  # V, largest, the winding as warm as it then is, with the most that commutation takes
+    voltage_time: Alike  # s
+    least_voltage: Alike  # V, with the least
+    least_voltage_time: Alike  # s
+    copper: Alike  # W, mean heat of the winding
+    above: Alike  # s, longest without a break above the limit
+    above_in_all: Alike  # s, all such time
+    power: Alike  # W, largest into the stage
+    power_time: Alike  # s
+    drawn: Alike  # J, at the stage
+    returned: Alike  # J
+    source_heat: Alike  # J
+    stored: Alike  # J, the most that is back and not drawn again; infinite: more with every cycle
+    motor: Alike  # J, net into the motor
+    unlike: Alike  # J, of it what its two constants differ by
+    pieces: Alike  # 1, of its course over time
 
 
 class Piece(NamedTuple):
     """A part of a cycle in which the winding follows the mean."""
 
-    duration: Any  # s
-    I_0: Any  # A, at both ends
-    I_1: Any
-    w_0: Any  # rad/s, of the load
-    w_1: Any
-    rise_0: Any  # K, of the winding as voltages take it
-    rise_1: Any
-    rise_mean: Any  # K
-    winding: Any  # K, rises at its start
-    housing: Any  # K
-    drawn: Any  # J, at the stage without standby power
-    returned: Any  # J
-    source_heat: Any  # J
-    motor_drawn: Any  # J
-    motor_returned: Any  # J
-    most: Any  # W, largest power into the stage
-    least: Any  # W, smallest: below 0 what is returned
+    duration: Alike  # s
+    I_0: Alike  # A, at both ends
+    I_1: Alike
+    w_0: Alike  # rad/s, of the load
+    w_1: Alike
+    rise_0: Alike  # K, of the winding as voltages take it
+    rise_1: Alike
+    rise_mean: Alike  # K
+    winding: Alike  # K, rises at its start
+    housing: Alike  # K
+    drawn: Alike  # J, at the stage without standby power
+    returned: Alike  # J
+    source_heat: Alike  # J
+    motor_drawn: Alike  # J
+    motor_returned: Alike  # J
+    most: Alike  # W, largest power into the stage
+    least: Alike  # W, smallest: below 0 what is returned

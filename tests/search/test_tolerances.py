@@ -22,7 +22,7 @@ from drivesizer.search.search import search
 from drivesizer.search.set_record import drive_set
 from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
-from drivesizer.search.uncertainty.probabilities import examined, subject
+from drivesizer.search.uncertainty.probabilities import by_processes, examined, passing_shares, subject
 from drivesizer.search.uncertainty.sampled_drive import blocks, checks_of, prepared
 from drivesizer.search.uncertainty.sampling import (
     REPLICATES,
@@ -355,12 +355,11 @@ def _document(plain: str, parts: Catalog, seed: int, processes: int) -> str:
     drawn = sample(given, 1024, seed)
     found = _best(_read(plain, {}), parts, 8)
     some = [subject(found, row) for row in range(8)]
-    return repr(
-        [
-            one.reliability
-            for one in examined(prepared(problem(spec, load_parts(spec)), given, drawn), parts, some, processes)
-        ]
-    )
+    ready = prepared(problem(spec, load_parts(spec)), given, drawn)
+    each = by_processes(examined, ready, parts, some, processes)
+    shares = by_processes(passing_shares, ready, parts, some, processes)
+    assert shares == [one.reliability.probability for one in each]
+    return repr([one.reliability for one in each])
 
 
 def test_the_same_seed_gives_the_same_figures_on_one_process_and_on_two(plain: str, parts: Catalog) -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -39,6 +39,7 @@ from drivesizer.search.uncertainty.sampling import (
 )
 from drivesizer.search.uncertainty.uncertain_figures import Assumption
 
+Found = TypeVar("Found")
 _QUANTILES = (0.05, 0.5, 0.95)
 _KEPT = 1_000_000  # segments times samples that are kept in memory for all drives
 _TOGETHER = 8  # drives whose samples are held at a time
@@ -88,17 +89,8 @@ def over_samples(checks: Sequence[Check | None]) -> Over:
     return Over(*(np.array(column) for column in zip(*known, strict=True)))
 
 
-def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], processes: int = 1) -> list[Examined]:
-    """Checks of drives over all samples, by several processes each with some of the drives."""
-    if processes > 1 and len(subjects) > 1:
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
-
-        share = -(-len(subjects) // processes)
-        parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
-        with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
-            found = pool.map(examined, [given] * len(parts), [catalog] * len(parts), parts)
-            return [one for part in found for one in part]
+def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> list[Examined]:
+    """Checks of drives over all samples."""
     titles = {name: CHECKS["budget"][name].title for name in BATTERY_SAMPLED}
     return [
         reduced(every, {check.name: check.title for check in one.nominal} | titles)
@@ -106,7 +98,32 @@ def examined(given: Prepared, catalog: Catalog, subjects: Sequence[Subject], pro
     ]
 
 
-def _every_check(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> Iterator[dict[str, Over]]:
+def passing_shares(given: Prepared, catalog: Catalog, subjects: Sequence[Subject]) -> list[float]:
+    """Share of the samples in which no check of a drive fails, of each drive: without the margins of the checks."""
+    every = _every_check(given, catalog, subjects, margins=False)
+    return [float(np.mean(~np.logical_or.reduce([over.failed for over in checks.values()]))) for checks in every]
+
+
+def by_processes(
+    work: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]], given: Prepared, catalog: Catalog,
+    subjects: Sequence[Subject], processes: int = 1,
+) -> list[Found]:  # fmt: skip
+    """What is found of drives over all samples, by several processes each with some of the drives."""
+    if processes <= 1 or len(subjects) <= 1:
+        return work(given, catalog, subjects)
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    share = -(-len(subjects) // processes)
+    parts = [subjects[first : first + share] for first in range(0, len(subjects), share)]
+    with ProcessPoolExecutor(len(parts), mp_context=get_context("spawn")) as pool:
+        found = pool.map(work, [given] * len(parts), [catalog] * len(parts), parts)
+        return [one for part in found for one in part]
+
+
+def _every_check(
+    given: Prepared, catalog: Catalog, subjects: Sequence[Subject], *, margins: bool = True
+) -> Iterator[dict[str, Over]]:
     """The checks of each drive over all samples; those that no sample changes are as they are nominally."""
     belts = sorted({one.rows.belt for one in subjects})
     kept = [*blocks(given, catalog, belts)] if given.cells <= _KEPT else None
@@ -115,7 +132,7 @@ def _every_check(given: Prepared, catalog: Catalog, subjects: Sequence[Subject])
         parts: list[list[dict[str, Over]]] = [[] for _ in some]
         for block in kept or blocks(given, catalog, belts):
             for part, one in zip(parts, some, strict=True):
-                part.append({n: _over(c, block.size) for n, c in checks_of(catalog, one.rows, block).items()})
+                part.append({n: _over(c, block.size, margins) for n, c in checks_of(catalog, one.rows, block).items()})
         for one, part in zip(some, parts, strict=True):
             sampled = part[0] if len(part) == 1 else {
                 name: Over(*map(np.concatenate, zip(*(each[name] for each in part), strict=True)))
@@ -130,10 +147,10 @@ def _every_check(given: Prepared, catalog: Catalog, subjects: Sequence[Subject])
             yield every | {name: sampled[name] for name in BATTERY_SAMPLED if name in sampled}
 
 
-def _over(check: CheckColumn, count: int) -> Over:
+def _over(check: CheckColumn, count: int, margins: bool) -> Over:
     """A check over samples; of the pull-out torque the tightness is what exceeds the required factor."""
-    margin = check.margin
-    tight = check.tight(margin)
+    margin = check.margin if margins else np.full(count, np.nan)
+    tight = check.tight(margin) if margins else margin
     if check.name in _OF_A_FACTOR:
         tight = (1.0 + tight) / (1.0 + check.needed) - 1.0
     columns = (check.passed, check.failed, margin, tight)
@@ -269,8 +286,8 @@ class SampledDrives(NamedTuple):
         """Probability, and every check over the samples, of some of them."""
         new = [row for row in rows if row not in self.known]
         some = [self.subjects[row] for row in new]
-        self.known.update(zip(new, examined(self.ready, self.ready.problem.catalog, some, self.how.processes),
-                              strict=True))  # fmt: skip
+        found = by_processes(examined, self.ready, self.ready.problem.catalog, some, self.how.processes)
+        self.known.update(zip(new, found, strict=True))
         return {row: self.known[row] for row in rows}
 
 
@@ -289,7 +306,8 @@ def sample_drives(
     found = SampledDrives([*subjects], [], {**subjects}, ready, how, ends, {})
     if how.confidence is None:
         return found
-    share = {row: one.reliability.probability for row, one in found.examined([*subjects]).items()}
+    shares = by_processes(passing_shares, ready, problem.catalog, [*subjects.values()], how.processes)
+    share = dict(zip(subjects, shares, strict=True))
     good = [row for row in subjects if share[row] >= how.confidence]
     return found._replace(
         good=good, bad=sorted((row for row in subjects if row not in good), key=lambda row: -share[row])
