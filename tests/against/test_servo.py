@@ -241,7 +241,7 @@ def test_a_profile_with_more_samples_than_are_simulated_is_simulated_by_the_velo
     peak = allowed["controller_peak_current"].demand
     for most, decided in ((0.8, "fail"), (0.95, "open"), (1.05, "open"), (1.2, "pass")):
         controller = replace(found.drive_set.controller, peak_current=most * peak)
-        tight = found._replace(drive_set=replace(found.drive_set, controller=controller))
+        tight = replace(found, drive_set=replace(found.drive_set, controller=controller))
         assert status("controller_peak_current", tight) == decided
     monkeypatch.setattr(closed_loop, "LONGEST", 1000)
     with pytest.raises(InputError, match="profile long: more steps than are permitted; expected a slower control"):

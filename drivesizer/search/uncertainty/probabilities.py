@@ -108,7 +108,7 @@ def by_processes(
     work: Callable[[Prepared, Catalog, Sequence[Subject]], list[Found]], given: Prepared, catalog: Catalog,
     subjects: Sequence[Subject], processes: int = 1,
 ) -> list[Found]:  # fmt: skip
-    """What is found of drives over all samples, by several processes each with some of the drives."""
+    """Checks and figures of drives over all samples, by several processes each with some of the drives."""
     if processes <= 1 or len(subjects) <= 1:
         return work(given, catalog, subjects)
     from concurrent.futures import ProcessPoolExecutor
