@@ -468,6 +468,7 @@ class _Candidates(NamedTuple):
         lacking, margin = ranks.lacking.copy(), ranks.margin
         for k, case in enumerate(self.cases):
             spec, low = case.spec, over_time.lowest(case, parts)
+            high = low
             if found is not None and row is not None:
                 computed, stage = found.pairs[k][0], spec.feed(parts.controller).stage
                 tried = spec.feed(Rows(self.problem.catalog.controllers, row)).stage
@@ -478,7 +479,9 @@ class _Candidates(NamedTuple):
                     stored=np.where(less, np.fmax(low.stored, computed.stored), low.stored),
                     power=np.where(more, np.fmax(low.power, computed.power), low.power),
                 )
-            for check in _hanging(spec, low, parts):
+                ranged = self.ranges_of_voltage(k, row, found)
+                high = low._replace(voltage=np.where(ranged, found.pairs[k][1].voltage, low.voltage))
+            for check in _hanging(spec, low, high, parts):
                 lacking[np.broadcast_to(check.failed, lacking.shape)] = LOST
                 passed[check.name] = passed.get(check.name, np.True_) & check.passed
                 if ranks.weight:
@@ -487,6 +490,15 @@ class _Candidates(NamedTuple):
         for one in passed.values():
             hanging += ~one
         return ranks._replace(lacking=lacking, hanging=hanging, margin=margin)
+
+    def ranges_of_voltage(self, k: int, row: Whole, found: _Judged) -> Mask:
+        """Whose voltage in a load case lies within computed ends, by which the limit of a controller is undecided."""
+        case = self.cases[k]
+        if self.waveform == "bounds" or case.spec.resists:
+            return np.zeros(len(row), bool)
+        limits = over_time.waveform_limits(case.spec, *found.pairs[k], self.with_controllers(row))
+        (volts,) = (check for check in limits if check.name == "supply_voltage")
+        return np.asarray(case.demand.complete & ~(volts.passed | volts.failed) & ~found.failed(), bool)
 
     def judged(self, row: Whole) -> _Judged:
         """The electrical limits with some controllers, and those of the waveform by bounds or exactly."""
@@ -535,9 +547,9 @@ class _Candidates(NamedTuple):
         return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
-def _hanging(spec: RobotSpec, low: over_time.Moments, parts: Parts) -> list[CheckColumn]:
-    """Limits of a load case that hang on controller and cycle, by lower bounds."""
-    return [c for c in over_time.waveform_limits(spec, low, low, parts) if c.name in HANGING]
+def _hanging(spec: RobotSpec, low: over_time.Moments, high: over_time.Moments, parts: Parts) -> list[CheckColumn]:
+    """Limits of a load case that hang on controller and cycle, by lower bounds, or between two ends."""
+    return [c for c in over_time.waveform_limits(spec, low, high, parts) if c.name in HANGING]
 
 
 def _best_of_all(some: _Candidates, ranks: Ranks, row: Whole, found: _Judged, free: Mask) -> tuple[Whole, _Judged]:
