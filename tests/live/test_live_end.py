@@ -80,12 +80,13 @@ def server(folder: Path) -> Iterator[Serving]:
 
 
 def test_an_engine_that_is_killed_is_said_and_replaced(server: Serving) -> None:
-    connection = streaming(server)
-    for engine in server.processes():
+    connection, engines = streaming(server), server.processes()
+    for engine in engines:
         os.kill(engine, signal.SIGKILL)
     with connection:
         rest = b"".join(iter(lambda: connection.recv(10_000), b""))
     assert b"the engine ended in the middle of this and has been started afresh" in rest
+    assert within(30, lambda: not {*engines} & {*server.processes()})  # the other one has ended too
     for job in ("answer", "loop"):
         assert "a: unknown key" in server.do(job, "a: 1\n")[-1]["lines"][0]
     assert within(30, lambda: len(server.processes()) == 2)
