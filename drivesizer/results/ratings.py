@@ -105,11 +105,8 @@ def motor_speed_limit(speed: Alike, motor: Figures, needed: float = 0.0) -> Chec
 
     Of 904 motors that print both none permits less than the no-load speed at nominal voltage over 1.3.
     """
-    printed = motor["max_speed"]
-    silent, reached = np.isnan(printed), np.fmax(motor["nominal_speed"], motor["no_load_speed"] / _IDLE)
-    limit = Range(np.where(silent, reached, printed), printed)
-    column = at_most("motor_speed", speed, limit, needed=needed, undecided=_BY_IDLE)
-    return column.assuming(silent & column.passed, _BY_IDLE)
+    printed, reached = motor["max_speed"], np.fmax(motor["nominal_speed"], motor["no_load_speed"] / _IDLE)
+    return _or_assumed("motor_speed", speed, printed, np.isnan(printed), reached, _BY_IDLE, needed)
 
 
 def electrical_speed_limit(
@@ -122,9 +119,16 @@ def electrical_speed_limit(
     """
     printed = np.where(np.asarray(kind) == "brushed", np.inf, controller["max_speed_sine"])
     silent = np.isnan(printed) & (np.asarray(controller["part"]) != "")
-    limit = Range(np.where(silent, COMMUTATED, printed), printed)
-    column = at_most(name, speed, limit, needed=needed, undecided=_BY_COMMUTATION)
-    return column.assuming(silent & column.passed, _BY_COMMUTATION)
+    return _or_assumed(name, speed, printed, silent, COMMUTATED, _BY_COMMUTATION, needed)
+
+
+def _or_assumed(
+    name: str, demand: Alike, printed: Alike, silent: Mask, least: Alike, why: str, needed: float
+) -> CheckColumn:
+    """A demand against the printed limit, or where its maker is silent one that is reached at least, which is shown."""
+    reached: Alike = np.where(silent, least, printed)
+    column = at_most(name, demand, Range(reached, printed), needed=needed, undecided=why)
+    return column.assuming(silent & column.passed, why)
 
 
 def controller_power_limit(power: Alike, controller: Figures, voltage: float, **more: Unpack[Options]) -> CheckColumn:

@@ -217,8 +217,8 @@ def _held_back_remarks(picked: Shortlist, sets: tuple[DriveSet, ...]) -> list[st
 def _decided_by(drive: DriveSet) -> str:
     """The figures that decide the open and unknown checks of a drive; empty where they are many."""
     notes = {check.title: check.note for check in drive.own_checks if check.note.startswith("unknown: ")}
-    open_ = [check for check in drive.deciding if check.status == "open"]
-    hanging = [f"{c.title} {c.note}" if c.note.startswith(("passes", "hangs")) else c.title for c in open_]
+    undecided = [check for check in drive.deciding if check.status == "open"]
+    hanging = [f"{c.title} {c.note}" if c.note.startswith(("passes", "hangs")) else c.title for c in undecided]
     hanging += [f"{title} is {note}" for title, note in notes.items()]
     unknown = [lacks for title, lacks in unknown_figures(drive) if title not in notes]
     lacking = dict.fromkeys(name for lacks in unknown for name in lacks.split(", "))

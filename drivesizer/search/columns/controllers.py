@@ -496,8 +496,7 @@ class _Candidates(NamedTuple):
         case = self.cases[k]
         if self.waveform == "bounds" or case.spec.resists:
             return np.zeros(len(row), bool)
-        limits = over_time.waveform_limits(case.spec, *found.pairs[k], self.with_controllers(row))
-        (volts,) = (check for check in limits if check.name == "supply_voltage")
+        volts = over_time.voltage_limit(case.spec, *found.pairs[k], self.with_controllers(row).controller)
         return np.asarray(case.demand.complete & ~(volts.passed | volts.failed) & ~found.failed(), bool)
 
     def judged(self, row: Whole) -> _Judged:

@@ -105,17 +105,16 @@ def least(found: Pair, case: InCase) -> Pair:
 def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) -> list[CheckColumn]:
     """Bounds over the waveform against the limits; all drives draw from one supply."""
     supply, sets, controller = spec.supply, spec.load.motors, parts.controller
-    torque, speed = spec.margins.torque, spec.margins.speed
-    winding, warmest, volts, at_volts, above, power, at_power = (
+    torque = spec.margins.torque
+    winding, warmest, above, power, at_power = (
         Range(getattr(low, name), getattr(high, name))
-        for name in ("winding", "winding_time", "voltage", "voltage_time", "above", "power", "power_time")
+        for name in ("winding", "winding_time", "above", "power", "power_time")
     )
     bus = Range(_bus_voltage(spec, low, controller).low, _bus_voltage(spec, high, controller).high)
     held = _HELD if spec.battery and spec.accepts_all else ""
     checks = [
         winding_limit(spec, winding, parts.motor, warmest),
-        at_most("supply_voltage", volts, spec.feed(controller).usable_range, needed=speed, time=at_volts,
-                undecided=_TAKEN),
+        voltage_limit(spec, low, high, controller),
         waived(spec, at_most("controller_peak_time", above, controller["peak_time"])),
         bus_limit(spec, bus, controller["supply_max"], undecided=_STAYS, note=held),
         controller_power_limit(power, controller, supply.highest, needed=torque, time=at_power),
@@ -127,6 +126,13 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
         checks.append(at_most("supply_power", Range(*(end * sets for end in power)), supply.power, needed=torque,
                               time=at_power))  # fmt: skip
     return checks
+
+
+def voltage_limit(spec: RobotSpec, low: Moments, high: Moments, controller: Figures) -> CheckColumn:
+    """Bounds of the motor's voltage against what supply and controller leave of it."""
+    volts, time = Range(low.voltage, high.voltage), Range(low.voltage_time, high.voltage_time)
+    usable = spec.feed(controller).usable_range
+    return at_most("supply_voltage", volts, usable, needed=spec.margins.speed, time=time, undecided=_TAKEN)
 
 
 def bus_limit(spec: RobotSpec, bus: Alike, limit: Alike, **more: Unpack[Options]) -> CheckColumn:
