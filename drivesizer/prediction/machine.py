@@ -36,10 +36,9 @@ class Machine(NamedTuple):
     end: float  # of the path, farthest from its start
     steepest: float  # of the path, where weight turns most; NaN of a load without a lever
 
-    def against(self, angle: Array, way: Array) -> Array:
-        """Torque against forward motion at angles, in a direction of motion: 1, -1, or 0 at rest."""
-        back, rest, forth = (np.interp(angle, self.angle, row) for row in self.torque)
-        return np.asarray(np.where(way > 0.0, forth, np.where(way < 0.0, back, rest)))
+    def against(self, angle: Array) -> list[Array]:
+        """Torque against forward motion at angles: of backward motion, at rest, of forward motion."""
+        return [np.asarray(np.interp(angle, self.angle, row)) for row in self.torque]
 
 
 def machine_of(spec: RobotSpec) -> Machine | None:
@@ -83,12 +82,12 @@ def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start
         limited = np.isnan(voltage) | (np.abs(push) > most)
         push = np.where(limited, np.clip(push, -most, most), winding.k_t * voltage / R)
         damping = drive.viscous + np.where(limited, 0.0, winding.k_t * winding.k_e / R)
-        loads = [of.against(angle, way) for way in np.array([[-1.0], [0.0], [1.0]]) * np.ones_like(K)]
+        back, rest, forth = of.against(angle)
         # what starts it from rest: the push against weight and what hinders, at once
-        up = push > loads[2] * np.where(loads[2] > 0.0, driving, braking) + one.coulomb
-        down = push < loads[0] * np.where(loads[0] < 0.0, driving, braking) - one.coulomb
+        up = push > forth * np.where(forth > 0.0, driving, braking) + one.coulomb
+        down = push < back * np.where(back < 0.0, driving, braking) - one.coulomb
         way = np.where(speed != 0.0, np.sign(speed), up * 1.0 - down * 1.0)
-        load = of.against(angle, way)
+        load = np.where(way > 0.0, forth, np.where(way < 0.0, back, rest))
         for share in (driving, braking):  # by the power at the shaft, weight and acceleration together
             J = drive.inertia + of.inertia * share / K
             net = push - damping * speed - load * share - one.coulomb * way
