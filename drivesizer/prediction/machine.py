@@ -1,8 +1,9 @@
 """A set that moves its machine: at full voltage from where its motion starts, and swinging with the terminals open.
 
 The load has the torque of its spec at each place of the path, by direction and at rest; the path of a lever goes on
-beyond its ends. Steps of time are drift, kick and drift: between the two halves of a step's travel the speed follows
-its exponential under the torque half-way. Samples are columns.
+beyond its ends. The engine of the closed loop has its load by the time of a reference that the machine follows, and
+closed terminals; here the place is what is sought. Steps of time are drift, kick and drift: between the two halves of
+a step's travel the speed follows its exponential under the torque half-way. Samples are columns.
 """
 
 from __future__ import annotations
@@ -23,11 +24,15 @@ _PLACES = 73  # along the path: each 5 deg of a whole turn
 _STEPS = 3000
 _LONG = 4.0  # times what the way takes at free speed, with the time constants of the start
 _SWINGS = 3.0  # periods of small swings within which the first one ends
+_SHOWN = 121  # moments of a course
+_MOST_ARRIVE = 0.95  # of the samples, at its end
 
 
 class Machine(NamedTuple):
     """A machine's load at its driven shaft, one drive's share, and the belt before it [SI]."""
 
+    axis: str  # linear or rotary: of its load
+    radius: float  # m, travel of the load per angle of the shaft; 1 where it turns with it
     belt: float  # ratio
     efficiency: float  # of the belt
     inertia: float
@@ -55,30 +60,43 @@ def machine_of(spec: RobotSpec) -> Machine | None:
     on_path = (places >= low) & (places <= high)
     steepest = float(places[on_path][np.abs(torque[1, on_path]).argmax()]) if turns and on_path.any() else np.nan
     end = high if high >= -low else low
-    return Machine(spec.belt_ratios[0], spec.belt_efficiency, first.inertia, places / first.radius, torque,
-                   end / first.radius, steepest / first.radius)  # fmt: skip
+    return Machine(spec.load.axis, first.radius, spec.belt_ratios[0], spec.belt_efficiency, first.inertia,
+                   places / first.radius, torque, end / first.radius, steepest / first.radius)  # fmt: skip
 
 
-class _Course(NamedTuple):
-    """A movement over time: columns over samples."""
+class Run(NamedTuple):
+    """A movement over time: columns over samples [SI]."""
 
     time: Array
-    angle: Array  # of the driven shaft
+    angle: Array  # of the driven shaft, from where the motion starts
     speed: Array  # of the motor
+    current: Array
+
+    def shown(self, of: Machine, ratio: Array, until: float) -> Run:
+        """Some moments up to a time, with position and speed of the load."""
+        last = int(np.searchsorted(self.time, min(until, self.time[-1])))
+        some = np.unique(np.linspace(0, last, _SHOWN).astype(np.intp))
+        position, speed = of.radius * self.angle[some], of.radius * self.speed[some] / (ratio * of.belt)
+        return Run(self.time[some], position, speed, self.current[some])
 
 
-def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> _Course:
+def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> Run:
     """From rest at an angle on; a voltage of NaN: the terminals are open."""
     winding, drive = one.winding(ambient), one.drive
     K, dt = drive.ratio * of.belt, until / _STEPS
-    driving, braking = through_gears(K, drive.efficiency * of.efficiency)
+    driving, braking = np.array(through_gears(K, drive.efficiency * of.efficiency))
     most = np.minimum(one.most_current * winding.k_t, one.most_torque / (drive.ratio * drive.efficiency) + one.coulomb)
     angle, speed = np.full(len(K), start), np.zeros(len(K))
     found = [(angle, speed)]
+
+    def unlimited(speed: Array) -> tuple[Array, Array]:
+        """Resistance with what commutation takes, and torque at full voltage."""
+        R = winding.R + winding.X * np.abs(speed)
+        return R, np.nan_to_num(winding.k_t * (voltage - winding.k_e * speed) / R)
+
     for _ in range(_STEPS):
         angle = angle + speed * dt / (2.0 * K)
-        R = winding.R + winding.X * np.abs(speed)
-        push = np.nan_to_num(winding.k_t * (voltage - winding.k_e * speed) / R)
+        R, push = unlimited(speed)
         limited = np.isnan(voltage) | (np.abs(push) > most)
         push = np.where(limited, np.clip(push, -most, most), winding.k_t * voltage / R)
         damping = drive.viscous + np.where(limited, 0.0, winding.k_t * winding.k_e / R)
@@ -88,19 +106,18 @@ def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start
         down = push < back * np.where(back < 0.0, driving, braking) - one.coulomb
         way = np.where(speed != 0.0, np.sign(speed), up * 1.0 - down * 1.0)
         load = np.where(way > 0.0, forth, np.where(way < 0.0, back, rest))
-        for share in (driving, braking):  # by the power at the shaft, weight and acceleration together
-            J = drive.inertia + of.inertia * share / K
-            net = push - damping * speed - load * share - one.coulomb * way
-            through = (load + of.inertia * net / (J * K)) * way
-            if share is driving:
-                rate, faded, pays = net / J, damping * dt / J, through > 0.0
-        rate, faded = np.where(pays, rate, net / J), np.where(pays, faded, damping * dt / J)
+        left = push - damping * speed - one.coulomb * way
+        pays = (load * K * drive.inertia + of.inertia * left) * way > 0.0  # as ``control.engine`` has the power's way
+        share = np.where(pays, driving, braking)
+        J = drive.inertia + of.inertia * share / K
+        rate, faded = (left - load * share) / J, damping * dt / J
         after = speed + rate * dt * np.where(faded > 0.0, -np.expm1(-faded) / np.where(faded > 0.0, faded, 1.0), 1.0)
         after = np.where((way == 0.0) | (speed * after < 0.0), 0.0, after)
         angle, speed = angle + after * dt / (2.0 * K), after
         found.append((angle, speed))
     angles, speeds = (np.array(column) for column in zip(*found, strict=True))
-    return _Course(np.linspace(0.0, until, _STEPS + 1), angles, speeds)
+    currents = np.clip(unlimited(speeds)[1], -most, most) / winding.k_t
+    return Run(np.linspace(0.0, until, _STEPS + 1), angles, speeds, currents)
 
 
 def _first(time: Array, reached: Array) -> Array:
@@ -108,7 +125,10 @@ def _first(time: Array, reached: Array) -> Array:
     return np.where(reached.any(axis=0), time[reached.argmax(axis=0)], np.inf)
 
 
-def started(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
+Moved = tuple[dict[str, Array], Run | None]  # figures of a movement by name, and its course
+
+
+def started(one: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     """Full voltage from rest where the motion starts: times to its end and to 63 % of the largest speed, that speed."""
     way, K = np.sign(of.end), one.drive.ratio * of.belt
     free, winding = one.running(0.0, ambient)[0], one.winding(ambient)
@@ -116,30 +136,31 @@ def started(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
     constants = J * winding.R / (winding.k_t * winding.k_e)
     until = _LONG * float(np.median(np.abs(of.end) * K / free + constants))
     if not until > 0.0:
-        return {}
+        return {}, None
     run = _moved(one, of, ambient, way * one.voltage, 0.0, until)
     there = way * (run.angle - of.end) >= 0.0
     arrives = _first(run.time, there)
     ends = np.minimum(arrives, _first(run.time, way * run.speed < 0.0))  # or it falls back
     fast = np.where(run.time[:, None] <= ends, way * run.speed, 0.0)
     top = fast.max(axis=0)
-    return {
+    figures = {
         "start_time": arrives,
         "start_time_63": np.where(top > 0.0, _first(run.time, fast >= (1.0 - np.exp(-1.0)) * top), np.inf),
         "start_speed": top / one.drive.ratio,
     }
+    return figures, run.shown(of, one.drive.ratio, float(np.quantile(arrives, _MOST_ARRIVE, method="higher")))
 
 
-def swung(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
+def swung(one: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     """Let go where weight turns it most, the terminals open: time of the first swing there and back, and its angle."""
     if np.isnan(of.steepest):
-        return {}
+        return {}, None
     K = one.drive.ratio * of.belt
     J = of.inertia + one.drive.inertia * K**2
     pull = float(np.abs(of.torque[1]).max())
     until = _SWINGS * 2.0 * np.pi * float(np.sqrt(np.median(J + 0.0 * (one.coulomb + one.drive.viscous)) / pull))
     if not 0.0 < until < np.inf:
-        return {}
+        return {}, None
     run = _moved(one, of, ambient, np.full(len(K), np.nan), of.steepest, until)
     side = np.sign(run.speed)
     first = np.sign(side[np.minimum((side != 0.0).argmax(axis=0), len(side) - 1), np.arange(len(K))])
@@ -147,5 +168,9 @@ def swung(one: SetAtVoltage, of: Machine, ambient: float) -> dict[str, Array]:
     back = _first(run.time, turned)
     again = _first(run.time, (run.time[:, None] > back) & (side * first >= 0.0) & (first != 0.0))
     here = np.searchsorted(run.time, np.where(np.isfinite(back), back, run.time[-1]))
-    return {"swing_half": back, "swing_period": again,
-            "swing_reach": np.abs(run.angle[np.minimum(here, _STEPS), np.arange(len(K))] - of.steepest)}  # fmt: skip
+    figures = {
+        "swing_half": back,
+        "swing_period": again,
+        "swing_reach": np.abs(run.angle[np.minimum(here, _STEPS), np.arange(len(K))] - of.steepest),
+    }
+    return figures, run.shown(of, one.drive.ratio, until)

@@ -31,7 +31,7 @@ from drivesizer.prediction.set_at_voltage import (
 )
 from drivesizer.results.check_kinds import figure_words
 from drivesizer.results.drive_set import EstimatedFigure
-from drivesizer.results.prediction import HOTTEST, Band, Conditions, Predicted, Prediction, WarmingCourse
+from drivesizer.results.prediction import HOTTEST, Band, Conditions, Movement, Predicted, Prediction, WarmingCourse
 from drivesizer.units import show
 
 _POWER = 9  # of two: samples
@@ -74,8 +74,14 @@ def predict(
         columns, courses = _mechanical(one, given), list[WarmingCourse]()
         held = hold_current(one, parts, given.hold)
         columns |= {"hold_current": held, "hold_heat": resistance_at(one.bodies.R_25, given.ambient) * held**2}
+        movements = list[Movement]()
         if machine is not None:
-            columns |= started(one, machine, given.ambient) | swung(one, machine, given.ambient)
+            for name, moved in (("start", started), ("swing", swung)):
+                figures, run = moved(one, machine, given.ambient)
+                columns |= figures
+                if run is not None:
+                    bands = (_band(column) for column in (run.angle, run.speed, run.current))
+                    movements.append(Movement(name, machine.axis, run.time, *bands))
         heated = _heated(one, parts, given, held) if warming else {}
         for name, heating in heated.items():
             more, ways = _thermal(name, heating, one, given)
@@ -100,6 +106,7 @@ def predict(
         torque=torque,
         speed=speed,
         courses=tuple(courses),
+        movements=tuple(movements),
         limit=float(one.motor["max_winding_temperature"][0]),
         estimates=(*parts.estimates, *_leads(one, given)),
         tolerances=tuple((c.title, c.text, c.why) for c in parts.classes),

@@ -60,6 +60,17 @@ class WarmingCourse(NamedTuple):
     housing: Band  # K
 
 
+class Movement(NamedTuple):
+    """Movement of a machine over time, one of its drives: at full voltage from rest, or let go with terminals open."""
+
+    name: str  # start or swing
+    axis: str  # linear or rotary
+    time: Array  # s
+    position: Band  # m or rad, from where the motion starts
+    speed: Band  # m/s or rad/s, of the load
+    current: Band  # A, of the motor
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Prediction:
     """A motor with its gearhead, or an actuator, at the bench."""
@@ -72,6 +83,7 @@ class Prediction:
     torque: Array  # N*m, at the output: of the line
     speed: Band  # rad/s, at the output
     courses: tuple[WarmingCourse, ...]  # none where a thermal figure is unknown
+    movements: tuple[Movement, ...]  # none without a machine
     limit: float  # K, that the winding may have; NaN unknown
     estimates: tuple[EstimatedFigure, ...]
     tolerances: tuple[tuple[str, str, str], ...]  # name, tolerance, source

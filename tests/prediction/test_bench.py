@@ -281,6 +281,10 @@ def test_a_pendulum_swings_as_it_does_without_a_motor_but_for_friction(tmp_path)
     assert nominal(found, "swing_half") == pytest.approx(nominal(found, "swing_period") / 2.0, rel=3e-3)
     lost = 0.65 * motor["torque_constant"] * motor["no_load_current"] * np.pi / moment
     assert nominal(found, "swing_reach") == pytest.approx(np.pi - lost, rel=2e-3)
+    swing = next(one for one in found.movements if one.name == "swing")  # from level down through hanging to that side
+    angle = np.interp([0.0, small * ellipk(0.5), 2.0 * small * ellipk(0.5)], swing.time, swing.position.nominal)
+    assert angle == pytest.approx([np.pi / 2.0, 0.0, np.pi / 2.0 - (np.pi - lost)], abs=0.01)
+    assert not np.any(swing.current.p95)
 
 
 @pytest.mark.parametrize(
@@ -314,6 +318,15 @@ def test_a_machine_at_full_voltage_starts_as_an_integrator_has_it(tmp_path, load
     fast = solve_ivp(slopes, (0, t), [0.0, 0.0], events=lambda _, x: x[1] - (1 - np.exp(-1)) * top, rtol=1e-8)
     assert nominal(found, "start_time_63") == pytest.approx(fast.t_events[0][0], rel=0.03)
     assert found.figure("start_time").never == 0.0
+    course = next(one for one in found.movements if one.name == "start")
+    radius = 0.1 if course.axis == "linear" else 1.0
+    at = np.linspace(0.1, 0.9, 5) * t
+    angle, speed = run.sol(at)
+    assert np.interp(at, course.time, course.position.nominal) == pytest.approx(angle * radius, rel=0.03)
+    assert np.interp(at, course.time, course.speed.nominal) == pytest.approx(speed * radius, rel=0.02)
+    drawn = (24.0 - k * speed * i) / R
+    assert np.interp(at, course.time, course.current.nominal) == pytest.approx(drawn, rel=0.04)
+    assert np.all(course.current.p5 <= course.current.p95) and course.time[-1] >= found.figure("start_time").band.p95
 
 
 def test_a_machine_that_is_too_heavy_never_arrives_and_a_gear_that_holds_does_not_swing(tmp_path):

@@ -34,7 +34,7 @@ def bench_document(found: Prediction | Identification | Comparison) -> doc.Docum
     if isinstance(found, Prediction):
         name, subject, blocks = found.label, "prediction", _prediction(found)
         plots = bench(found)
-        pictures = {"bench": Pictured(abreast(plots, 1.46, names=4), plots)}
+        pictures = {"bench": Pictured(abreast(plots, 1.46, columns=3, names=4), plots)}
     else:
         plot = measured_and_model(found.time, found.traces) if len(found.traces) and len(found.time) else None
         pictures = {"bench": Pictured(on_paper(plot), [plot])} if plot else {}

@@ -21,7 +21,7 @@ from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import CASES, COLOURS, Drawing, Window, figure, placed, reads
 from drivesizer.physics.load_cycle import LoadCycle, end_times
 from drivesizer.results.identification import Trace
-from drivesizer.results.prediction import Band, Prediction
+from drivesizer.results.prediction import Band, Movement, Prediction
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import from_si, label
 
@@ -325,7 +325,7 @@ def measured_and_model(time: Array, traces: Sequence[Trace]) -> Plot:
 
 
 def bench(found: Prediction) -> list[Plot]:
-    """Speed over torque; temperatures over time while running at the load, and while holding.
+    """Speed over torque; temperatures over time at the load and while holding; a machine at full voltage, its swing.
 
     Nominal courses are lines, 5 to 95 % are areas.
     """
@@ -350,7 +350,21 @@ def bench(found: Prediction) -> list[Plot]:
                           ends=ends if courses else None)  # fmt: skip
         made.append(Plot(diagrams=[diagram], across="time", unit=of, ends=(0.0, float(from_si(longest, of, "time"))),
                          title=title if courses else f"{title}: unknown"))  # fmt: skip
-    return made
+    return [*made, *(plot for one in found.movements for plot in _moving(one))]
+
+
+def _moving(one: Movement) -> Iterator[Plot]:
+    """A machine from rest: position, speed and current over time; of a swing the position."""
+    of = time_unit(float(one.time[-1]) / 6.0)
+    along, travel = from_si(one.time, of, "time"), ("length", "m") if one.axis == "linear" else ("angle", "deg")
+    courses, title = {"position": (one.position, *travel)}, "let go, terminals open"
+    if one.name == "start":
+        courses |= {"speed": (one.speed, *SPEED[one.axis]), "current": (one.current, "current", "A")}
+        title = "from rest at full voltage"
+    for name, (band, kind, unit) in courses.items():
+        curves = [*_banded(along, band, unit, kind, colour="green")]
+        diagram = Diagram(name=name, unit=unit, curves=curves, whole=name != "position")
+        yield Plot(diagrams=[diagram], across="time", unit=of, ends=(0.0, float(along[-1])), title=title)
 
 
 def _banded(along: Array, band: Band, unit: str, kind: str, name: str = "", **look: Any) -> Iterator[Curve]:
