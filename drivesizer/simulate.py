@@ -25,7 +25,7 @@ from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Stepping, Validation
 from drivesizer.errors import InputError
-from drivesizer.files.sentences import sentences
+from drivesizer.files.text import sentences
 from drivesizer.load_cases import load_cycle, profile_of
 from drivesizer.load_cases import profile as named
 from drivesizer.load_cases.of_machine import grip_warning, load_cases, starts_farther_on

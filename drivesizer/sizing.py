@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -116,6 +116,7 @@ def size(
         if progress:
             progress(found.counts.considered, found.counts.considered)
 
+    prices_left = [uncompared(problem.catalog)] if problem.machine.counts_price or "price" in pareto else []
     return SizingResult(
         problem=problem,
         method=spec.method,
@@ -131,17 +132,11 @@ def size(
         unrestricted=None if brief else _unrestricted(problem),
         counts=found.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
-        warnings=(*warnings(picked, sets), *catalog.replaced, *_prices_left(problem, pareto)),
+        warnings=(*warnings(picked, sets), *catalog.replaced, *filter(None, prices_left)),
         pareto=pareto,
         uncertainty=picked.uncertainty,
         choices=picked.choices,
     )
-
-
-def _prices_left(problem: Problem, pareto: tuple[str, ...]) -> Iterator[str]:
-    """A line on prices that do not count, where prices do."""
-    if problem.machine.counts_price or "price" in pareto:
-        yield from filter(None, [uncompared(problem.catalog)])
 
 
 def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:

@@ -17,9 +17,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from drivesizer.catalog.catalog_file import RATIO, Reader, parse
-from drivesizer.catalog.exporting import file_text, plain
 from drivesizer.catalog.parts import PARTS, RELATIONS, Column, columns_of
-from drivesizer.catalog.query import needed
+from drivesizer.catalog.query import needed, plain
+from drivesizer.catalog.schema import SCHEMA
 from drivesizer.catalog.tables import CONFIDENCE, Catalog
 from drivesizer.errors import CatalogError, InputError, nearest, quoted
 from drivesizer.files.sheets import Sheet, currency_of, decimal_sign, figure, plain_head, split_head, unit_of
@@ -538,6 +538,30 @@ def _token(text: str) -> str:
         return text
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return '"' + "".join(c if c.isprintable() else "\\U" + f"{ord(c):08x}" for c in escaped) + '"'
+
+
+def file_text(
+    section: str, maker: str, sources: Mapping[str, Mapping[str, str]], tables: Sequence[Mapping[str, Any]],
+    pairs: Mapping[str, Sequence[Mapping[str, str]]],
+) -> str:  # fmt: skip
+    """The text of a catalogue file, of cells that are YAML already: sources, tables of families, what goes together."""
+
+    def flow(group: Mapping[str, str]) -> str:
+        return f"{{{', '.join(f'{key}: {value}' for key, value in group.items())}}}"
+
+    lines = [f"catalog: {SCHEMA}", f"manufacturer: {maker}", "sources:"]
+    lines += [*(f"  {name}: {flow(source)}" for name, source in sources.items()), "", f"{section}:"]
+    for table in tables:
+        lines += [f"- family: {table['family']}", f"  source: {table['source']}"]
+        lines += [f"  common: {flow(table['common'])}"] if table.get("common") else []
+        lines += [f"  columns: [{', '.join(table['columns'])}]", "  rows:"]
+        lines += [f"  - [{', '.join(row)}]" for row in table["rows"]]
+        lines += ["  notes:", *(f"  - {flow(note)}" for note in table["notes"])] if "notes" in table else []
+        lines.append("")
+    lines += ["compatibility:"] if pairs else []
+    for relation, groups in pairs.items():
+        lines += [f"  {relation}:", *(f"  - {flow(group)}" for group in groups)]
+    return "\n".join(lines).rstrip("\n") + "\n"
 
 
 def _tables(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog.expressions import FURTHER, solved, value
-from drivesizer.catalog.parts import PARTS, columns_of
-from drivesizer.catalog.tables import Note, Table
+from drivesizer.catalog.parts import DISCHARGES, HELD, PARTS, PULL_OUTS, RELATIONS, Discharges, columns_of
+from drivesizer.catalog.tables import Catalog, Note, Table, as_printed
 from drivesizer.files.arithmetic import code
 from drivesizer.files.yaml_source import shipped_data
+from drivesizer.units import from_si, show
 
 Numbers = NDArray[np.float64]
 
@@ -196,3 +197,298 @@ def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
         said = f"{follows}; {one.assumed}" if one.assumed else follows
         found.append(Note(one.section, tuple(parts), (one.figure,), said, "derived", derived=True))
     return found
+
+
+# -- Check of a catalogue's figures against each other, by laws that data sheets must satisfy.
+
+
+_SLACK = 1e-9  # relative: of the arithmetic, not of a printed figure
+_DIGITS = 3  # to which data sheets round
+_PLACES = 8  # decimal places that a printed figure may have
+_NOMINAL = {  # whole numbers by definition, not by rounding
+    "nominal_voltage", "counts_per_turn", "steps_per_turn", "full_steps", "stages", "teeth", "pitch", "rated_time",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """A contradiction in the figures of one part, or information on it.
+
+    ``found`` and ``expected`` are SI (NaN where there is no number); ``kind`` and ``unit`` are those in which
+    datasheets print them. ``deviation`` and ``tolerance`` are relative to ``expected``.
+    """
+
+    file: str  # the catalogue's name; for several as one, all their names
+    section: str
+    part: str
+    family: str
+    identity: str
+    meaning: str
+    fields: tuple[str, ...]
+    relation: str = ""
+    found: float = np.nan
+    expected: float = np.nan
+    kind: str = ""
+    unit: str = ""
+    deviation: float = np.nan
+    tolerance: float = np.nan
+    reason: str = ""  # of the tolerance
+    source: str = ""  # of the identity
+    grade: str = "finding"  # or information
+    accepted: str = ""  # why it may stay, from the catalogue's notes
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether it is a contradiction that no note of the catalogue accepts."""
+        return self.grade != "information" and not self.accepted
+
+    def text(self) -> str:
+        """The finding as one line."""
+        line = f"{self.file}: {self.section} {self.part} ({self.family}): {self.identity}"
+        if self.kind:
+            numbers = [show(value, self.unit, self.kind) for value in (self.found, self.expected)]
+            line += f": {numbers[0]}, expected {self.relation.removeprefix('=')} {numbers[1]}".replace("  ", " ")
+            line += f", off by {self.deviation:+.1%}, tolerance {self.tolerance:.1%}"
+        return f"{line}: {self.meaning}" + (f"; accepted: {self.accepted}" if self.accepted else "")
+
+
+def check(catalog: Catalog, laws: Sequence[Law] = LAWS) -> list[Finding]:
+    """All findings of a catalogue, the accepted included, in the order of the parts.
+
+    Unknown figures are not checked. Excluded parts are checked but do not count in comparisons with their family, and
+    their findings are accepted for the reason of their exclusion. For several catalogues loaded as one a finding names
+    all the files: check each by itself.
+    """
+    catalog, found = as_printed(catalog), list[Finding]()
+    for section in PARTS:
+        table, notes = catalog.table(section), dict[str, list[Note]]()
+        for note in catalog.notes:
+            if note.section == section and (note.accepted or note.exclude):
+                for part in note.parts:
+                    notes.setdefault(part, []).append(note)
+        here = [f for law in laws if law.section == section for f in _broken(catalog, table, law)]
+        here += _twins(catalog, table)
+        here += _discharges(catalog) if section == "batteries" else ()
+        here += _pull_outs(catalog) if section == "steppers" else ()
+        for place, one in enumerate(here):
+            for note in notes.get(one.part, ()):
+                if note.exclude or not note.fields or set(note.fields) & set(one.fields):
+                    here[place] = replace(one, accepted=note.text)
+                    break
+        found += sorted(here, key=lambda one: table.rows[one.part])
+    return [*found, *_pairs(catalog)]
+
+
+def _place(catalog: Catalog, table: Table[Any], row: int) -> dict[str, Any]:
+    """File, section, part and family of a finding."""
+    part, family = str(table["part"][row]), str(table["family"][row])
+    return {"file": ", ".join(catalog.digests), "section": table.section, "part": part, "family": family}
+
+
+# -- Laws of one part's figures
+
+
+def _broken(catalog: Catalog, table: Table[Any], law: Law) -> Iterator[Finding]:
+    """The parts that break a law, beyond rounding of its figures and the law's allowance."""
+    columns, column = columns_of(law.section), columns_of(law.section)[law.figure]
+    with np.errstate(all="ignore"):
+        found, expected = table[law.figure], np.asarray(law.expected(table), float)
+        tolerance = np.full(len(table), law.allowance, float)
+        for name in (law.figure, *law.fields) if law.rounds else ():
+            if columns[name].kind not in ("text", "ratio"):
+                printed = np.abs(from_si(table[name], columns[name].unit, columns[name].kind))
+                tolerance += _half_last_digit(printed, table["family"] if name not in _NOMINAL else None)
+        tolerance = np.nan_to_num(tolerance)
+        span = (tolerance + _SLACK) * np.abs(expected)
+        wrong = {
+            "=": np.abs(found - expected) > span, "<=": found - expected > span, ">=": expected - found > span,
+            "<": found >= expected, ">": found <= expected,
+        }[law.relation]  # fmt: skip
+        deviation = (found - expected) / np.where(expected == 0.0, 1.0, np.abs(expected))
+    for row in np.flatnonzero(wrong & ~np.isnan(found) & ~np.isnan(expected)).tolist():
+        yield Finding(
+            **_place(catalog, table, row), identity=law.name, meaning=law.meaning,
+            fields=tuple(dict.fromkeys((law.figure, *law.fields))), relation=law.relation, found=float(found[row]),
+            expected=float(expected[row]), kind=column.kind, unit=column.unit, deviation=float(deviation[row]),
+            tolerance=float(tolerance[row]), reason=law.reason, source=law.source,
+        )  # fmt: skip
+
+
+def _half_last_digit(printed: Numbers, group: NDArray[Any] | None) -> Numbers:
+    """Half of the last printed digit of each figure, relative to it.
+
+    Figures have at most three digits, and no decimal place that no figure of their group has: 10 beside 14.6 is 10.0,
+    0.05 beside 0.85 may be 0.046.
+    """
+    place = np.zeros(len(printed))
+    if group is not None:
+        places = np.where(np.isnan(printed), 0, _PLACES)
+        for count in reversed(range(_PLACES + 1)):
+            places[np.abs(np.round(printed, count) - printed) <= _SLACK * printed] = count
+        for name in np.unique(group):
+            place[group == name] = 10.0 ** -places[group == name].max()
+    last = np.maximum(10.0 ** (np.floor(np.log10(printed)) - (_DIGITS - 1)), place)
+    return np.asarray(0.5 * last / printed)
+
+
+# -- A battery's discharge tables: among each other, with its capacities and with its voltages.
+#
+# Each figure is compared with a neighbour in its table, so that a misprint is located. Charge is a constant current
+# times its time, energy a constant power times its time; the tolerance is half of the last printed digit of both.
+
+_HOURS = {"capacity": np.nan, "capacity_10h": 10.0, "capacity_5h": 5.0, "capacity_1h": 1.0}  # the first: rated_time
+_RESTING = {"lead-acid": 1.1}  # full and at rest, per nominal voltage: 2.15 to 2.2 V of 2 V
+_MEAN = 0.02  # relative: power over current is the mean voltage of two discharges that are not quite the same
+
+
+def _discharges(catalog: Catalog) -> Iterator[Finding]:
+    """Contradictions of batteries' discharge tables, among each other and with the batteries' figures."""
+    given, batteries = catalog.discharges, catalog.batteries
+    for row in np.unique(given.battery).tolist():
+        own = given.on(given.battery == row)
+        odd = [*_along_columns(own), *_capacities_by_table(own, batteries, row), *_mean_voltage(own, batteries, row)]
+        for identity, meaning, relation, found, expected, kind, unit, tolerance, *fields in odd:
+            yield Finding(
+                **_place(catalog, batteries, row), identity=identity, meaning=meaning, relation=relation,
+                found=float(found), expected=float(expected), kind=kind, unit=unit,
+                deviation=float(found / expected - 1.0), tolerance=float(tolerance),
+                reason="half of the last printed digits", source="what the words mean", fields=(DISCHARGES, *fields),
+            )  # fmt: skip
+
+
+# identity, meaning, relation, figure, what it is compared with, kind and unit of both, tolerance, further fields
+Odd = tuple[Any, ...]
+
+
+def _along_columns(own: Discharges) -> Iterator[Odd]:
+    """A longer discharge draws less, and gives no less in total; one to a lower end voltage gives no less."""
+    for held, unit in HELD.items():
+        some = own.on(~np.isnan(getattr(own, held)))
+        total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[held]
+        draw = getattr(some, held)
+        digit, amount = _half_last_digit(draw, some.time), draw * some.time
+        for quick, slow in _neighbours(some.cutoff_voltage, some.time):
+            where, span = f"{_at(some, slow)}, beside {_hours(some.time[quick])}", digit[slow] + digit[quick]
+            if not draw[slow] < draw[quick]:
+                yield (f"{held} falls with time", f"less than for a shorter time: {where}", "<", draw[slow],
+                       draw[quick], held, unit, 0.0)  # fmt: skip
+            if amount[slow] < amount[quick] * (1.0 - span - _SLACK):
+                yield (f"{total[0]} and rate", f"not below that of a faster discharge: {where}", ">=", amount[slow],
+                       amount[quick], *total, span)  # fmt: skip
+        for deep, shallow in _neighbours(some.time, some.cutoff_voltage):
+            span = digit[deep] + digit[shallow]
+            if draw[deep] < draw[shallow] * (1.0 - span - _SLACK):
+                beside = f"{_at(some, deep)}, beside {show(some.cutoff_voltage[shallow], 'V', 'voltage')}"
+                yield (f"{held} and end voltage", f"not below that down to more volts: {beside}", ">=", draw[deep],
+                       draw[shallow], held, unit, span)  # fmt: skip
+
+
+def _neighbours(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
+    """Neighbours along the second column where the first is the same."""
+    order = np.lexsort((then, first))
+    for a, b in zip(order[:-1].tolist(), order[1:].tolist(), strict=True):
+        if first[a] == first[b]:
+            yield a, b
+
+
+def _capacities_by_table(own: Discharges, batteries: Table[Any], row: int) -> Iterator[Odd]:
+    """A printed capacity is current times time of the table, down to the end voltage where they are nearest."""
+    charge, digit = own.current * own.time, _half_last_digit(own.current, own.time)
+    for name, hours in _HOURS.items():
+        capacity, time = batteries[name][row], 3600.0 * hours if hours == hours else batteries["rated_time"][row]
+        there = np.flatnonzero((np.abs(own.time / time - 1.0) < _SLACK) & ~np.isnan(charge))
+        if not len(there) or np.isnan(capacity):
+            continue
+        near = there[np.abs(charge[there] - capacity).argmin()]
+        span = digit[near] + 0.005  # a capacity has two digits or more
+        if abs(charge[near] - capacity) > capacity * (span + _SLACK):
+            yield (f"{name.replace('_', ' ')} in the table", f"current x time: {_at(own, near)}", "=", charge[near],
+                   capacity, "charge", "A*h", span, name)  # fmt: skip
+
+
+def _mean_voltage(own: Discharges, batteries: Table[Any], row: int) -> Iterator[Odd]:
+    """Power over current for the same time and end voltage is a voltage between that end and that of a full battery."""
+    nominal, chemistry = batteries["nominal_voltage"][row], str(batteries["chemistry"][row])
+    full = _RESTING[chemistry] * nominal if chemistry in _RESTING else batteries["charge_voltage"][row]
+    current, power = ({(v, t): n for n, (v, t, x) in enumerate(zip(own.cutoff_voltage, own.time, column, strict=True))
+                       if x == x} for column in (own.current, own.power))  # fmt: skip
+    digits = _half_last_digit(own.current, own.time), _half_last_digit(own.power, own.time)
+    for key in (key for key in current if key in power):
+        n, m = current[key], power[key]
+        mean, span = own.power[m] / own.current[n], digits[0][n] + digits[1][m] + _MEAN
+        for relation, bound, off in ((">=", key[0], key[0] - mean), ("<=", full, mean - full)):
+            if off > span * bound:
+                yield ("mean voltage", f"power by current, between the end's and a full one's: {_at(own, n)}",
+                       relation, mean, bound, "voltage", "V", span)  # fmt: skip
+
+
+def _at(own: Discharges, place: int) -> str:
+    return f"{_hours(own.time[place])} to {show(own.cutoff_voltage[place], 'V', 'voltage')}"
+
+
+def _hours(time: float) -> str:
+    return show(time, "h" if time >= 3600.0 else "min", "time")
+
+
+# -- Pull-out curves of steppers
+
+_RISE = 0.08  # of the torque at a lower speed: charts are read to about 5 %, and have dips where rotors resonate
+_READ = 0.05
+
+
+def _pull_outs(catalog: Catalog) -> Iterator[Finding]:
+    """The first point of each curve that is above the holding torque, or above the torque at a lower speed."""
+    given, steppers = catalog.pull_outs, catalog.steppers
+    for curve in np.unique(given.curve).tolist():
+        own = given.on(given.curve == curve)
+        row = int(own.stepper[0])
+        holding, least = np.full(len(own.torque), steppers["holding_torque"][row]), np.minimum.accumulate(own.torque)
+        for identity, meaning, limit, span, fields in (
+            ("pull-out and holding torque", "not above the holding torque", holding, _READ, ("holding_torque",)),
+            ("pull-out torque and speed", "not above that at a lower speed", least, _RISE, ()),
+        ):
+            for n in np.flatnonzero(own.torque > limit * (1.0 + span))[:1].tolist():
+                speed = show(float(own.speed[n]), "rpm", "rotary_speed")
+                yield Finding(
+                    **_place(catalog, steppers, row), identity=identity,
+                    meaning=f"{meaning}: {show(float(own.voltage[n]), 'V', 'voltage')}, {speed}",
+                    fields=(PULL_OUTS, *fields), relation="<=", found=float(own.torque[n]), expected=float(limit[n]),
+                    kind="torque", unit="N*m", deviation=float(own.torque[n] / limit[n]) - 1.0, tolerance=span,
+                )  # fmt: skip
+
+
+# -- Parts among each other
+
+
+def _twins(catalog: Catalog, table: Table[Any]) -> Iterator[Finding]:
+    """Parts that agree in every field but the number."""
+    first: dict[tuple[str, ...], str] = {}
+    for row in np.flatnonzero(~table.excluded).tolist():
+        figures = tuple(str(table[name][row]) for name in table.columns if name != "part")
+        part = str(table["part"][row])
+        other = first.setdefault(figures, part)
+        if other != part:
+            yield Finding(**_place(catalog, table, row), identity="two numbers for one part", fields=("part",),
+                          meaning=f"every figure is that of {other}", grade="information")  # fmt: skip
+
+
+def _pairs(catalog: Catalog) -> Iterator[Finding]:
+    """Pairs of rows that do not exist (in a damaged compilation); then offered parts that go with no offered part."""
+    alone: list[Finding] = []
+    for relation, section in RELATIONS.items():
+        pairs, motors, others = getattr(catalog, relation), catalog.motors, catalog.table(section)
+        there = (pairs.left >= 0) & (pairs.left < len(motors)) & (pairs.right >= 0) & (pairs.right < len(others))
+        if not there.all():
+            yield Finding(file=", ".join(catalog.digests), section=section, part="", family="", fields=(),
+                          identity="dangling compatibility",
+                          meaning=f"{int((~there).sum())} of {relation} name no part")  # fmt: skip
+        left, right = pairs.left[there], pairs.right[there]
+        both = ~motors.excluded[left] & ~others.excluded[right]
+        sides = [(others, right[both], "no motor is listed for it")]
+        if section == "gearheads" and len(others):
+            sides.append((motors, left[both], "no gearhead is listed for it: direct drive only"))
+        for table, met, meaning in sides:
+            for row in np.flatnonzero(~table.excluded & ~np.isin(np.arange(len(table)), met)).tolist():
+                alone.append(Finding(**_place(catalog, table, row), identity="goes with nothing", meaning=meaning,
+                                     fields=("part",), grade="information"))  # fmt: skip
+    yield from alone

@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.parts import PARTS
-from drivesizer.catalog.tables import Catalog, Price, Table, spelling, without_parts
+from drivesizer.catalog.parts import PARTS, RELATIONS
+from drivesizer.catalog.tables import Catalog, Pairs, Price, Table, empty, spelling
 from drivesizer.errors import InputError, quoted
 from drivesizer.units import KINDS, number
 
@@ -57,7 +57,10 @@ def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
                 raise InputError(f"{path}:{line}: no price below the heads; expected one in each row, e.g. 46.55")
             left = f"{path.name}: without a price that can be read: line {', '.join(map(str, odd[:5]))}"
             left += f" and {len(odd) - 5} more" if len(odd) > 5 else ""
-            return without_parts(path.name, digest, tuple(found), (left,) if odd and not shipped else ())
+            none = Pairs(*(np.zeros(0, np.int32),) * 3)
+            parts: dict[str, Any] = {section: empty(section) for section in PARTS} | dict.fromkeys(RELATIONS, none)
+            return Catalog(**parts, sources=(), notes=(), digests={path.name: digest}, prices=tuple(found),
+                           replaced=(left,) if odd and not shipped else ())  # fmt: skip
     raise InputError(f"{path}: expected a price list with heads such as part, price, currency, date, seller")
 
 

@@ -333,10 +333,10 @@ class Catalog:
         """The catalogue's notes on a part."""
         return [note for note in self.notes if note.section == section and part in note.parts]
 
-    def by_rule(self, section: str, name: str) -> NDArray[np.int64]:
-        """Rows of the parts of which a figure is a rule of thumb."""
-        notes = (note for note in self.notes if note.rule and note.section == section and name in note.fields)
-        rows = self.table(section).rows
+    def by_rule(self, name: str) -> NDArray[np.int64]:
+        """Rows of the actuators of which a figure is a rule of thumb."""
+        notes = (note for note in self.notes if note.rule and note.section == "actuators" and name in note.fields)
+        rows = self.actuators.rows
         return np.array(sorted({rows[part] for note in notes for part in note.parts if part in rows}), np.int64)
 
     def confidence(self, section: str, row: int) -> dict[str, str]:
@@ -373,13 +373,6 @@ class Catalog:
 
 
 NO_GEARHEAD_SOURCE = Source("no gearhead: the motor drives the load itself", "quoted")
-
-
-def without_parts(name: str, digest: str, prices: tuple[Price, ...], said: tuple[str, ...]) -> Catalog:
-    """A price list as a catalogue."""
-    none = Pairs(*(np.zeros(0, np.int32),) * 3)
-    found: dict[str, Any] = {section: empty(section) for section in PARTS} | dict.fromkeys(RELATIONS, none)
-    return Catalog(**found, sources=(), notes=(), digests={name: digest}, prices=prices, replaced=said)
 
 
 def with_no_gearhead(gearheads: Table[parts.Gearhead], source: int) -> Table[parts.Gearhead]:

@@ -148,7 +148,7 @@ def with_typed(catalog: Catalog, typed: Sequence[Typed], named: Named) -> Catalo
 
 def _words(catalog: Catalog, one: Typed) -> Iterator[str]:
     """Confidence of a typed part's figures, what follows from them, and what in them is not consistent."""
-    from drivesizer.catalog.law_check import check
+    from drivesizer.catalog.laws import check
 
     table, row = catalog.table(one.section), catalog.table(one.section).rows[one.part]
     follows = [name.replace("_", " ") for note in catalog.notes for name in note.fields if note.derived]

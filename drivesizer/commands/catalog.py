@@ -61,7 +61,7 @@ def known_section(section: str) -> str:
 
 def write_csv(path: Path, hits: list[Hit]) -> None:
     """Write the parts of one section to a CSV file; nothing without parts."""
-    from drivesizer.catalog.exporting import as_csv
+    from drivesizer.catalog.query import as_csv
     from drivesizer.files.writing import write_files
 
     sections = list(dict.fromkeys(hit.section for hit in hits))
@@ -85,7 +85,7 @@ def export(
     if output.suffix == ".csv":
         write_csv(output, hits)
     elif output.suffix == ".json":
-        from drivesizer.catalog.exporting import as_document
+        from drivesizer.catalog.query import as_document
         from drivesizer.files.writing import write_files
         from drivesizer.output.json.documents import as_text
 
@@ -120,7 +120,7 @@ def take_in(
 ) -> None:
     """Make a catalogue file out of a table or a data sheet; without a map its columns are guessed and shown."""
     from drivesizer.catalog.importing import import_table, map_text, plan
-    from drivesizer.catalog.law_check import check as checked
+    from drivesizer.catalog.laws import check as checked
     from drivesizer.files.sheets import sheets
     from drivesizer.files.writing import new
     from drivesizer.output.document import catalogue
@@ -206,7 +206,7 @@ def add(
     """Add a part by the figures of a shop's page to a catalogue of your own; at a terminal they are requested."""
     from drivesizer.catalog import catalog_of_text
     from drivesizer.catalog.importing import meant_by, on_shop_pages
-    from drivesizer.catalog.law_check import check as checked
+    from drivesizer.catalog.laws import check as checked
     from drivesizer.catalog.typed import NAME, SHARED, typed_part, with_part
     from drivesizer.files.writing import write_files
     from drivesizer.files.yaml_source import written
@@ -290,8 +290,7 @@ def listed(
     report: Report = None,
 ) -> None:
     """List the parts that meet conditions, or all families."""
-    from drivesizer.catalog.exporting import as_document
-    from drivesizer.catalog.query import name_of
+    from drivesizer.catalog.query import as_document, name_of
     from drivesizer.output.document import catalogue
 
     accept_reports(report)
@@ -340,8 +339,7 @@ def show(
     report: Report = None,
 ) -> None:
     """Show one part as a data sheet, with matching parts; one of several voltages as a column for each."""
-    from drivesizer.catalog.exporting import as_document
-    from drivesizer.catalog.query import find, partners, side_by_side
+    from drivesizer.catalog.query import as_document, find, partners, side_by_side
 
     accept_reports(report)
     shelf = open_named(catalog)
@@ -380,8 +378,7 @@ def compare(
     report: Report = None,
 ) -> None:
     """Set parts side by side, the rows that differ marked."""
-    from drivesizer.catalog.exporting import as_document
-    from drivesizer.catalog.query import find, side_by_side
+    from drivesizer.catalog.query import as_document, find, side_by_side
 
     accept_reports(report)
     shelf = open_named(catalog)
@@ -447,11 +444,11 @@ def check(
     json: Json = False,
 ) -> None:
     """Check that figures are consistent; status 1 when a contradiction is unexplained."""
-    from drivesizer.catalog.law_check import check as checked
+    from drivesizer.catalog.laws import check as checked
 
     found = [one for shelved in open_named(catalog).values() for one in checked(shelved)]
     if json:
-        from drivesizer.catalog.exporting import as_finding
+        from drivesizer.catalog.query import as_finding
 
         print_json({"findings": [as_finding(one) for one in found if one.unexplained or everything]})
     else:

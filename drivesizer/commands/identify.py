@@ -128,7 +128,7 @@ def identify(
 ) -> None:
     """Identify a drive by its log: figures with bands, what it cannot separate, what is wrong with it."""
     from drivesizer.identification.identify import identify as identified
-    from drivesizer.identification.part_file import part_file
+    from drivesizer.identification.identify import part_file
 
     paths = _targets(output, "a row of a catalogue")
     common.accept_reports(report)

@@ -8,11 +8,9 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
-from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from scipy.optimize import newton
 
 from drivesizer.control.drive_train import DriveTrain, drive_train, mechanics
@@ -22,6 +20,7 @@ from drivesizer.control.validation import Cascade, ControllerGain, Gains, Steppi
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import own_value
 from drivesizer.files.text import listed
+from drivesizer.files.yaml_source import shipped_data
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.drive import Control, CurrentLoop, Feedforward, PositionLoop, VelocityLoop
 from drivesizer.spec.robot import RobotSpec
@@ -140,9 +139,8 @@ class Writing(NamedTuple):
 @cache
 def devices() -> dict[str, Device]:
     """All controllers of the table, by name."""
-    text = (resources.files("drivesizer.control") / "devices.yaml").read_text(encoding="utf-8")
     found = {}
-    for entry in yaml.safe_load(text):
+    for entry in shipped_data("drivesizer.control", "devices.yaml"):
         rows = (line.split("|") for line in entry["parameters"].strip().splitlines())
         parameters = tuple(Parameter(*(cell.strip() for cell in cells)) for cells in rows)
         words = defaultdict(str, {name: str(value) for name, value in entry.items()})

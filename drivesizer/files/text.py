@@ -7,11 +7,14 @@ import os
 import re
 import select
 import stat
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from drivesizer.errors import InputError, reason_of
+from drivesizer.units import show
 
 # -- Folders of data that come with drivesizer.
 
@@ -184,3 +187,26 @@ def listed(package: str, name: str) -> Iterator[tuple[str, list[str]]]:
             head = line.strip("[]")
         elif line:
             yield head, [cell.strip() for cell in line.split("|")]
+
+
+# -- Sentences with figures in them, out of a text that ships with the program.
+
+
+Filters = tuple[tuple[str, Callable[..., str]], ...]
+
+
+@cache
+def _templates(package: str, subject: str, filters: Filters) -> list[Any]:
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(undefined=StrictUndefined, autoescape=False)  # noqa: S701 - what writes a file escapes it
+    environment.filters |= {"show": show, **dict(filters)}
+    every = resources.files(package).joinpath("remarks.txt").read_text(encoding="utf-8")
+    _, text = every.split(f"\n## {subject}\n")
+    paragraphs = text.split("\n## ")[0].split("\n\n")
+    return [environment.from_string(" ".join(one.split())) for one in paragraphs if one.strip()]
+
+
+def sentences(package: str, subject: str, filters: Filters = (), **given: object) -> list[str]:
+    """The paragraphs on a subject in ``remarks.txt`` of a package; without those that come out empty."""
+    return [line for line in (template.render(given) for template in _templates(package, subject, filters)) if line]

@@ -29,6 +29,7 @@ LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _DEEPEST = 20
 _TOO_DEEP = f"nested deeper than {_DEEPEST} levels"
 _MOST_KEYS = 10_000  # of one group of fields
+_LONGEST = 60  # characters of a key in messages: none of the schema's is cut
 _LARGEST = 2_000_000  # bytes: long data belongs in a CSV file beside it
 _NULL = {"", "~", "null", "Null", "NULL"}
 _BOOL = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
@@ -73,7 +74,7 @@ class YamlSource:
         """``file:line: field.path``, the head of a message."""
         line = self.line(path)
         place = f"{self.name}:{line}" if line else self.name
-        field = field_name([p if isinstance(p, int) else _short(p) for p in path])
+        field = field_name([p if isinstance(p, int) or len(p) <= _LONGEST else f"{p[: _LONGEST - 1]}…" for p in path])
         return f"{place}: {printable(field)}" if field else place
 
 
@@ -113,11 +114,6 @@ def field_name(path: Sequence[str | int]) -> str:
     'transmission[2].ratio'
     """
     return "".join(f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path).lstrip(".")
-
-
-def _short(key: str, longest: int = 60) -> str:
-    """A key as it is named in a message: none of the schema's is cut."""
-    return key if len(key) <= longest else key[: longest - 1] + "…"
 
 
 def read(path: Path, largest: int = _LARGEST) -> YamlSource:

@@ -16,14 +16,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.catalog.query import Hit
+from drivesizer.catalog.catalog_file import parse
+from drivesizer.catalog.importing import file_text
+from drivesizer.catalog.parts import NAMES, Column, printed
+from drivesizer.catalog.query import Hit, digits, is_known, partners
 from drivesizer.control.drive_train import drive_train, mechanics
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.text import read_bytes
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.identification import declared
 from drivesizer.identification.calibration import calibration
-from drivesizer.identification.fit import BAND, Fit, Record, fitted, of_points, widest
-from drivesizer.identification.heat import Heat, heated
+from drivesizer.identification.fit import BAND, BOUND, Fit, Heat, Record, fitted, heated, of_points, widest
 from drivesizer.identification.log import LARGEST, Log, read_log
 from drivesizer.physics.drive_train import back_emf_constant
 from drivesizer.physics.figures import Figures
@@ -32,7 +35,7 @@ from drivesizer.physics.thermal import COPPER, DATA_TEMPERATURE
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.identification import Identification, IdentifiedFigure, Inseparable, LogFinding, Trace
 from drivesizer.spec.robot import RobotSpec
-from drivesizer.units import show
+from drivesizer.units import from_si, show
 
 Array = NDArray[np.float64]
 
@@ -93,7 +96,7 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
     remarks = [*log.remarks, *_remarks(one, fit, known, of)]
     return Identification(
         log=log.name, label=of.label, columns=log.heads, samples=len(one.u), duration=float(time[-1] - time[0]),
-        driven=one.driven, figures=tuple(figures), inseparable=(*_structural(one, fit, known), *fit.inseparable,
+        driven=one.driven, figures=tuple(figures), inseparable=(*_structural(one, fit), *fit.inseparable,
         *heat.inseparable), findings=tuple(_findings(log, one, fit, of)), condition=fit.condition, time=time,
         traces=tuple(traces), remarks=tuple(remarks),
     )  # fmt: skip
@@ -314,7 +317,7 @@ def _inertias(fit: Fit, of: Reference, log: Log) -> Iterator[IdentifiedFigure]:
                                max(value - reach, 0.0), value + reach, "inertia less that of the rotor")  # fmt: skip
 
 
-def _structural(one: Record, fit: Fit, known: Mapping[str, float]) -> Iterator[Inseparable]:
+def _structural(one: Record, fit: Fit) -> Iterator[Inseparable]:
     """Figures that the columns themselves do not separate."""
     if one.driven == "voltage" and "current" not in one.outputs:
         yield Inseparable("resistance, torque constant, inertia and friction apart", "the current was not logged",
@@ -465,3 +468,69 @@ def unit_findings(of: str, column: str, found: float, printed: float, ratio: flo
     said = f"{of} is {off:.4g} times that of the data sheet"
     more = f": {column} times {factor:.5g} would fit it ({meaning})" if near else ": no usual factor explains it"
     yield LogFinding("units", said + more, factor if near else float("nan"), severe=True)
+
+
+# -- A catalogue file of the motor that was identified: the data sheet's row with what was measured in its place.
+
+
+_DROPPED = {  # of the data sheet: names, and what would contradict
+    *NAMES, "speed_constant", "no_load_speed", "no_load_current", "stall_torque", "stall_current",
+    "speed_torque_gradient", "mechanical_time_constant", "max_efficiency",
+}  # fmt: skip
+_NEEDED = ("R", "k_t", "rotor_inertia")
+
+
+def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
+    """The text of a catalogue with the identified motor."""
+    if hit is not None and hit.section != "motors":
+        raise InputError(
+            f"{quoted(hit.part)} is an actuator: its figures are printed at the output; expected a motor to write a row"
+        )
+    figures = {one.name: one.value for one in found.figures if one.basis != BOUND}
+    if "rotor_inertia" not in figures and "load_inertia" not in figures and "J" in figures:
+        figures["rotor_inertia"] = figures["J"]
+    lacks = [n for n in _NEEDED if not figures.get(n, 0.0) > 0.0]
+    if lacks and hit is None:
+        raise InputError(
+            f"{found.log}: {', '.join(lacks)} cannot be had from this log alone; expected --motor for the rest of a row"
+        )
+    measured = {column: figures[name] for name, column in declared("columns") if name in figures}
+    columns = printed("motors")
+    stem = name.rsplit(".", 1)[0]
+    row: dict[str, str] = {"part": f"{hit.part} measured" if hit else stem, "kind": "brushed"}
+    if hit is not None:
+        for column in columns.values():
+            value = hit[column.name]
+            if is_known(value) and column.name not in _DROPPED:
+                row[column.name] = str(value) if column.kind == "text" else digits(value, column)
+    for column_name, value in measured.items():
+        row[column_name] = _rounded(value, columns[column_name])
+    return _text(found, hit, row, sorted(measured), name).encode()
+
+
+def _rounded(value: float, column: Column) -> str:
+    return f"{float(f'{float(from_si(value, column.unit, column.kind)):.5g}'):g}"
+
+
+def _text(found: Identification, hit: Hit | None, row: dict[str, str], measured: list[str], name: str) -> str:
+    columns, source = printed("motors"), quoted(f"identified from {found.log}")
+    family = quoted(f"{hit['family'] or hit.part} measured" if hit else row["part"])
+    sources = {"log": {"document": source, "confidence": "measured"}}
+    table: dict[str, Any] = {
+        "family": family, "source": "log", "columns": [columns[n].head for n in row],
+        "rows": [[quoted(x) if columns[n].kind == "text" else x for n, x in row.items()]],
+    }  # fmt: skip
+    pairs = [{"name": "direct drive", "source": "log", "motors": f"[{family}]", "gearheads": "[direct]"}]
+    if hit is not None:
+        sheet = hit.catalog.sources[hit.table.source[hit.row]]
+        sources["sheet"] = {"document": quoted(sheet.document, 200), "confidence": sheet.confidence}
+        fields = f"[{', '.join(measured)}]"
+        table |= {"source": "sheet",
+                  "notes": [{"fields": fields, "text": source, "source": "log", "confidence": "measured"}]}  # fmt: skip
+        if listed := [f"{{{quoted(hit.catalogue)}: {quoted(one)}}}" for one in partners(hit).get("gearheads", {})]:
+            across = f"[{', '.join(listed)}]"
+            pairs.append(pairs[0] | {"name": "as the data sheet's", "source": "sheet", "gearheads": across})
+    maker = quoted(hit["manufacturer"] or "measured") if hit else "measured"
+    text = file_text("motors", maker, sources, [table], {"motor_gearhead": pairs})
+    parse(YamlSource(text, name), name, "")
+    return text

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, columns_of, load, shipped, singular
 from drivesizer.catalog.importing import Plan, import_table
-from drivesizer.catalog.law_check import check as findings
+from drivesizer.catalog.laws import check as findings
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import OPTIONS, Condition, Hit, option, origins, select, side_by_side, where
 from drivesizer.errors import DrivesizerError, InputError, quoted

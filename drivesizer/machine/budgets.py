@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.estimates.estimate import assumed_mass
+from drivesizer.catalog.estimates import assumed_mass
 from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.tolerances import END
 from drivesizer.load_cases import located

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Table, columns_of
-from drivesizer.catalog.estimates import Estimate, estimates_of
-from drivesizer.catalog.estimates.estimate import (
+from drivesizer.catalog.estimates import (
     SAME_FAMILY,
+    Estimate,
     Fit,
     estimates,
     estimates_by_rule,
+    estimates_of,
     family_limits,
     law_text,
 )

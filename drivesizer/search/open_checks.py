@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of, singular
-from drivesizer.catalog.estimates.estimate import law_text, shipped_laws
+from drivesizer.catalog.estimates import law_text, shipped_laws
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.tolerances import lognormal
 from drivesizer.catalog.view import has_steppers

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog
-from drivesizer.catalog.estimates.estimate import assumed_mass
+from drivesizer.catalog.estimates import assumed_mass
 from drivesizer.errors import InputError, quoted
 from drivesizer.physics.extremes import undominated
 from drivesizer.physics.figures import Array, Whole

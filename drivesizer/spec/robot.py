@@ -122,9 +122,8 @@ class RobotSpec(fields.Section, OfFile):
     @field_validator("cases")
     @classmethod
     def _named_apart(cls, cases: list[sections.Case]) -> list[sections.Case]:
-        names = [case.name for case in cases]
-        if len(set(names)) != len(names):
-            raise ValueError("expected cases with names of their own")
+        for said in fields.apart(cases, "cases"):
+            raise ValueError(said)
         return cases
 
     @property

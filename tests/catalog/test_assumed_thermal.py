@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load, shipped
-from drivesizer.catalog.estimates.estimate import ASSUMED, DENSITY, estimates, estimates_by_rated_current
+from drivesizer.catalog.estimates import ASSUMED, DENSITY, estimates, estimates_by_rated_current
 from drivesizer.catalog.view import search_view
 from drivesizer.physics.thermal import resistance_25
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, load
-from drivesizer.catalog.law_check import Finding, check
+from drivesizer.catalog.laws import Finding, check
 from drivesizer.catalog.parts import Discharges
 from drivesizer.errors import CatalogError
 

@@ -9,9 +9,8 @@ import pytest
 from broken_catalogs import about, alone, broken, held_to, laws_of, rows_of, with_cells
 from rows import hold
 
-from drivesizer.catalog import PARTS, Catalog, Note, columns_of, shipped
-from drivesizer.catalog.law_check import Finding, check, check_file
-from drivesizer.catalog.laws import LAWS, Law
+from drivesizer.catalog import PARTS, Catalog, Note, columns_of, load, shipped
+from drivesizer.catalog.laws import LAWS, Finding, Law, check
 
 RPM = 2 * np.pi / 60  # rad/s
 
@@ -56,7 +55,7 @@ def found(catalog: Catalog) -> list[Finding]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", shipped())
 def test_a_shipped_catalogue_has_no_unexplained_finding(name: str) -> None:
-    assert [f.text() for f in check_file(name) if f.unexplained] == []
+    assert [f.text() for f in check(load([name])) if f.unexplained] == []
 
 
 def test_the_excluded_motors_break_the_laws_and_say_why(catalog: Catalog, found: list[Finding]) -> None:

@@ -8,8 +8,7 @@ from broken_catalogs import about, alone, broken, held_to, laws_of, with_cells
 from rows import hold
 
 from drivesizer.catalog import PARTS, Catalog, load
-from drivesizer.catalog.law_check import check
-from drivesizer.catalog.laws import LAWS, Law
+from drivesizer.catalog.laws import LAWS, Law, check
 from drivesizer.catalog.parts import printed
 
 # Actuators: V = 24 V, R = 1.2 ohm, so I_A = 20 A; I_0 = 0.5 A, I_N = 5.5 A, I_peak = 15.5 A, k_m = 50 mN*m/A,

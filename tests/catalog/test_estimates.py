@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import Catalog, Table, load, shipped
-from drivesizer.catalog.estimates.estimate import (
+from drivesizer.catalog.estimates import (
     Law,
     column,
     estimates,
@@ -36,7 +36,7 @@ def everything() -> Catalog:
 
 def test_the_kept_laws_are_what_the_catalogues_give(everything):
     """Made by `python -m drivesizer.catalog.estimates`; six digits are kept, and the last may differ elsewhere."""
-    text = resources.files("drivesizer.catalog.estimates").joinpath("fitted.json").read_text(encoding="utf-8")
+    text = resources.files("drivesizer.catalog").joinpath("estimates.json").read_text(encoding="utf-8")
     now, then = json.loads(written(fits(everything))), json.loads(text)
     assert [(r["section"], r["of"], r["figure"], r["terms"]) for r in now] == [
         (r["section"], r["of"], r["figure"], r["terms"]) for r in then

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from drivesizer.catalog import load, shipped
-from drivesizer.catalog.estimates.estimate import LIMITS, FamilyLimit, as_records, family_limits
+from drivesizer.catalog.estimates import LIMITS, FamilyLimit, as_records, family_limits
 from drivesizer.cli import app
 
 PARTS = """

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from engine_tasks import MOTOR, SERVO, figure, machine
 
-from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Supply, Task, laps, simulate
+from drivesizer.control import engine
+from drivesizer.control.engine import CurrentLimit, Drive, MotorHeat, Supply, Task, simulate
 from drivesizer.kernel.warming import State, steady_state
 
 SET = machine(friction=1e-3, forward_torque=0.3, backward_torque=-0.3)
@@ -25,7 +26,7 @@ def all_simulated(monkeypatch, drive, task):
     """The same with nothing alike."""
     with monkeypatch.context() as patch:
         for name in ("_PERIODIC", "_PERIODIC_WARM", "_ALIKE"):
-            patch.setattr(laps, name, -1.0)
+            patch.setattr(engine, name, -1.0)
         return simulate(drive, task, rows=0, most_steps=10**9)
 
 

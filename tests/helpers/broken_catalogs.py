@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import PARTS, RELATIONS, Catalog, Pairs, Table, columns_of
-from drivesizer.catalog.law_check import Finding, check
-from drivesizer.catalog.laws import LAWS, Law
+from drivesizer.catalog.laws import LAWS, Finding, Law, check
 
 EMPTY = Pairs(*(np.zeros(0, np.int32) for _ in range(3)))
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drivesizer.catalog import load
-from drivesizer.catalog.law_check import check_file
+from drivesizer.catalog.laws import check
 from drivesizer.catalog.view import split_actuators
 from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import energy_flow
@@ -190,7 +190,7 @@ def test_tolerances_move_both_constants_with_the_magnets(shop):
 
 def test_the_catalogue_check_finds_constants_that_differ(shop):
     (shop / "apart.yaml").write_text(NEO, encoding="utf-8")
-    found = {(f.part, f.identity): f for f in check_file("apart.yaml", beside=shop)}
+    found = {(f.part, f.identity): f for f in check(load(["apart.yaml"], beside=shop))}
     assert found["NEO", "no-load speed"].deviation == pytest.approx(0.248, abs=0.002)  # 24.76 / 19.84 - 1
     assert found["NEO-K", "back-EMF constant"].deviation == pytest.approx(19.815 / 24.76 - 1, abs=1e-3)
     assert ("NEO-K", "no-load speed") not in found

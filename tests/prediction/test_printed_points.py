@@ -39,7 +39,7 @@ def points(catalog, section, row, figures=tuple(POINTS)):
 def test_printed_points_of_servos_come_out(every):
     """No load and stall of all servos whose figures are worked out of these two points."""
     missed, found = [], []
-    for row in every.by_rule("actuators", "resistance"):
+    for row in every.by_rule("resistance"):
         part = str(every.actuators["part"][row])
         for name, nominal, low, high in points(every, "actuators", row, (*POINTS,)[:4]):
             if name == "stall_torque" and part.startswith(TOO_STRONG):

@@ -18,7 +18,7 @@ from drivesizer.control.open_loop.kernel import Array
 from drivesizer.control.validation import Stepping, Validation
 from drivesizer.errors import InputError, NoLoopError
 from drivesizer.files.machine_code import machine_code
-from drivesizer.files.sentences import sentences
+from drivesizer.files.text import sentences
 from drivesizer.load_cases.platform import remaining_torque
 from drivesizer.loads.course import Profile
 from drivesizer.physics.figures import Range

@@ -14,7 +14,7 @@ from drivesizer.control.gains import LATE, pole_placement, symmetrical_optimum
 from drivesizer.control.path_following import kernel as at
 from drivesizer.errors import InputError
 from drivesizer.files.machine_code import machine_code
-from drivesizer.files.sentences import sentences
+from drivesizer.files.text import sentences
 from drivesizer.load_cases.platform import Driving, dynamics_of, ground_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.platform import equations as eq

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from drivesizer.catalog import PARTS, Catalog, columns_of, singular
 from drivesizer.catalog.importing import Imported, lacking
-from drivesizer.catalog.law_check import Finding
+from drivesizer.catalog.laws import Finding
 from drivesizer.catalog.parts import printed
 from drivesizer.catalog.query import OPTIONS, Coverage, Hit, Row, Selection, coverage, families, pairs_of
 from drivesizer.catalog.tables import CONFIDENCE

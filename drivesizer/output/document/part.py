@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.catalog import Catalog, columns_of, singular
-from drivesizer.catalog.estimates import estimates_of
-from drivesizer.catalog.estimates.estimate import SAME_FAMILY, family_limits, law_text
+from drivesizer.catalog.estimates import SAME_FAMILY, estimates_of, family_limits, law_text
 from drivesizer.catalog.parts import HELD, Column
 from drivesizer.catalog.query import Hit, Row, origins, partners, tolerances
 from drivesizer.catalog.tables import ESTIMATED

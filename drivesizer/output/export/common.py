@@ -19,7 +19,7 @@ from drivesizer.control.loop_design import designed
 from drivesizer.control.open_loop import Stepper, prepared
 from drivesizer.control.validation import Cascade, Gains
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.sentences import sentences as remarks_on
+from drivesizer.files.text import sentences as remarks_on
 from drivesizer.load_cases import load_springs
 from drivesizer.load_cases.of_machine import load_cases
 from drivesizer.load_cases.platform import WheelLoad, at_shaft, motion_of, remaining_torque

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.catalog import DIRECT, Catalog
-from drivesizer.catalog.estimates.estimate import MOUNTED
+from drivesizer.catalog.estimates import MOUNTED
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import ESTIMATED
 from drivesizer.catalog.tolerances import (

@@ -1,4 +1,9 @@
-"""Estimates of what a data sheet leaves out, each with its band and its law: fitted over the catalogues, or assumed."""
+"""Estimates of what a data sheet leaves out, each with its band and its law: fitted over the catalogues, or assumed.
+
+``estimates.txt`` declares which figure follows from which others within which class of parts. The laws are fitted over
+the shipped catalogues, each measured on families that were left out, and applied; ``estimates.json`` keeps what was
+found: ``python -m drivesizer.catalog.estimates > estimates.json`` prints it anew.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +36,7 @@ class Law(NamedTuple):
     terms: tuple[str, ...]  # columns, or names of ``_FIGURES``
 
 
-ROWS = (*listed("drivesizer.catalog.estimates", "laws.txt"),)
+ROWS = (*listed("drivesizer.catalog", "estimates.txt"),)
 
 
 def _declared() -> Iterator[Law]:
@@ -109,7 +114,7 @@ def _motor_constructions(table: Table[Any]) -> NDArray[np.str_]:
 def _construction(name: str) -> str:
     """Construction of the brushless motors of a maker's family."""
     maker, family = name.split("\n", 1)
-    patterns = shipped_data("drivesizer.catalog.estimates", "constructions.yaml")
+    patterns = shipped_data("drivesizer.catalog", "constructions.yaml")
     return next((p["construction"] for p in patterns if p["maker"] == maker and re.match(p["family"], family)), "")
 
 
@@ -264,7 +269,7 @@ _MOST = 10.0  # times its continuous torque, for a moment; of the 201 that print
 
 
 def _assumed() -> Iterator[Fit]:
-    """Laws that are assumed; behind them the rules that are no formula, in the order of ``laws.txt``."""
+    """Laws that are assumed; behind them the rules that are no formula, in the order of ``estimates.txt``."""
     named = {
         "density": DENSITY, "convection": CONVECTION, "pull_out_share": PULL_OUT_SHARE[0],
         "pull_out_band": PULL_OUT_SHARE[1], "start_band": START_BAND,
@@ -391,7 +396,7 @@ def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
     """Figures of actuators that are a rule of thumb, with a band from there to the stall."""
     table, found = catalog.actuators, dict[str, Estimates]()
     for name, stall in _STALL.items():
-        rows = catalog.by_rule("actuators", name)
+        rows = catalog.by_rule(name)
         value = table[name][rows]
         high = np.where(np.isnan(table[stall][rows]), inf, table[stall][rows])
         wide = high > value  # written so that NaN fails too
@@ -399,7 +404,7 @@ def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
             law = np.full(int(wide.sum()), RULE)
             found[name] = Estimates(rows[wide], value[wide], value[wide], high[wide], law)
     for name, (least, usual, most, best) in _OF_PRINTED_STALL.items():
-        rows = catalog.by_rule("actuators", name)
+        rows = catalog.by_rule(name)
         value, law = table[name][rows], np.full(len(rows), _OF_STALL)
         if len(rows):
             high = np.maximum(value, np.minimum(most * value, best))
@@ -609,7 +614,7 @@ def law_text(fit: Fit) -> str:
 @cache
 def shipped_laws() -> tuple[Fit, ...]:
     """The fitted laws that ship, and behind them those that are assumed."""
-    text = (resources.files("drivesizer.catalog.estimates") / "fitted.json").read_text(encoding="utf-8")
+    text = (resources.files("drivesizer.catalog") / "estimates.json").read_text(encoding="utf-8")
     return (*(_read(record) for record in json.loads(text)), *ASSUMED)
 
 
@@ -624,7 +629,7 @@ def _read(record: dict[str, Any]) -> Fit:
 
 
 def written(fits: list[Fit]) -> str:
-    """Fitted laws as ``fitted.json`` keeps them: a law a line, figures rounded to six digits.
+    """Fitted laws as ``estimates.json`` keeps them: a law a line, figures rounded to six digits.
 
     ``width`` is the upper end of the band over the lower one, median over the parts of the law.
     """
@@ -693,3 +698,9 @@ def estimates_of_catalog(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
     every = {section: estimates(catalog.table(section)) for section in _SECTIONS}
     every["actuators"] |= rule_of_thumb_bands(catalog)
     return {section: figures for section, figures in every.items() if figures}
+
+
+if __name__ == "__main__":
+    from drivesizer.catalog import load
+
+    print(written(fits(load(["all"]))), end="")

@@ -1,7 +1,4 @@
-"""The catalogue as the search takes it: estimates in, actuators split, direct drive; motors as they are mounted.
-
-May import: catalog and its estimates; nothing else of catalog imports it.
-"""
+"""The catalogue as the search takes it: estimates in, actuators split, direct drive; motors as they are mounted."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import tables
-from drivesizer.catalog.estimates.estimate import MOUNTED, UNRATED, estimates, estimates_of_catalog
+from drivesizer.catalog.estimates import MOUNTED, UNRATED, estimates, estimates_of_catalog
 from drivesizer.catalog.expressions import value
 from drivesizer.catalog.parts import DIRECT, NAMES, RELATIONS, columns_of, singular
 from drivesizer.catalog.tables import Catalog, Estimates, Pairs, Source, Table, filled, with_pairs, with_rows
@@ -69,7 +66,7 @@ def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Tab
 
 CLAMPING_HUB = "clamping hub"  # mounting of a gearhead that takes motors of any maker
 _THINNEST_SHAFT = 0.5  # of the hub's bore: a bushing fills the rest
-_INSIDE: dict[str, dict[str, Any]] = shipped_data("drivesizer.catalog.view", "inside.yaml")
+_INSIDE: dict[str, dict[str, Any]] = shipped_data("drivesizer.catalog", "inside.yaml")
 
 
 def printed_field(role: str, field: str) -> str:
@@ -95,7 +92,7 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
     if not estimates:
         columns = {name: catalog.actuators[name].copy() for name in ("nominal_torque", "nominal_current")}
         for name, values in columns.items():  # without figures that are a rule of thumb
-            values[catalog.by_rule("actuators", name)] = np.nan
+            values[catalog.by_rule(name)] = np.nan
         return _viewed(replace(catalog, actuators=catalog.actuators.changed(columns)))
     found = replace(catalog, estimates=estimates_of_catalog(catalog))
     if not found.estimates:
