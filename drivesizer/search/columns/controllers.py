@@ -33,7 +33,6 @@ from drivesizer.search.columns.candidates import FREE, LAST, Rows, figure_order,
 from drivesizer.search.columns.limits import (
     electrical_limits,
     electrical_speed,
-    unknown_where_doubtful,
     worst_of_all,
 )
 from drivesizer.spec.drive import ASSUMABLE, ControllerChoice
@@ -508,20 +507,13 @@ class _Candidates(NamedTuple):
                 stresses = stress(spec.environment.ambient, cycle, demand, parts.motor, leads)
                 cases[k] = cases[k]._replace(stresses=stresses)
 
-        def electrical(k: int) -> list[CheckColumn]:
-            spec, cycle, demand, _, stresses = cases[k]
-            checks = electrical_limits(spec, cycle, demand, stresses, parts)
-            return unknown_where_doubtful(checks, demand.complete)
-
-        first = worst_of_all(self.problem, electrical)
+        first = worst_of_all(
+            electrical_limits(spec, cycle, demand, stresses, parts) for spec, cycle, demand, _, stresses in cases
+        )
         alive: Mask = ~np.logical_or.reduce([check.failed for check in first if not check.advice])
         pairs = [over_time.over_waveform(case, parts, self.waveform, alive, self.each) for case in cases]
-
-        def of_waveform(k: int) -> list[CheckColumn]:
-            checks = over_time.waveform_limits(cases[k].spec, *pairs[k], parts)
-            return unknown_where_doubtful(checks, cases[k].demand.complete)
-
-        found = _Judged([*first, *worst_of_all(self.problem, of_waveform)], pairs, np.zeros(len(row)))
+        last = worst_of_all(over_time.known_limits(case, pair, parts) for case, pair in zip(cases, pairs, strict=True))
+        found = _Judged([*first, *last], pairs, np.zeros(len(row)))
         if self.waveform != "bounds":
             return found
         left, lacks = np.zeros(len(row), bool), np.zeros(len(row), bool)

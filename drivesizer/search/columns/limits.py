@@ -8,7 +8,7 @@ those of the catalogues; no factor of the paper enters, the spec's ``margins`` d
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -16,14 +16,13 @@ from drivesizer.catalog.parts import BeltDrive
 from drivesizer.physics.belt import LEAST_IN_MESH, resonance
 from drivesizer.physics.cycle_at_gearhead import DIRECTION, SPEED, AtGearhead
 from drivesizer.physics.drive_train import drive_inertia
-from drivesizer.physics.figures import Array, Figures, Mask, Range
+from drivesizer.physics.figures import Array, Columns, Figures, Mask, Range
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.physics.motor_demand import Demands
 from drivesizer.physics.thermal import resistance_25, steady_winding_temperature
 from drivesizer.physics.winding import Heat, Parts, Stress
 from drivesizer.results.check_columns import CheckColumn, at_least, at_most, worst_case
 from drivesizer.results.check_kinds import CHECKS
-from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import (
     ASSUMED,
     ambient_range,
@@ -37,7 +36,7 @@ from drivesizer.results.ratings import (
     short_limit,
     supply_voltage_limit,
 )
-from drivesizer.search.columns.brakes import brake_inertia, counting_limits, own_figure
+from drivesizer.search.columns.brakes import brake_inertia, brake_limits, counting_limits, own_figure
 from drivesizer.search.columns.shaft_limits import THRUST, life_of_gearheads, shock_limits
 from drivesizer.spec.drive import ASSUMABLE, BeltStage
 from drivesizer.spec.mounting import controller_needed, motor_needed, rise_needed
@@ -50,11 +49,11 @@ _NO_SHORT = "the limit at least: none for a short time is printed"
 _OF_SPEED = ("screw_critical_speed", "screw_dn", "belt_speed")
 
 
-def worst_of_all(problem: Problem, checks: Callable[[int], list[CheckColumn]]) -> list[CheckColumn]:
-    """The worst load case of each check, of what a function gives for each number of a case."""
+def worst_of_all(cases: Iterable[Sequence[CheckColumn]]) -> list[CheckColumn]:
+    """The worst load case of each check, of those of each case."""
     found: dict[str, list[tuple[int, CheckColumn]]] = {}
-    for number in range(len(problem.cases)):
-        for check in checks(number):
+    for number, checks in enumerate(cases):
+        for check in checks:
             found.setdefault(check.name, []).append((number, check))
     return [worst_case(same) for same in found.values()]
 
@@ -76,7 +75,7 @@ def load_limits(spec: RobotSpec, cycle: AtGearhead, drive: BeltDrive | None = No
 # of what lasts: a motion that is run once from cold is held against the limits for a short time, and by its heat
 _LASTING = frozenset({
     "gearhead_continuous_torque", "gearhead_continuous_speed", "gearhead_continuous_power", "gearhead_life",
-    "gearhead_bearing_life", "screw_life",
+    "screw_life",
 })  # fmt: skip
 
 
@@ -150,7 +149,7 @@ def gearhead_limits(spec: RobotSpec, cycle: AtGearhead, gearhead: Figures) -> li
     required = required_life(needs.life, "gearhead")
     if required is not None:
         found.append(at_most("gearhead_life", required, life_of_gearheads(cycle, gearhead)))
-    return found
+    return that_apply(spec, found)
 
 
 def _power_limit(figure: str, power: Array, gearhead: Figures, needed: float) -> CheckColumn:
@@ -190,10 +189,25 @@ def size_limits(spec: RobotSpec, motor: Figures, gearhead: Figures, brake: Figur
 
 
 def moving_limits(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, parts: Parts
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat | None, parts: Parts, listed: Mask, held: Columns
 ) -> list[CheckColumn]:
-    """Limits of a combination in motion that the moments decide; that of the winding by its mean, which is no more."""
-    motor, ambient = parts.motor, spec.environment.ambient
+    """Limits of a combination in motion that the moments decide.
+
+    ``heating``: None of a stepper, of which no heat is computed. ``listed``: whether the brake goes with the motor.
+    ``held``: the motor by whose friction a load is held.
+    """
+    found = [] if heating is None else _lasting_limits(spec, cycle, demand, heating, parts.motor)
+    found += inertia_limits(spec, cycle, demand, parts)
+    if parts.brake is not None:
+        found += brake_limits(spec, cycle, parts._replace(motor=held), demand, listed)
+    return unknown_where_doubtful(found, demand.complete)
+
+
+def _lasting_limits(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, heating: Heat, motor: Figures
+) -> list[CheckColumn]:
+    """Ratings of a motor that lasts; that of its winding by the mean of its heat, which is no more than its peak."""
+    ambient = spec.environment.ambient
     torque, speed = motor_needed(spec), spec.margins.speed
     mean = cycle.moment(DIRECTION, SPEED) * demand.total_ratio
     rated = [
@@ -213,7 +227,7 @@ def moving_limits(
         limit = np.where(motor["kind"] == "brushed", np.inf, motor["max_winding_temperature"])
         found.append(at_most("hottest_phase", np.asarray(hottest), limit, zero=ambient, needed=rise_needed(spec),
                              advice=True, note=_UNEVEN_NOTE))  # fmt: skip
-    return found + inertia_limits(spec, cycle, demand, parts)
+    return found
 
 
 def _of_one_run(check: CheckColumn, heating: Heat, motor: Figures) -> CheckColumn:
@@ -268,7 +282,7 @@ def electrical_limits(
     of_stall = np.isnan(motor["resistance"] * motor["torque_constant"]) & ~np.isnan(stall)
     peak = np.where(np.isnan(motor["peak_torque"]), np.where(of_stall, stall, np.inf), motor["peak_torque"])
     time = stresses.current.time
-    return [
+    found = [
         at_most("motor_peak_torque", stresses.torque, peak, needed=needed, time=time),
         at_most("controller_continuous_current", demand.rms_current,
                 Range(lasting, lasting if lasting is printed else np.fmin(lasting, printed)),
@@ -280,6 +294,7 @@ def electrical_limits(
             "controller_speed", electrical_speed(demand, motor), motor["kind"], controller, spec.margins.speed
         ),
     ]  # fmt: skip
+    return unknown_where_doubtful(found, demand.complete)
 
 
 def most_current(spec: RobotSpec, controller: Figures) -> Array | Range:

@@ -29,7 +29,7 @@ from drivesizer.physics.winding import Heat, Parts, Stress, temperature_at_most,
 from drivesizer.results.check_columns import CheckColumn, Options, at_most
 from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import controller_current, controller_power_limit
-from drivesizer.search.columns.limits import waived, winding_limit
+from drivesizer.search.columns.limits import unknown_where_doubtful, waived, winding_limit
 from drivesizer.spec.robot import RobotSpec
 
 # what is computed from the waveform: nothing, what bounds leave open, peaks and heat of all drives, energies too
@@ -126,6 +126,11 @@ def waveform_limits(spec: RobotSpec, low: Moments, high: Moments, parts: Parts) 
         checks.append(at_most("supply_power", Range(*(end * sets for end in power)), supply.power, needed=torque,
                               time=at_power))  # fmt: skip
     return checks
+
+
+def known_limits(case: InCase, found: Pair, parts: Parts) -> list[CheckColumn]:
+    """The same, unknown where a demand is."""
+    return unknown_where_doubtful(waveform_limits(case.spec, *found, parts), case.demand.complete)
 
 
 def voltage_limit(spec: RobotSpec, low: Moments, high: Moments, controller: Figures) -> CheckColumn:

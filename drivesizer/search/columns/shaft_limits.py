@@ -280,7 +280,7 @@ def _bearing(spec: RobotSpec, shaft: Shaft, loads: ShaftLoads, gearhead: Figures
     still = np.where(np.isposinf(static), 0.0, still)
     found = [_known(at_most("gearhead_bearing_static", still, static), loads)]
     required = required_life(spec.needs.life, "output_bearing")
-    if required is not None:
+    if required is not None and not spec.once:
         radial, axial, moment = loads.means
         load = dynamic_load(radial, axial, _turned(radial, lever) + moment, diameter) * shaft.load_factor
         life = bearing_life(dynamic, np.where(np.isposinf(dynamic), 0.0, load), loads.mean_speed)

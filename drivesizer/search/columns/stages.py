@@ -30,6 +30,7 @@ from drivesizer.search.columns.controllers import Moving, Usable, powered, usabl
 from drivesizer.search.columns.limits_over_time import Waveform
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.spec.mounting import heat_of
+from drivesizer.spec.robot import RobotSpec
 
 _ENOUGH = 100  # rejected candidates, to find the closest among
 _ROWS = 1 << 15  # candidates behind several belts that go on together: as many as stay within the processor's cache
@@ -54,7 +55,7 @@ class Offers(NamedTuple):
 def offers(problem: Problem) -> Offers:
     """The encoders, controllers, brakes and own limits of every motor, at the supply and ambient of all load cases."""
     spec, catalog = problem.spec, problem.catalog
-    own = limits.worst_of_all(problem, lambda k: limits.motor_limits(problem.cases[k].spec, catalog.motors))
+    own = limits.worst_of_all(limits.motor_limits(case.spec, catalog.motors) for case in problem.cases)
     hottest = max(case.spec.environment.ambient for case in problem.cases)
     controllers = usable_controllers(spec, catalog, problem.supply, hottest)
     return Offers(brakes.offered_encoders(spec, catalog), controllers, own, brakes.offered_brakes(spec, catalog))
@@ -299,35 +300,35 @@ def _behind(problem: Problem, belt: Array) -> list[AtGearhead]:
 def _of_load(problem: Problem, cycles: Sequence[AtGearhead], count: int) -> list[CheckColumn]:
     """Limits of the load behind each belt."""
 
-    def found(k: int) -> list[CheckColumn]:
-        spec = problem.cases[k].spec
-        return _behind_each(problem, cycles[k], lambda at, drive, _: limits.load_limits(spec, at, drive), count)
+    def of_one(spec: RobotSpec, at: AtGearhead, drive: BeltDrive | None, _: slice) -> list[CheckColumn]:
+        return limits.load_limits(spec, at, drive)
 
-    return limits.worst_of_all(problem, found)
+    return limits.worst_of_all(_behind_each(problem, cycles, count, of_one))
 
 
 def _of_gearheads(problem: Problem, cycles: Sequence[AtGearhead], gearhead: Rows) -> list[CheckColumn]:
     """Limits of gearheads, each behind its belt."""
 
-    def found(k: int) -> list[CheckColumn]:
-        spec, count = problem.cases[k].spec, len(gearhead.rows)
-        on_shaft = _behind_each(
-            problem, cycles[k], lambda at, drive, rows: loads_on_gearheads(spec, at, drive, gearhead.on(rows)), count
-        )
-        return limits.that_apply(spec, limits.gearhead_limits(spec, cycles[k], gearhead) + on_shaft)
+    def on_shaft(spec: RobotSpec, at: AtGearhead, drive: BeltDrive | None, rows: slice) -> list[CheckColumn]:
+        return loads_on_gearheads(spec, at, drive, gearhead.on(rows))
 
-    return limits.worst_of_all(problem, found)
+    loads = _behind_each(problem, cycles, len(gearhead.rows), on_shaft)
+    return limits.worst_of_all(
+        limits.gearhead_limits(case.spec, cycle, gearhead) + load
+        for case, cycle, load in zip(problem.cases, cycles, loads, strict=True)
+    )
 
 
 def _behind_each(
     problem: Problem,
-    cycle: AtGearhead,
-    compute: Callable[[AtGearhead, BeltDrive | None, slice], list[CheckColumn]],
+    cycles: Sequence[AtGearhead],
     count: int,
-) -> list[CheckColumn]:
-    """Limits that hang on the belt itself: those behind each belt put together."""
-    found = [(rows, compute(at, problem.belt_drive(at.belt), rows)) for at, rows in belts_of(cycle, count)]
-    return together(found, count)
+    checks: Callable[[RobotSpec, AtGearhead, BeltDrive | None, slice], list[CheckColumn]],
+) -> Iterator[list[CheckColumn]]:
+    """Limits that hang on the belt itself, of each load case: those behind each belt put together."""
+    for case, cycle in zip(problem.cases, cycles, strict=True):
+        belts = [(at, rows, problem.belt_drive(at.belt)) for at, rows in belts_of(cycle, count)]
+        yield together([(rows, checks(case.spec, at, drive, rows)) for at, rows, drive in belts], count)
 
 
 def belts_together(problem: Problem) -> int:
@@ -370,17 +371,13 @@ def _combined(
     cycles, cases = _behind(problem, sets.belt), problem.cases
     motor, gearhead = Rows(catalog.motors, sets.motor), Rows(catalog.gearheads, sets.gearhead)
 
-    def on_shaft(k: int) -> list[CheckColumn]:
-        return _behind_each(
-            problem, cycles[k],
-            lambda at, drive, rows: loads_on_motors(cases[k].spec, at, drive, motor.on(rows), gearhead.on(rows)),
-            len(sets.motor),
-        )  # fmt: skip
+    def on_shaft(spec: RobotSpec, at: AtGearhead, drive: BeltDrive | None, rows: slice) -> list[CheckColumn]:
+        return loads_on_motors(spec, at, drive, motor.on(rows), gearhead.on(rows))
 
     at_rest = [fits("compatibility", True, sets.listed)]
     if not offered.brakes:
         at_rest += limits.size_limits(spec, motor, gearhead)
-    keep = sieve.through(at_rest + limits.worst_of_all(problem, on_shaft))
+    keep = sieve.through(at_rest + limits.worst_of_all(_behind_each(problem, cycles, len(sets.motor), on_shaft)))
     sets, cycles = sets.on(keep), [cycle.on(keep) for cycle in cycles]
     parts, turned = parts_of(problem, offered, cycles, sets, motor.on(keep), gearhead.on(keep), below)
     if not sieve.staged:  # in stages each motor was judged by what there is for it
@@ -394,14 +391,11 @@ def _combined(
         return in_motion(cases[k], cycles[k], turning)
 
     def at_moments(k: int, each: Parts, moving: Moving) -> list[CheckColumn]:
-        if steps:
-            checks = limits.inertia_limits(cases[k].spec, cycles[k], moving.demand, each)
-        else:
-            checks = limits.moving_limits(cases[k].spec, cycles[k], *moving, each)
-        if offered.brakes and each.brake is not None:
-            listed = offered.brakes.goes(each.motor.rows, each.brake.rows)
-            checks += brakes.brake_limits(cases[k].spec, cycles[k], each, moving.demand, listed)
-        return limits.unknown_where_doubtful(checks, moving.demand.complete)
+        listed = (
+            offered.brakes.goes(each.motor.rows, each.brake.rows) if offered.brakes and each.brake else np.ones(1, bool)
+        )
+        heating = None if steps else moving.heating
+        return limits.moving_limits(cases[k].spec, cycles[k], moving.demand, heating, each, listed, each.motor)
 
     moving = [moved(k, parts) for k in range(len(cases))]
 
@@ -416,7 +410,7 @@ def _combined(
         rows = np.arange(len(parts.motor.rows))
         return [over_ends(c, [ends[c.name]], rows) if c.name in _BY_INERTIA else c for c in checks]
 
-    keep = sieve.with_encoders(turned, limits.worst_of_all(problem, by_moments))
+    keep = sieve.with_encoders(turned, limits.worst_of_all(map(by_moments, range(len(cases)))))
     parts, cycles, moving, turned = on((parts, cycles, moving, turned), keep)
     sieve.checks = [check for check in sieve.checks if check.name != "winding_temperature"]  # that of the mean
     for rows in _computed_together(problem, cycles[0], len(parts.motor.rows), steps):

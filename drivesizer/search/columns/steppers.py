@@ -105,19 +105,13 @@ def stepped(
     if problem.spec.control.phase_current is not None:
         of_driver.append(at_most("motor_nominal_current", current, catalog.steppers["phase_current"][motor[STEPPER]]))
     pull_out = PullOut(motor, catalog.pull_outs)
-
-    def moving(k: int) -> list[CheckColumn]:
-        spec = problem.cases[k].spec
-        found = torque_limits(spec, cycles[k], demand[k], parts, pull_out)
-        if not staged:
-            found += _advice(spec, cycles[k], demand[k], parts)
-        return unknown_where_doubtful(found, demand[k].complete)
-
-    first = worst_of_all(problem, moving)
+    in_cases = [*zip([case.spec for case in problem.cases], cycles, demand, strict=True)]
+    first = worst_of_all(torque_limits(*case, parts, pull_out, advice=not staged) for case in in_cases)
     dead: Mask = np.logical_or.reduce([c.failed for c in (*first, *of_driver) if not c.advice])
-    draws = [drawn(problem.cases[k].spec, cycles[k], demand[k], parts, ~(dead & staged)) for k in range(len(cycles))]
+    draws = [drawn(*case, parts, ~(dead & staged)) for case in in_cases]
     printed = catalog.steppers["supply_max"][motor[STEPPER]]
-    last = worst_of_all(problem, lambda k: supply_limits(problem.cases[k].spec, draws[k], parts, printed))
+    specs = (spec for spec, *_ in in_cases)
+    last = worst_of_all(supply_limits(spec, draw, parts, printed) for spec, draw in zip(specs, draws, strict=True))
     idle = problem.spec.control.idle_current
     heat = max(float(idle_loss(at.cycle.speed, idle) @ at.cycle.duration) / at.cycle.total for at in problem.cases)
     figures = cycle_figures(
@@ -139,19 +133,31 @@ def driver_limits(current: Array, controller: Figures, needed: float, ambient: A
 
 
 def torque_limits(
-    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, pull_out: PullOut
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, pull_out: PullOut, *, advice: bool = False
 ) -> list[CheckColumn]:
     """Torque of motors against what they can give at their speed, at rest and at the start, and their steps."""
-    needed, volts = spec.margins.pull_out - 1.0, spec.supply.lowest
-    found = [_at_each_speed(spec, cycle, demand, pull_out)]
+    found = [
+        _at_each_speed(spec, cycle, demand, pull_out),
+        *_at_rest(spec, cycle, demand, parts, pull_out),
+        *_resolution(spec, cycle, demand, parts),
+        *(_advice(spec, cycle, demand, parts) if advice else ()),
+    ]
+    return unknown_where_doubtful(found, demand.complete)
+
+
+def _at_rest(
+    spec: RobotSpec, cycle: AtGearhead, demand: Demands, parts: Parts, pull_out: PullOut
+) -> Iterator[CheckColumn]:
+    """Torque at a lower current at rest, and the speed at which motors start."""
     if spec.control.idle_current is None and spec.needs.start_speed is None:
-        return found + _resolution(spec, cycle, demand, parts)
+        return
+    needed, volts = spec.margins.pull_out - 1.0, spec.supply.lowest
     torque, speed = map(np.abs, ends_of(cycle, demand))
     at_rest = pull_out.torque(np.zeros((len(torque), 1)), volts)[:, 0]
     still: Mask = np.asarray(~speed.any(axis=2))
     if spec.control.idle_current is not None and still.any():
         held = np.where(still[:, :, None], torque, 0.0).max(axis=(1, 2))
-        found.append(at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed))
+        yield at_most("idle_torque", held, spec.control.idle_current * at_rest, needed=needed)
     if spec.needs.start_speed is not None:  # against the largest torque at constant speed
         changes = np.abs(cycle.base.functions[..., ACCELERATION] if cycle.base.functions.ndim == 3 else
                          np.moveaxis(cycle.base.functions[ACCELERATION], -1, 0))  # fmt: skip
@@ -160,8 +166,7 @@ def torque_limits(
         load = np.where(load < 0.0, torque.max(axis=(1, 2)), load)
         motor, (_, inertia) = parts.motor, inertia_at_motor(cycle, demand)
         limit = start_speed_with(motor["start_speed"], motor["rotor_inertia"], inertia, load, at_rest)
-        found.append(at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed))
-    return found + _resolution(spec, cycle, demand, parts)
+        yield at_most("start_speed", spec.needs.start_speed, limit, needed=spec.margins.speed)
 
 
 def _at_each_speed(spec: RobotSpec, cycle: AtGearhead, demand: Demands, pull_out: PullOut) -> CheckColumn:

@@ -34,14 +34,13 @@ from drivesizer.physics.motor_demand import Demands, demands
 from drivesizer.physics.power_stage import with_stage_losses
 from drivesizer.physics.stepper import amplitude, copper_loss, idle_loss
 from drivesizer.physics.winding import Parts, housing_loss, stress
-from drivesizer.results.check_columns import CheckColumn, fits, worst_case
+from drivesizer.results.check_columns import CheckColumn, fits
 from drivesizer.results.drive_set import DriveParts
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns import limits, steppers
-from drivesizer.search.columns.brakes import brake_inertia, brake_limits, is_listed
+from drivesizer.search.columns.brakes import brake_inertia, is_listed
 from drivesizer.search.columns.candidates import Rows
-from drivesizer.search.columns.limits import unknown_where_doubtful
-from drivesizer.search.columns.limits_over_time import InCase, Pair, exact, least, waveform_limits
+from drivesizer.search.columns.limits_over_time import InCase, Pair, exact, known_limits, least
 from drivesizer.search.columns.shaft_limits import loads_on_gearheads, loads_on_motors
 from drivesizer.search.columns.steppers import Frictionless, PullOut
 from drivesizer.search.uncertainty.sampling import REPLICATES, first_of_each
@@ -357,11 +356,11 @@ class _Drive(NamedTuple):
     """A drive over samples."""
 
     parts: Parts
-    printed: Rows  # its motor as the catalogue has it
+    printed: Rows  # its motor as the catalogue has it: friction that holds is that
     factors: Mapping[str, Array]  # of its motor's figures; of a stepper its driver's as well
     pull_out: PullOut | None  # of a stepper
     highest: Array  # V, that the maker of a stepper permits; NaN none
-    listed: Mask  # its brake goes with its motor
+    listed: Mask  # whether its brake goes with its motor
 
 
 def _drive(catalog: Catalog, one: SetRows, block: Block) -> _Drive:
@@ -444,17 +443,16 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
     """Every check that samples may change, by name: columns over the samples, the worst of all load cases."""
     found = _drive(catalog, one, block)
     motor, gearhead = found.parts.motor, found.parts.gearhead
-    by_name: dict[str, list[tuple[int, CheckColumn]]] = {}
-    draws = []
+    every, draws = list[list[CheckColumn]](), list[Draw]()
 
     def geared(spec: RobotSpec, at: AtSamples, drive: BeltDrive | None) -> list[CheckColumn]:
-        found = limits.gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
-        return limits.that_apply(spec, found)
+        return limits.gearhead_limits(spec, at, gearhead) + loads_on_gearheads(spec, at, drive, gearhead)
 
     for number, (spec, ats) in enumerate(zip(block.specs, block.ats, strict=True)):
         at, drive = ats[one.belt], block.belts[one.belt]
         of_case = _servo_checks if found.pull_out is None else _stepper_checks
         checks, draw = of_case(spec, at, found, bool(block.feeds))
+        checks += limits.motor_limits(spec, motor)
         if one.controller >= 0 or found.pull_out is None:
             checks.append(_controller_fits(spec, found.parts.controller, one))
         checks += block.once(partial(limits.load_limits, spec, at, drive), "load limits", number, one.belt)
@@ -462,14 +460,12 @@ def checks_of(catalog: Catalog, one: SetRows, block: Block) -> dict[str, CheckCo
         checks += block.once(partial(geared, spec, at, drive), *names)
         if spec.shaft:
             checks += loads_on_motors(spec, at, drive, motor, gearhead)
+        every.append(checks)
         draws.append(draw)
-        for check in checks:
-            by_name.setdefault(check.name, []).append((number, check))
     for feeds, numbers in block.feeds:
         first, drawn = numbers[0], [draws[number] for number in numbers]
-        for check in columns_of(block.specs[first], feeds, block.ats[first][one.belt].load_cycle, drawn):
-            by_name.setdefault(check.name, []).append((first, check))
-    return {name: worst_case(same) for name, same in by_name.items()}
+        every[first] += columns_of(block.specs[first], feeds, block.ats[first][one.belt].load_cycle, drawn)
+    return {check.name: check for check in limits.worst_of_all(every)}
 
 
 def _controller_fits(spec: RobotSpec, controller: Figures, one: SetRows) -> CheckColumn:
@@ -501,14 +497,15 @@ def _loaded(spec: RobotSpec, at: AtSamples, drive: _Drive, *, energies: bool) ->
 def _servo_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, energies: bool) -> tuple[list[CheckColumn], Draw]:
     """The checks of one load case that hang on a motor with a controller, and the energy that its drives draw."""
     parts, (case, over_time) = drive.parts, _loaded(spec, at, drive, energies=energies)
-    required, warmth, peaks = case.demand, case.heating, case.stresses
-    found = [c for c in limits.moving_limits(spec, at, required, warmth, parts) if c.name != "winding_temperature"]
-    if parts.brake is not None:  # friction that holds is printed
-        found += brake_limits(spec, at, parts._replace(motor=drive.printed), required, drive.listed)
-    found += limits.electrical_limits(spec, at, required, peaks, parts) + waveform_limits(spec, *over_time, parts)
+    required = case.demand
+    moving = limits.moving_limits(spec, at, required, case.heating, parts, drive.listed, drive.printed)
+    checks = [
+        *(check for check in moving if check.name != "winding_temperature"),  # that of the mean
+        *limits.electrical_limits(spec, at, required, case.stresses, parts),
+        *known_limits(case, over_time, parts),
+    ]
     sets = spec.load.alike if required.complete.all() else np.nan  # lower bounds are not energies
     draw = over_time[0].agreed(over_time[1])
-    checks = [*limits.motor_limits(spec, parts.motor), *unknown_where_doubtful(found, required.complete)]
     return checks, Draw(draw.drawn * sets, draw.returned * sets, draw.power * sets)
 
 
@@ -522,16 +519,12 @@ def _stepper_checks(spec: RobotSpec, at: AtSamples, drive: _Drive, _: bool) -> t
     parts = drive.parts
     assert drive.pull_out is not None
     required = _stepper_demands(at, parts)
-    found = steppers.torque_limits(spec, at, required, parts, drive.pull_out)
-    found += limits.inertia_limits(spec, at, required, parts)
-    if parts.brake is not None:
-        found += brake_limits(spec, at, parts, required, drive.listed)
     draw, rated = steppers.drawn(spec, at, required, parts), drive.printed["nominal_current"]
     needed, ambient = controller_needed(spec, 0.0), spec.environment.ambient
     return [
-        *unknown_where_doubtful(found, required.complete),
+        *limits.moving_limits(spec, at, required, None, parts, drive.listed, parts.motor),
+        *steppers.torque_limits(spec, at, required, parts, drive.pull_out),
         *steppers.driver_limits(rated, parts.controller, needed, ambient),  # of what the driver is set to
-        *limits.motor_limits(spec, parts.motor),
         *steppers.supply_limits(spec, draw, parts, drive.highest),
     ], Draw(*(x * spec.load.alike for x in draw))
 
