@@ -11,8 +11,7 @@ import yaml
 from docstrings import as_markdown
 from spec_tables import SCHEMA, SPRINGS, fields_of, reference
 
-from drivesizer.loads import springs, stage_losses
-from drivesizer.loads.kinds import AXES, MODULES
+from drivesizer.loads import AXES, MODULES, springs, stage_losses
 
 __all__ = ["loads"]
 

@@ -1,9 +1,9 @@
-"""Trajectory of a robot's joints, inside their limits: recorded positions or moves between waypoints."""
+"""Joints that move and joints that are held; their trajectory within limits, recorded or between waypoints."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -14,14 +14,100 @@ from numpy.typing import NDArray
 from drivesizer.errors import FieldError, InputError, nearest, quoted
 from drivesizer.files.csv_columns import CsvFile, path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, JointMotion
-from drivesizer.joints.places import SLACK, Field, figure_of, joint_of, unit_of, within
 from drivesizer.loads.motions import LAWS
 from drivesizer.physics.load_cycle import places
 from drivesizer.physics.motion_curves import fastest_ramp, periodic_parabola
 from drivesizer.platform import trajectory as curves
 from drivesizer.spec.description import Joint, Robot
-from drivesizer.spec.robot_section import JointLimits, RobotSection
+from drivesizer.spec.robot_section import JointFigure, JointLimits, RobotSection
 from drivesizer.units import RANGES
+
+# -- Joints that a machine moves and those that it holds, out of a description.
+
+
+Field = tuple[str | int, ...]
+_SLACK = 1e-6  # of a limit, by which rounding may leave it
+_ROTARY = ("angle", "rotary_speed", "angular_acceleration", "angular_jerk")
+
+
+def joint_of(robot: Robot, name: str, field: Field) -> Joint:
+    """A joint that is moved."""
+    joint = robot.joints.get(name)
+    if joint is None:
+        raise FieldError(field, f"{quoted(name)} is no joint of {robot.file}{nearest(name, robot.joints)}")
+    where = f"joint {quoted(name)} ({robot.file}:{joint.line})"
+    if not joint.moves:
+        raise FieldError(field, f"{where} is {quoted(joint.kind)}; expected one that turns or slides")
+    if joint.mimic:
+        raise FieldError(field, f"{where} follows {quoted(joint.mimic)}; expected a joint with a drive of its own")
+    if joint.kind != "continuous" and not joint.lower <= joint.upper:
+        raise FieldError(field, f"{where} has no limits of position; expected lower and upper")
+    return joint
+
+
+def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
+    """SI value of a figure of a joint."""
+    if (figure.kind in _ROTARY) != joint.turns:
+        found = "a figure of a joint that turns" if figure.kind in _ROTARY else "a figure of a joint that slides"
+        verb = "turns" if joint.turns else "slides"
+        raise FieldError(
+            field, f"{found}, and {quoted(joint.name)} {verb}; expected e.g. {'10 deg' if joint.turns else '10 mm'}"
+        )
+    return figure.value
+
+
+def check_link(robot: Robot, link: str, field: Field) -> None:
+    """Refuse a link that there is not."""
+    if link not in robot.links:
+        raise FieldError(field, f"{quoted(link)} is no link of {robot.file}{nearest(link, robot.links)}")
+
+
+def unit_of(joint: Joint) -> str:
+    """SI unit of a joint's position."""
+    return "rad" if joint.turns else "m"
+
+
+def within(joint: Joint, position: float) -> bool:
+    """Whether a position is inside the limits of a joint, up to rounding."""
+    if joint.kind == "continuous" or not joint.lower <= joint.upper:
+        return True
+    slack = _SLACK * max(abs(joint.lower), abs(joint.upper))
+    return joint.lower - slack <= position <= joint.upper + slack
+
+
+def fixed_positions(section: RobotSection, robot: Robot, moved: Collection[str]) -> dict[str, float]:
+    """Positions of all joints that do not move."""
+    for name in section.held:
+        if name in moved:
+            raise FieldError(("robot", "held", name), f"{quoted(name)} is moved by the trajectory; leave it out")
+        joint_of(robot, name, ("robot", "held", name))
+    others = {name: joint for name, joint in robot.joints.items() if name not in moved and joint.kind != "fixed"}
+    found = {name: _fixed_position(section, robot, joint) for name, joint in others.items() if not joint.mimic}
+    for joint in others.values():
+        if joint.mimic:
+            position = found.get(joint.mimic, math.nan)
+            if math.isnan(position) or robot.joints[joint.mimic].mimic:
+                where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)} follows {quoted(joint.mimic)}"
+                raise InputError(f"{where}; expected it to follow a joint that is held, or none")
+            found[joint.name] = joint.factor * position + joint.offset
+    return found
+
+
+def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
+    """Position of a joint that is held."""
+    where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)}"
+    if not joint.moves:
+        raise InputError(f"{where} is {quoted(joint.kind)}; expected joints that are fixed, turn or slide")
+    given, field = section.held.get(joint.name), ("robot", "held", joint.name)
+    position = 0.0 if given is None else figure_of(given, joint, field)
+    if not within(joint, position):
+        unit = unit_of(joint)
+        found = f"{position:.4g} {unit}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, its limits"
+        raise FieldError(
+            field, f"joint {quoted(joint.name)} ({robot.file}:{joint.line}) does not move and is held at {found}"
+        )
+    return position
+
 
 # -- A CSV of joint positions over time as a motion: a cubic spline through all samples, or near them with smoothing.
 #
@@ -326,7 +412,7 @@ def _inside(motion: JointMotion, column: int, joint: Joint, robot: Robot, field:
             found = f"{name} is at {value:.4g} {unit} after {_when(motion, position == value):.4g} s"
             raise FieldError(field, f"{found}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, {whose}")
     top = float(speed.max())
-    if joint.velocity > 0.0 and top > joint.velocity * (1.0 + SLACK):
+    if joint.velocity > 0.0 and top > joint.velocity * (1.0 + _SLACK):
         found = f"{name} has {top:.4g} {unit}/s after {_when(motion, speed == top):.4g} s"
         raise FieldError(field, f"{found}; expected at most {joint.velocity:.4g} {unit}/s, {whose}")
 

@@ -142,7 +142,7 @@ def form_schema() -> str:
 
     def made() -> bytes:
         from drivesizer.commands.setup import KINDS, starter
-        from drivesizer.loads.kinds import AXES
+        from drivesizer.loads import AXES
         from drivesizer.output.sketch import SKETCHES, symbols
         from drivesizer.spec.machine import machine_schema
         from drivesizer.spec.robot import RobotSpec

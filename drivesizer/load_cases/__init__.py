@@ -18,9 +18,8 @@ import numpy as np
 
 from drivesizer.errors import FieldError, InputError, quoted
 from drivesizer.files.csv_columns import path_from_spec
-from drivesizer.loads import motions
+from drivesizer.loads import LAWS, MODULES, motions
 from drivesizer.loads.course import Course, Profile, course
-from drivesizer.loads.kinds import LAWS, MODULES
 from drivesizer.loads.screw import screw_life
 from drivesizer.loads.springs import Lever, spring_force, with_springs
 from drivesizer.loads.stage_losses import force_along, through_gear

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from drivesizer.catalog import Catalog
 from drivesizer.catalog.parts import BeltDrive, Screw
-from drivesizer.loads.kinds import MODULES
+from drivesizer.loads import MODULES
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.screw import shaft_mass

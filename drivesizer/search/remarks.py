@@ -10,7 +10,7 @@ from math import isnan
 import numpy as np
 
 from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
-from drivesizer.loads.kinds import Load
+from drivesizer.loads import Load
 from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.machine import belts as pulleys
 from drivesizer.machine.set_cycle import driven

@@ -19,7 +19,7 @@ from pydantic import Field, ValidationError, field_validator
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, overlay, read, source_of
-from drivesizer.loads.kinds import Load
+from drivesizer.loads import Load
 from drivesizer.loads.motions import Cam, Harmonic
 from drivesizer.spec.drive import Select
 from drivesizer.spec.messages import explained

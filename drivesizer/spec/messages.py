@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import Path_, YamlSource, shipped_data, value_at
-from drivesizer.loads.kinds import MODULES
+from drivesizer.loads import MODULES
 from drivesizer.loads.motions import Track, Waypoints
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.spec.drive import DIRECT, DirectStage, GearheadStage

@@ -17,7 +17,7 @@ from drivesizer.catalog.typed import Typed
 from drivesizer.errors import InputError, quoted
 from drivesizer.files import fields
 from drivesizer.files.yaml_source import OfFile, Path_, YamlSource, changed, source_of
-from drivesizer.loads.kinds import AXES, Load
+from drivesizer.loads import AXES, Load
 from drivesizer.loads.motions import Motion, Trapezoid
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.braking import released_power

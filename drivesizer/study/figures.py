@@ -16,7 +16,7 @@ from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import Expression, expression
 from drivesizer.files.fields import Quantity
 from drivesizer.files.yaml_source import Path_, YamlSource, changed, field_name, overlay, value_at
-from drivesizer.loads.kinds import AXES
+from drivesizer.loads import AXES
 from drivesizer.spec.machine import WHOLE, AxisFields, MachineFields, is_machine
 from drivesizer.spec.messages import has_names, known_keys, models_at
 from drivesizer.spec.robot import RobotSpec

@@ -14,8 +14,8 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.of_machine import grip_warning
 from drivesizer.load_cases.platform import floor_friction
+from drivesizer.loads import AXES
 from drivesizer.loads.course import Profile
-from drivesizer.loads.kinds import AXES
 from drivesizer.physics.load_cycle import integral, rms
 from drivesizer.spec.robot import read_spec
 

@@ -15,7 +15,7 @@ import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.loads.kinds import AXES
+from drivesizer.loads import AXES
 from drivesizer.machine.problem import problem
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.load_cycle import LoadCycle

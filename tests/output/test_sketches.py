@@ -7,22 +7,22 @@ import pytest
 from lxml import etree
 from typer.testing import CliRunner
 
+from drivesizer import loads
 from drivesizer.cli import app
-from drivesizer.loads import kinds
 from drivesizer.output.sketch import SKETCHES, sketch
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def test_every_kind_of_load_has_one():
-    assert set(SKETCHES) == set(kinds.MODULES)
+    assert set(SKETCHES) == set(loads.MODULES)
 
 
 @pytest.mark.parametrize("kind", SKETCHES)
 def test_it_names_the_fields_of_its_load_alone(kind):
     root = etree.fromstring(sketch(kind))
     words = ["".join(one.itertext()) for one in root.iter(f"{SVG}text") if "9px" in one.get("style")][1::2]
-    fields = {name.replace("_", " ") for name in get_type_hints(kinds.LAWS[kind])["load"].model_fields}
+    fields = {name.replace("_", " ") for name in get_type_hints(loads.LAWS[kind])["load"].model_fields}
     assert len(words) >= 2 and set(words) <= fields
     assert float(root.get("height")) >= max(float(one.get("y")) for one in root.iter(f"{SVG}text"))
 

@@ -19,7 +19,7 @@ from lxml import html
 from pdf_text import texts_of
 
 import drivesizer
-from drivesizer.loads.kinds import AXES
+from drivesizer.loads import AXES
 from drivesizer.results.check_columns import at_least, at_most, fits
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.units import KINDS, from_si, scale
@@ -36,7 +36,7 @@ ADDED = {  # file: a line before which another goes, or several such
         "        nominal_current_limit(demand.rms_current, motor, ambient, torque),\n",
         '        at_most("below_no_load", demand.peak_speed, motor["no_load_speed"]),\n',
     ),
-    "loads/kinds.py": ('"hoist", ', '"wire_winder", '),
+    "loads/__init__.py": ('"hoist", ', '"wire_winder", '),
     "output/document/sections.txt": (
         "pieces | at_work.pieces",
         "speeds | speeds.speeds | Speeds of the motor | level=2 of_drive\n",

@@ -14,9 +14,8 @@ import numpy as np
 from drivesizer.errors import InputError
 from drivesizer.files.csv_columns import path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion
-from drivesizer.joints.mass_columns import radius_of
-from drivesizer.joints.places import coupling, drive_places, fixed_positions, payload_place
-from drivesizer.joints.trajectory import motion_of
+from drivesizer.joints.mass_columns import coupling, drive_places, payload_place, radius_of
+from drivesizer.joints.trajectory import fixed_positions, motion_of
 from drivesizer.loads.stage_losses import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_unknown
 from drivesizer.output.export import common

@@ -10,7 +10,7 @@ import numpy as np
 
 from drivesizer.catalog import DIRECT
 from drivesizer.catalog.parts import BeltDrive
-from drivesizer.loads.kinds import MODULES
+from drivesizer.loads import MODULES
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.physics.belt import pitch_diameter, wrap_angle
 from drivesizer.physics.cycle_at_gearhead import AT_REST, BRAKING, DRIVING, AtGearhead
