@@ -19,9 +19,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.control import devices
-from drivesizer.control.closed_loop import ClosedLoop, run
+from drivesizer.control.closed_loop import ClosedLoop, linear_run, run
 from drivesizer.control.closed_loop.checks import checks, columns, figures
-from drivesizer.control.closed_loop.linear_run import linear_run
 from drivesizer.control.gains import COMPUTING, loop_warnings, resolution_warning, resonance_warning
 from drivesizer.control.validation import Cascade, ControllerGain, Gains, Remedy, Stepping, Validation
 from drivesizer.errors import InputError

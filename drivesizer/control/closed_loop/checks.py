@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.catalog import Controller, Encoder
-from drivesizer.control.closed_loop import FOLLOWS, ClosedLoop
+from drivesizer.control.closed_loop import FOLLOWS, LOOP_FIGURES, ClosedLoop
 from drivesizer.control.loop_design import stated_margin
 from drivesizer.control.validation import Gains
 from drivesizer.load_cases import load_cycle
@@ -40,9 +40,6 @@ from drivesizer.spec.mounting import controller_needed, motor_needed, rise_neede
 from drivesizer.units import show
 
 # -- Figures and time series of a closed-loop simulation, seen from the load.
-
-
-LOOP_FIGURES = ("bandwidth", "phase_margin", "gain_margin", "overshoot")  # of the velocity loop
 
 
 def figures(case: ClosedLoop) -> tuple[Figure, ...]:
