@@ -87,17 +87,12 @@ class Mechanics:
         """Motor speed per speed of the load, K/r [rad/m, or 1]."""
         return self.ratio / self.radius
 
-    def resistance_along(self, direction: Any) -> Any:
-        """Torque of the load at the driven shaft [N*m] in a direction of motion: 1, -1, or 0 at rest."""
-        moving = np.where(direction > 0.0, self.forward_torque, self.backward_torque)
-        return np.where(direction == 0.0, self.rest_torque, moving)
-
     def at_motor(self, direction: Any, more: Any, acceleration: Any = 0.0) -> Any:
         """Torque at the motor [N*m] against friction and load, by the direction of motion and that of power.
 
         With a further torque at the driven shaft, and an acceleration of the motor [rad/s^2].
         """
-        torque = self.load_inertia * acceleration / self.ratio + self.resistance_along(direction) + more
+        torque = self.load_inertia * acceleration / self.ratio + self.load.along(direction) + more
         driving, braking = self.shares
         share = np.where(torque * direction > 0.0, driving, braking)
         return self.friction * direction + torque * np.where(direction == 0.0, 1.0 / self.ratio, share)

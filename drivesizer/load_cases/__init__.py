@@ -101,11 +101,11 @@ def profile_of(spec: RobotSpec) -> Profile:
     with located(spec):
         if isinstance(motion, motions.Csv | motions.Cam):
             path = path_from_spec(spec.file, motion.file, ("motion", "file"))
-            speed, travel = motions.SPEED[spec.load.axis][0], motions.TRAVEL[spec.load.axis][0]
             if isinstance(motion, motions.Cam):
-                made = replace(motions.cam(path, motion, travel), name=motion.file)
+                made = motions.cam(path, motion, motions.TRAVEL[spec.load.axis][0])
             else:
-                made = replace(motions.from_csv(path, speed), name=motion.file)
+                made = motions.from_csv(path, motions.SPEED[spec.load.axis][0])
+            made = replace(made, name=motion.file)
         else:
             made = motions.over_time(motion)
     return resting(made, spec.waits_until)

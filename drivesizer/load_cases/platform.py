@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -390,6 +390,11 @@ class AtShaft(NamedTuple):
     backward_torque: float  # N*m, the same backward: below the forward one by friction
     rest_torque: float  # N*m without friction: weight
 
+    def along(self, direction: Any) -> Any:
+        """Torque that resists in a direction of motion [N*m]: 1, -1, or 0 at rest."""
+        moving = np.where(direction > 0.0, self.forward_torque, self.backward_torque)
+        return np.where(direction == 0.0, self.rest_torque, moving)
+
 
 @np.errstate(all="ignore")  # what leaves the range of numbers is refused with the drive train
 def at_shaft(spec: RobotSpec, position: float = 0.0) -> AtShaft:
@@ -432,9 +437,7 @@ def motion_of(spec: RobotSpec) -> Profile:
 def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArray[np.float64]:
     """Torque of a motion beyond inertia and the constants of its direction: rows of rising time and torque."""
     cycle = load_cycle(spec, None if spec.load.of_shaft else profile)
-    direction = cycle.direction
-    known = np.where(direction > 0.0, shaft.forward_torque, shaft.backward_torque)
-    known = np.where(direction == 0.0, shaft.rest_torque, known) + shaft.inertia * cycle.acceleration
+    known = shaft.along(cycle.direction) + shaft.inertia * cycle.acceleration
     largest = float(np.abs(cycle.torque).max() + np.abs(known).max())
     left = cycle.torque - known
     left[np.abs(left) <= _NOTHING * largest] = 0.0

@@ -239,7 +239,7 @@ def _start(p: Array, pieces: Array, drive: Drive, ki: tuple[bool, bool]) -> Arra
 
 def _equilibrium(train: DriveTrain, p: Array, w: float, l: float) -> tuple[float, float]:
     """Current that keeps a speed, and the driven shaft's torque; none of either where friction holds."""
-    T = float(train.resistance_along(np.sign(w))) + l
+    T = float(train.load.along(np.sign(w))) + l
     if w:
         return float((train.at_motor(np.sign(w), l) + train.viscous * w) / train.torque_constant), T
     ends = (T, T) if p[at.TWO] else (p[at.T_F] + l, p[at.T_B] + l)
