@@ -16,11 +16,10 @@ May import: files, physics.
 
 from __future__ import annotations
 
-import functools
 import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -69,7 +68,7 @@ def shipped() -> dict[str, Path]:
     return dict(_found_once())
 
 
-@functools.cache
+@cache
 def _found_once() -> Mapping[str, Path]:
     """The shipped catalogues, looked for once per process: a hundred are loaded one by one where all are listed."""
     place = shipped_folder("catalogs")
@@ -154,7 +153,7 @@ def _key(*raws: bytes) -> str:
     return digest_of(__version__.encode(), _schema(), *raws)
 
 
-@functools.cache
+@cache
 def _schema() -> bytes:
     schema, laws = [columns_of(section) for section in PARTS], resources.files(__package__) / "laws.yaml"
     return repr((schema, RANGES)).encode() + laws.read_bytes()

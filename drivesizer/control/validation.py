@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from math import nan
 from typing import NamedTuple
 
 import numpy as np
@@ -140,15 +139,15 @@ class Loop:
     stable: bool
     pole_radius: float  # largest modulus of the closed loop's poles; below 1 is stable
     poles: tuple[complex, ...]  # z plane
-    gain_margin: float = nan  # factor
-    gain_reduction: float = nan  # factor below 1 down to which the gain may be reduced; NaN: to any
-    phase_margin: float = nan  # rad
-    crossover: float = nan  # Hz, where the phase margin of this direction is
+    gain_margin: float = math.nan  # factor
+    gain_reduction: float = math.nan  # factor below 1 down to which the gain may be reduced; NaN: to any
+    phase_margin: float = math.nan  # rad
+    crossover: float = math.nan  # Hz, where the phase margin of this direction is
     sensitivity: float  # largest |1/(1 + L)|, the reciprocal of the distance to -1 [1]
-    bandwidth: float = nan  # Hz, -3 dB of the response to the reference
-    rise_time: float = nan  # s, 10-90 %
-    overshoot: float = nan  # share of the step
-    settling_time: float = nan  # s, to 2 %
+    bandwidth: float = math.nan  # Hz, -3 dB of the response to the reference
+    rise_time: float = math.nan  # s, 10-90 %
+    overshoot: float = math.nan  # share of the step
+    settling_time: float = math.nan  # s, to 2 %
     step: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))  # sampled; empty where it is unstable
     bode: Bode
 
@@ -160,9 +159,9 @@ class Loops:
     current: Loop | None = None  # None: the velocity loop acts on the voltage
     velocity: Loop
     position: Loop | None = None
-    resonance: float = nan  # Hz
-    anti_resonance: float = nan  # Hz
-    rigid_bandwidth: float = nan  # Hz, that the velocity loop would have with a stiff shaft
+    resonance: float = math.nan  # Hz
+    anti_resonance: float = math.nan  # Hz
+    rigid_bandwidth: float = math.nan  # Hz, that the velocity loop would have with a stiff shaft
 
     @property
     def all(self) -> tuple[Loop, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
@@ -105,12 +105,13 @@ class Quantity:
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         if self.kind == "dimensionless":
             return {"type": ["number", "string"], "description": "a plain number or percent"}
-        kinds = [self.kind, self.rotary] if self.rotary else [self.kind]
-        return {
-            "type": "string",
-            "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit{_OR_GRADE * self.grade}",
-            "examples": [KINDS[kind].example for kind in kinds],
-        }
+        return text_of([self.kind, self.rotary] if self.rotary else [self.kind], _OR_GRADE * self.grade)
+
+
+def text_of(kinds: Sequence[str], more: str = "") -> dict[str, Any]:
+    """JSON Schema of a text that is a figure of one of some kinds."""
+    words = f"{' or '.join(noun(kind) for kind in kinds)} with unit{more}"
+    return {"type": "string", "description": words, "examples": [KINDS[kind].example for kind in kinds]}
 
 
 def _limit(value: float, kind: Kind) -> str:

@@ -11,7 +11,6 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import reduce
 from itertools import pairwise
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -209,7 +208,7 @@ def _load_cycle(spec: RobotSpec, profile: Profile | None, sampled: bool) -> Load
             cycle = cycle.side_by_side()
         cycle = with_rest(_sprung_recording(spec, cycle), spec.waits_until, static_torque(cycle))
     else:
-        moved, held = course(profile or profile_of(spec), sampled=sampled), nan
+        moved, held = course(profile or profile_of(spec), sampled=sampled), math.nan
         cycle = cycle_of_course(spec, moved)
         if spec.wants_brake:
             still = heaviest_positions(load.lever, sprung(spec, moved), everywhere=bool(load_springs(spec)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isclose, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,7 +92,7 @@ def distance_of(spec: RobotSpec, cycle: LoadCycle) -> Alike:
     if load.is_wheel:
         return float(load.distance)
     if not isinstance(load, WheeledVehicle):
-        return nan
+        return math.nan
     return cycle.radius * (middle(np.abs(cycle.speed)) * cycle.duration).sum(axis=0)
 
 
@@ -107,7 +106,7 @@ def requirement_checks(spec: RobotSpec, required: Requirements) -> tuple[Check, 
     if required.travel is not None:
         columns.append(at_most("travel_time", required.travel.distance / distance * time, required.travel.within))
     if required.speed is not None:
-        reached = required.speed if isclose(required.speed, fastest) else fastest  # but for rounding
+        reached = required.speed if math.isclose(required.speed, fastest) else fastest  # but for rounding
         columns.append(at_least("motion_speed", required.speed, reached, by_choice=True))
     if required.devices:
         others = spec.budget.others if spec.budget else ()

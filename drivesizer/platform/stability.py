@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
-from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -472,7 +471,7 @@ def wheel_cycles(
         torque, speed, gain, carried, force = columns[:, i]
         with np.errstate(divide="ignore", invalid="ignore"):
             worst = int(np.nan_to_num(force / carried, nan=0.0, posinf=np.inf).argmax())
-        held = nan if friction is None else friction * float(carried.reshape(-1)[worst])
+        held = math.nan if friction is None else friction * float(carried.reshape(-1)[worst])
         grip = OwnLimit("traction", float(force.reshape(-1)[worst]), held, float(time[worst]))
         radius, name = k.wheels[place].radius, f"wheel {place + 1}"
         made.append(LoadCycle(name, duration, speed, gain, torque, float(inertia[i]), (grip,), radius).split())
@@ -490,4 +489,4 @@ def effective_inertia(d: Dynamics) -> Array:
         ratio = (eq.wheel_space_inertia(d.distribution, M, k.K_plus) @ modes) / modes
     turns = np.abs(modes) > _TAKES_PART * np.abs(modes).max(axis=0)
     most: Array = np.where(turns, ratio, -np.inf).max(axis=1)
-    return np.asarray(np.where(most > 0.0, most, nan))
+    return np.asarray(np.where(most > 0.0, most, math.nan))

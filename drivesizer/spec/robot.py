@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from functools import lru_cache
-from math import nan
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -308,7 +307,7 @@ class RobotSpec(fields.Section, OfFile):
         """Stiffness of the belt at the driven shaft [N*m/rad]; NaN where it is unknown."""
         stiffness = self.belt.stiffness if self.belt else None
         if stiffness is None:
-            return nan
+            return math.nan
         return stiffness / self.gear.ratio**2 if self.gear and self.gear_before_belt else stiffness
 
     @property

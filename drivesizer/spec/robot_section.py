@@ -16,7 +16,7 @@ from drivesizer.errors import InputError
 from drivesizer.files import fields
 from drivesizer.loads.model import Count
 from drivesizer.loads.springs import Springs
-from drivesizer.units import KINDS, label, noun, to_si
+from drivesizer.units import KINDS, label, to_si
 
 
 class JointFigure(NamedTuple):
@@ -52,12 +52,7 @@ class Either:
         return core_schema.with_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
-        kinds = (self.rotary, self.linear)
-        return {
-            "type": "string",
-            "description": f"{' or '.join(noun(kind) for kind in kinds)} with unit",
-            "examples": [KINDS[kind].example for kind in kinds],
-        }
+        return fields.text_of((self.rotary, self.linear))
 
 
 Position = Annotated[JointFigure, Either("angle", "length")]

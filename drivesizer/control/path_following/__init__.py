@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -555,13 +554,13 @@ class AtWheel(NamedTuple):
 
 def wheel_drive(given: Following, chosen: DriveSet | None) -> AtWheel:
     """Inertia and largest torque of a drive at its wheel: as the spec gives them, else of the drive as far as known."""
-    inertia, torque = 0.0, inf
+    inertia, torque = 0.0, math.inf
     if chosen is not None:
         inertia = chosen.rotors_at_load
-        peak = chosen.controller.peak_current if chosen.controller else inf
+        peak = chosen.controller.peak_current if chosen.controller else math.inf
         by_motor = peak * chosen.motor.torque_constant * chosen.gearhead.ratio * chosen.gearhead.efficiency
         limits = [limit for limit in (by_motor, chosen.gearhead.intermittent_torque) if limit == limit]
-        torque = min(limits, default=inf) * chosen.belt_ratio * chosen.belt_efficiency
+        torque = min(limits, default=math.inf) * chosen.belt_ratio * chosen.belt_efficiency
     return AtWheel(
         inertia if given.rotor_inertia is None else given.rotor_inertia,
         torque if given.torque_limit is None else given.torque_limit,
@@ -572,5 +571,5 @@ def assumed(found: Driving, chosen: DriveSet | None) -> list[str]:
     """Assumptions of the runs, as sentences."""
     given = _section(found).following
     wheel = wheel_drive(given, chosen)
-    limited = isfinite(wheel.torque)
+    limited = math.isfinite(wheel.torque)
     return sentences("drivesizer.control", "path following", given=given, wheel=wheel, limited=limited)
