@@ -6,7 +6,7 @@ import ast
 import re
 import unicodedata
 
-from drivesizer.physics.notation import Notation
+from drivesizer.physics.equation import Notation
 from drivesizer.platform.equations import symbol
 
 __all__ = ["equation", "expression", "term", "text"]

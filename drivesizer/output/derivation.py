@@ -16,8 +16,7 @@ import numpy as np
 
 from drivesizer import equations  # noqa: F401 - declares them
 from drivesizer.files.arithmetic import code, own_value
-from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation
-from drivesizer.physics.notation import Notation
+from drivesizer.physics.equation import COMPANIONS, EQUATIONS, Equation, Notation
 from drivesizer.results.drive_set import Requirement
 from drivesizer.units import KINDS, from_si, label, registry
 

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drivesizer.physics.equation import Declared, of_docstring
-from drivesizer.physics.notation import Notation
+from drivesizer.physics.equation import Declared, Notation, of_docstring
 
 Array = NDArray[np.float64]
 
