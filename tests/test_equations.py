@@ -3,12 +3,14 @@
 import dataclasses
 import inspect
 import math
+from functools import partial
 
 import numpy as np
 import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refusal
 
 from drivesizer import equations as eq
 from drivesizer.errors import InputError
@@ -162,11 +164,9 @@ def test_each_argument_that_is_no_figure_is_refused_in_one_line(declared):
     for others in (single, columns, quantities):
         for term in declared.terms:
             for wrong in NO_NUMBERS + NOT_FINITE * (others is not columns):  # there NaN is unknown
-                with pytest.raises(InputError) as caught:
-                    declared(**others | {term.name: wrong})
-                line = str(caught.value)
+                line = refusal(partial(declared, **others | {term.name: wrong}))
                 assert line.startswith(f"{declared.label}: {term.name} ({term.meaning}) must be "), line
-                assert "\n" not in line and "; got " in line and len(line) < 260
+                assert "; got " in line and len(line) < 260
         missing = dict(list(others.items())[1:])
         for call in (lambda m=missing: declared(**m), lambda o=others: declared(**o, other=2.0)):
             with pytest.raises(InputError, match=rf"argument.*; expected .*{declared.terms[0].name} \["):

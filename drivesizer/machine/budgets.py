@@ -229,6 +229,8 @@ def machine_mass(
 
 # --- where the drive's mass counts
 
+_HEAVIEST = 1e6  # kg of a machine in the next round, beyond which no drive is looked for
+
 
 class Settled(NamedTuple):
     """Result of the rounds."""
@@ -238,7 +240,7 @@ class Settled(NamedTuple):
     words: str  # how it ended, as a sentence
 
 
-def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, limit: float = 1e6, most: int = 40) -> Settled:
+def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, most: int = 40) -> Settled:
     """The mass at which a drive carries itself: m = base + drive(m), by going round.
 
     Examples
@@ -271,8 +273,8 @@ def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, limit: float =
             heaviest, own = max(cycle, key=lambda one: one[0])  # what comes after it is lighter, or it would not be
             words = f"{len(cycle)} sets follow each other; taken is the one for the heaviest machine, "
             return Settled(heaviest, True, f"{words}{kg(heaviest)}, of which it leaves {kg(heaviest - base - own)}.")
-        if total > limit:
-            words = f"No set carries itself within {kg(limit)}: the next would make {kg(total)}."
+        if total > _HEAVIEST:
+            words = f"No set carries itself within {kg(_HEAVIEST)}: the next would make {kg(total)}."
             return Settled(last, False, words)
     words = f"Not settled in {most} rounds, though they draw near: {kg(total)} at the end."
     growth = [abs(after[1] - before[1]) for before, after in pairwise(rounds[-3:])]

@@ -57,8 +57,8 @@ def answer(volts: float, resistance: float, peak: float, nominal: float) -> floa
     return float(np.nanmin([COUNT_SHARE * volts / resistance, COUNT_SHARE * peak, HEAT_SHARE * nominal]))
 
 
-def speed_quantum(lines: float, period: float, periods: float = 1.0, edges: float = 4.0) -> float:
-    """Smallest step of a speed that is counted over some periods: one edge of an encoder's lines [rad/s].
+def speed_quantum(lines: float, period: float, periods: float = 1.0) -> float:
+    """Smallest step of a speed that is counted over some periods: one of the four edges of an encoder's line [rad/s].
 
     Parameters
     ----------
@@ -68,15 +68,13 @@ def speed_quantum(lines: float, period: float, periods: float = 1.0, edges: floa
         Of the controller, T [s].
     periods
         Over which counts are taken, n [1].
-    edges
-        Counted per line [1].
 
     Returns
     -------
     float
         Step of the speed, q [rad/s].
     """
-    return 2.0 * math.pi / (edges * lines * period * periods)
+    return 2.0 * math.pi / (4.0 * lines * period * periods)
 
 
 def most_gain(counts: Counts, periods: Array, period: float) -> Array:

@@ -55,56 +55,6 @@ def test_excluded_gearheads_are_those_without_figures(catalog: Catalog) -> None:
 
 # --- rows as printed -----------------------------------------------------------------------------------------------
 
-PRINTED = {
-    # 24 V, 20 W, graphite; figures that drivesizer's sources quote
-    "118752": {
-        "nominal_voltage": 24, "assigned_power": 20, "no_load_speed": 9560 * RPM, "no_load_current": 36.9e-3,
-        "nominal_current": 1.16, "stall_torque": 243e-3, "stall_current": 10.4, "max_efficiency": 0.85,
-        "resistance": 2.32, "inductance": 0.238e-3, "torque_constant": 23.4e-3, "speed_constant": 408 * RPM,
-        "rotor_inertia": 10.8e-7, "diameter": 0.025, "mass": 0.13, "nominal_speed": 8330 * RPM,
-        "nominal_torque": 26.3e-3, "speed_torque_gradient": 40.3 * RPM / 1e-3, "mechanical_time_constant": 4.55e-3,
-        "thermal_resistance_winding": 3.1, "thermal_resistance_housing": 14, "winding_time_constant": 12.5,
-        "motor_time_constant": 612, "ambient_min": 243.15, "ambient_max": 373.15, "max_winding_temperature": 398.15,
-        "max_speed": 14000 * RPM, "max_axial_load": 3.2, "max_radial_load": 16, "radial_load_distance": 5e-3,
-        "commutator_segments": 11,
-    },
-    # RE 30, 24 V, 60 W
-    "268214": {
-        "nominal_voltage": 24, "assigned_power": 60, "no_load_speed": 8810 * RPM, "no_load_current": 165e-3,
-        "nominal_speed": 8050 * RPM, "nominal_torque": 85.6e-3, "nominal_current": 3.47, "stall_torque": 1020e-3,
-        "resistance": 0.611, "inductance": 0.119e-3, "torque_constant": 25.9e-3, "speed_constant": 369 * RPM,
-        "rotor_inertia": 33.5e-7, "thermal_resistance_housing": 6, "winding_time_constant": 16.3,
-        "motor_time_constant": 593, "max_winding_temperature": 398.15, "max_speed": 12000 * RPM, "mass": 0.26,
-    },
-    # 12 V, 10 W, precious metal
-    "118743": {
-        "nominal_voltage": 12, "assigned_power": 10, "no_load_speed": 4860 * RPM, "no_load_current": 26.3e-3,
-        "nominal_speed": 3800 * RPM, "nominal_torque": 28.6e-3, "nominal_current": 1.24, "stall_torque": 129e-3,
-        "stall_current": 5.5, "resistance": 2.18, "torque_constant": 23.4e-3, "speed_constant": 407 * RPM,
-        "speed_torque_gradient": 37.7 * RPM / 1e-3, "mechanical_time_constant": 4.25e-3, "rotor_inertia": 10.3e-7,
-        "winding_time_constant": 12, "motor_time_constant": 612, "max_winding_temperature": 373.15,
-        "ambient_min": 253.15, "ambient_max": 358.15,
-    },
-    # A-max 32, and a brushless one
-    "236662": {
-        "nominal_voltage": 24, "no_load_speed": 6460 * RPM, "no_load_current": 42.8e-3, "nominal_speed": 5060 * RPM,
-        "nominal_torque": 45.5e-3, "stall_torque": 212e-3, "resistance": 3.99, "torque_constant": 35.2e-3,
-        "speed_torque_gradient": 30.8 * RPM / 1e-3, "rotor_inertia": 45.3e-7, "thermal_resistance_winding": 2.1,
-        "thermal_resistance_housing": 7.5, "max_speed": 6000 * RPM, "mass": 0.24, "price": 158.64,
-    },
-    "283858": {
-        "nominal_voltage": 24, "no_load_speed": 12900 * RPM, "nominal_torque": 22.7e-3, "resistance": 3.44,
-        "torque_constant": 17.4e-3, "rotor_inertia": 4.45e-7, "pole_pairs": 1, "max_winding_temperature": 428.15,
-    },
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("part", PRINTED)
-def test_motors_as_printed(motors: Table[Motor], part: str) -> None:
-    motor = motors.record(motors.rows[part])
-    for name, figure in PRINTED[part].items():
-        assert getattr(motor, name) == pytest.approx(figure, rel=1e-12), name
-
 
 def test_what_is_not_known_of_the_papers_motor_is_unknown_and_what_is_worked_out_says_so(catalog: Catalog) -> None:
     row = catalog.motors.rows["118752"]

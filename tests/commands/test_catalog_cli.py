@@ -17,51 +17,7 @@ from printed import text_of
 from drivesizer.catalog import PARTS, columns_of, load, query, shipped
 from drivesizer.catalog.query import find, open_catalogs, select, side_by_side, where
 
-SMALL = """\
-catalog: 1
-manufacturer: Anymaker
-sources:
-  sheet: {document: "data sheet, page 3", confidence: quoted, date: "2024-05", url: "https://example.org"}
-  forum: {document: a forum, confidence: recalled}
-motors:
-- family: M 20
-  source: sheet
-  common: {kind: brushed, diameter: 20 mm}
-  columns: [part, nominal_voltage (V), assigned_power (W), no_load_speed (rpm), nominal_torque (mN*m),
-    stall_torque (mN*m), ambient_min (degC), mass (g), price (EUR), bearing]
-  rows:
-  - [M1, 24, 20, 9560, 26.3, 243, -30, 54, 99.5, "=ball"]
-  - [M2, 12,  ~, 4860, 28.6, 129,   ~, 54, 1e3, ~]
-  - ["007", 24, 40, ~, ~, ~, -30, ~, ~, ~]
-  - [M4, 24, 90, 100, 1, 2, -30, 5, 7, ~]
-  notes:
-  - {parts: [M1], fields: [mass], text: weighed, confidence: recalled, source: forum}
-  - {parts: [M4], text: not made any more, exclude: true}
-gearheads:
-- family: G 26
-  source: sheet
-  columns: [part, ratio, reduction, efficiency (%), temperature_max (degC), continuous_power (W)]
-  rows:
-  - [G27, 3249/121, "27:1", 80, 85, 30]
-  - [G5, 26/5, "5.2:1", 90, 85, ~]
-encoders:
-- family: E 1
-  source: forum
-  columns: [part, counts_per_turn]
-  rows: [[E500, 500]]
-controllers:
-- family: C 1
-  source: sheet
-  columns: [part, drives, supply_min (V), supply_max (V)]
-  rows:
-  - [C50, both, 10, 50]
-  - [C24, brushless, 8, 24]
-compatibility:
-  motor_gearhead:
-  - {motors: [M 20], gearheads: [G27], source: sheet}
-  motor_encoder:
-  - {motors: [M1], encoders: [E 1], source: sheet}
-"""
+SMALL = Path(__file__).with_name("small.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture

@@ -2,53 +2,9 @@
 
 from __future__ import annotations
 
-PARTS = """catalog: 1
-manufacturer: Example
-sources: {sheet: {document: "sheet", confidence: quoted}}
-motors:
-- family: M
-  source: sheet
-  common: {kind: brushless, nominal_voltage: 48 V, no_load_speed: 4546 rpm, no_load_current: 0.2 A, resistance: 1 ohm,
-    torque_constant: 100 mN*m/A, speed_constant: 95.493 rpm/V, nominal_current: 6 A, nominal_speed: 3800 rpm,
-    max_speed: 6000 rpm, thermal_resistance_winding: 1 K/W, thermal_resistance_housing: 3 K/W, pole_pairs: 4,
-    winding_time_constant: 20 s, motor_time_constant: 900 s, max_winding_temperature: 125 degC,
-  rotor_inertia: 300 g*cm^2,
-    ambient_min: -30 degC, ambient_max: 85 degC, max_radial_load: 100 N, radial_load_distance: 10 mm,
-  max_axial_load: 40 N}
-  columns: [part]
-  rows: [[M]]
-gearheads:
-- family: G
-  source: sheet
-  common: {kind: strain wave, stages: 1, reduction: "20:1", inertia: 1 g*cm^2, continuous_torque: 20 N*m,
-    intermittent_torque: 30 N*m, emergency_torque: 60 N*m, ratcheting_torque: 90 N*m, continuous_input_speed: 6000 rpm,
-    intermittent_input_speed: 8000 rpm, continuous_power: 500 W, intermittent_power: 700 W, temperature_min: -30 degC,
-    temperature_max: 100 degC, rated_life: 20000 h, rated_speed: 2000 rpm, life_exponent: 3, backlash: 0.1 deg,
-    max_radial_load: 900 N, radial_load_distance: 20 mm, max_axial_load: 500 N, max_tilting_moment: 40 N*m,
-    bearing_distance: 10 mm, bearing_diameter: 60 mm, bearing_dynamic_load: 9 kN, bearing_static_load: 12 kN}
-  columns: [part, ratio, efficiency (%)]
-  rows: [[G, 20, 80]]
-encoders:
-- family: E
-  source: sheet
-  columns: [part, counts_per_turn, max_speed (rpm), max_frequency (kHz), inertia (g*cm^2)]
-  rows: [[E, 500, 9000, 200, 0.1]]
-steppers:
-- family: S
-  source: sheet
-  columns: [part, full_steps, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH),
-    rotor_inertia (g*cm^2), start_speed (rpm)]
-  rows: [[S, 200, 2, 0.6, 1.6, 3, 80, 400]]
-controllers:
-- family: C
-  source: sheet
-  columns: [part, drives, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), peak_time (s),
-    max_duty (%), voltage_drop (V), max_encoder_frequency (MHz), max_speed_sine (rpm)]
-  rows: [[C, brushless, 6, 90, 10, 20, 5, 95, 1, 2, 9000]]
-compatibility:
-  motor_gearhead: [{source: sheet, motors: [M], gearheads: [G]}]
-  motor_encoder: [{source: sheet, motors: [M], encoders: [E]}]
-"""
+from pathlib import Path
+
+PARTS = Path(__file__).with_name("every_figure.yaml").read_text(encoding="utf-8")
 _SOLID = "{diameter: 60 mm, inner_diameter: 10 mm, length: 30 mm, density: 7850 kg/m^3, offset: 2 mm}"
 _GEAR = "{kind: gear, ratio: 2, efficiency: 0.95, back_efficiency: 0.9, pinion_inertia: 1 kg*cm^2, " \
     "wheel_inertia: 2 kg*cm^2, pinion_friction: 0.05 N*m, wheel_friction: 0.1 N*m, pinion_diameter: 40 mm, " \

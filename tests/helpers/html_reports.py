@@ -12,16 +12,15 @@ from typing import Any
 import numpy as np
 from loops_by_hand import CASCADE, UNSTABLE
 from lxml import html
+from starters import STARTERS
 from synthetic_validation import synthetic_validation
 
-import drivesizer
 from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import read
 from drivesizer.results.sizing import Choice, Choices, SizingResult
 from drivesizer.spec.robot import RobotSpec, read_spec
 
 HOSTILE = "</td></script><script>alert(3)</script>&amp; {{ 7*7 }} 測試"  # a family of motors
-STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 NAME = (
     """<script>alert(1)</script> "</script> <!-- ]]> & &lt; ${1} #eval("1") $x$ *b* `r` =1+1 \\\\ """
     "測試 робот \u202e %{x}"

@@ -1,36 +1,12 @@
-"""What reports print, read back, and names that a report must escape."""
+"""What reports print, read back, and a name that a report must escape."""
 
 from __future__ import annotations
 
 import csv
 import io
-from pathlib import Path
-
-import drivesizer
-from drivesizer.files.yaml_source import read
-from drivesizer.spec.robot import RobotSpec, read_spec
 
 HOSTILE = '#import "x" $y$ *b* \\ <a> "q"'
 
 
-def changed(text: str, folder: Path, *pairs: tuple[str, str]) -> RobotSpec:
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    path = folder / "robot.yaml"
-    path.write_text(text, encoding="utf-8")
-    return read_spec(read(path))
-
-
 def rows_of(content: bytes) -> list[dict[str, str]]:
     return list(csv.DictReader(io.StringIO(content.decode(), newline="")))
-
-
-STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
-
-CYCLE = "time,speed,torque\ns,rpm,N*m\n0,0,0.2\n0.5,40,1.4\n2.5,40,0.9\n3,0,-0.3\n4,0,0\n"
-
-
-def starter(kind: str, folder: Path, *pairs: tuple[str, str], more: str = "") -> RobotSpec:
-    (folder / "cycle.csv").write_text(CYCLE)
-    return changed((STARTERS / f"{kind}.yaml").read_text(encoding="utf-8") + more, folder, *pairs)

@@ -7,58 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-TEXT = """\
-catalog: 1
-manufacturer: Steps
-sources:
-  sheet: {document: "sheet", confidence: quoted}
-steppers:
-- family: A
-  source: sheet
-  common: {full_steps: 200, ambient_min: -20 degC, ambient_max: 50 degC}
-  columns: [part, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH), rotor_inertia (g*cm^2),
-    start_speed (rpm), mass (g), price (EUR)]
-  rows:
-  - [A1, 1.5, 0.42, 2.3, 4.0, 57, 420, 280, 12]
-  - [A2, 2, 0.59, 1.6, 3.0, 82, 400, 390, 15]
-  - [A3, 2.8, 1.26, 1.1, 3.6, 300, 330, 700, 22]
-  - [A4, 4.2, 3.0, 0.9, 3.8, 800, 300, 1800, 34]
-- family: B
-  source: sheet
-  common: {full_steps: 400, ambient_min: -20 degC, ambient_max: 50 degC, supply_max: 30 V}
-  columns: [part, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH), rotor_inertia (g*cm^2),
-    start_speed (rpm), shaft_diameter (mm), mass (g)]
-  rows:
-  - [B1, 1.7, 0.44, 1.65, 4.1, 68, 200, 5, 380]
-  - [B2, 3, 0.9, 1.1, 3.5, 130, 180, 8, 560]
-pull_outs:
-- {stepper: A2, source: sheet, voltage: 24 V, columns: [speed (rpm), torque (N*m)],
-   rows: [[60, 0.42], [400, 0.43], [700, 0.32], [1200, 0.17]]}
-- {stepper: A2, source: sheet, voltage: 48 V, columns: [speed (rpm), torque (N*m)],
-   rows: [[60, 0.44], [900, 0.40], [1500, 0.28], [2400, 0.15]]}
-gearheads:
-- family: G
-  source: sheet
-  common: {kind: planetary, mounting: clamping hub, max_motor_shaft: 8 mm, stages: 1, efficiency: 95 %,
-    continuous_torque: 6 N*m, intermittent_torque: 10 N*m, continuous_input_speed: 4000 rpm,
-    intermittent_input_speed: 6000 rpm, continuous_power: 200 W, intermittent_power: 400 W, temperature_min: -20 degC,
-    temperature_max: 60 degC}
-  columns: [part, reduction, ratio, inertia (g*cm^2), mass (g)]
-  rows: [[G4, "4:1", 4, 5, 300], [G7, "7:1", 7, 4, 300]]
-controllers:
-- family: D
-  source: sheet
-  common: {drives: stepper, buses: step and direction}
-  columns: [part, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), microsteps]
-  rows:
-  - [D2, 12, 30, 2.2, 3.1, 16]
-  - [D4, 18, 50, 4.3, 6.0, 128]
-- family: S
-  source: sheet
-  common: {drives: both, buses: CANopen}
-  columns: [part, supply_min (V), supply_max (V), continuous_current (A), peak_current (A)]
-  rows: [[S9, 10, 60, 9, 20]]
-"""
+TEXT = Path(__file__).with_name("steppers.yaml").read_text(encoding="utf-8")
 
 
 def written(folder: Path) -> Path:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refusal
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.joints.mass_columns import joint_torques
@@ -206,9 +207,7 @@ def test_noise_is_smoothed_or_refused(folder: Path, robot: Robot) -> None:
     ],
 )
 def test_recordings_that_are_none(text: str, said: str, folder: Path, robot: Robot) -> None:
-    with pytest.raises(InputError) as caught:
-        recorded(folder, robot, text)
-    assert said in str(caught.value) and "\n" not in str(caught.value)
+    assert said in refusal(lambda: recorded(folder, robot, text))
 
 
 # --- of a whole section
@@ -258,9 +257,9 @@ def test_sections_that_do_not_fit_their_description(
 ) -> None:
     text = ROBOT.replace(*changed, 1) if changed else ROBOT
     (tmp_path / "robot.urdf").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        joint_torques(between(*MOVES, **{"limits": ALL, **fields}), str(tmp_path / "machine.yaml"))
-    assert said in str(caught.value) and "\n" not in str(caught.value)
+    assert said in refusal(
+        lambda: joint_torques(between(*MOVES, **{"limits": ALL, **fields}), str(tmp_path / "machine.yaml"))
+    )
 
 
 def test_a_joint_that_slides_needs_the_travel_per_turn_of_its_shaft(folder: Path) -> None:

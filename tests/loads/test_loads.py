@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refusal
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
@@ -598,11 +599,9 @@ EDGES = [
 @pytest.mark.parametrize(("kind", "good", "bad", "line"), EDGES)
 def test_one_line_about_a_wrong_figure(kind, good, bad, line):
     assert LOADS[kind].count(good) == 1
-    with pytest.raises(InputError) as error:
-        spec_of(LOADS[kind].replace(good, bad))
-    assert line in str(error.value)
-    assert "\n" not in str(error.value)
-    assert str(error.value).startswith("x.yaml:2: load")
+    said = refusal(lambda: spec_of(LOADS[kind].replace(good, bad)))
+    assert line in said
+    assert said.startswith("x.yaml:2: load")
 
 
 @pytest.mark.parametrize("points", [[(0, 0), (0.1, -1), (1, -1)], [(0, -1), (0.1, -1), (0.15, 0.5), (1, 0.5)]])

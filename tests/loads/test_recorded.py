@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from refusals import refusal
 
 from drivesizer.errors import InputError
 from drivesizer.load_cases import load_cycle
@@ -258,10 +259,7 @@ WRONG = {
 @pytest.mark.parametrize(("text", "message"), WRONG.values(), ids=WRONG)
 def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     (tmp_path / "run.csv").write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load_cycle(spec_of(tmp_path))
-    assert message in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert message in refusal(lambda: load_cycle(spec_of(tmp_path)))
 
 
 def test_a_window_longer_than_the_recording(shaft):

@@ -5,8 +5,8 @@ import random
 
 import numpy as np
 import pytest
+from refusals import refusal
 
-from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle, screw_requirements
 from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
@@ -169,11 +169,9 @@ def test_bad_figures_are_refused_in_a_line(change, words):
     text = "\n".join(f"  {name}: {value}" for name, value in fields.items())
     moves = "\n".join(f"  {name}: {str(value).lower() if value is True else value}" for name, value in MOTION.items())
     source = YamlSource(f"name: x\nload:\n{text}\nmotion:\n{moves}\nsupply: {{nominal: 48 V}}\n", "x.yaml")
-    with pytest.raises(InputError) as caught:
-        load_cycle(read_spec(source))
-    assert words in str(caught.value)
-    assert str(caught.value).startswith("x.yaml:")
-    assert "\n" not in str(caught.value)
+    line = refusal(lambda: load_cycle(read_spec(source)))
+    assert words in line
+    assert line.startswith("x.yaml:")
 
 
 def test_driving_torque_of_thk_level():

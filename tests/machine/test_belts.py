@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refusal
 
-from drivesizer.errors import InputError
 from drivesizer.machine import belts as pulleys
 from drivesizer.machine.problem import problem
 from drivesizer.physics.belt import (
@@ -278,10 +278,8 @@ WRONG = [
 
 @pytest.mark.parametrize(("change", "words"), WRONG, ids=[pair[0][1] or "gone" for pair in WRONG])
 def test_what_does_not_fit_is_one_line_that_says_what_there_is(shop, change, words):
-    with pytest.raises(InputError) as error:
-        offered(shop(", centre_distance: 120 mm, adjustable: 20 mm", change))
-    message = str(error.value)
-    assert "\n" not in message and "robot.yaml:3" in message and "transmission" in message
+    message = refusal(lambda: offered(shop(", centre_distance: 120 mm, adjustable: 20 mm", change)))
+    assert "robot.yaml:3" in message and "transmission" in message
     for word in words:
         assert word in message
 

@@ -3,15 +3,14 @@
 import itertools
 import math
 import re
-from pathlib import Path
 
 import by_hand
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from starters import STARTERS
 
-import drivesizer
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
@@ -25,7 +24,6 @@ from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.sizing import size
 from drivesizer.spec.robot import read_spec
 
-STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 KINDS = list(AXES)
 RECORDING = """time,speed,torque
 s,rpm,N*m

@@ -10,7 +10,8 @@ import pytest
 from pdf_pages import SHEETS, assert_within_margins
 from pdf_text import texts_of
 from printed import Printed, blank_figures, printed, text_of
-from report_texts import HOSTILE, changed, starter
+from report_texts import HOSTILE
+from starters import changed, starter
 from synthetic_validation import synthetic_validation
 
 from drivesizer.errors import InputError

@@ -20,8 +20,8 @@ from lxml import html
 from numbers_read import NUMBER, number, value_of, words
 from pdf_text import texts_of
 from printed import blank_figures
+from starters import starter
 
-import drivesizer
 from drivesizer.control.validation import Validation
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.report import KNOWN, write
@@ -431,16 +431,7 @@ def differences(suffix: str, run: Run, folder: Path, records: Facts) -> dict[Key
 
 # -- the runs
 
-STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 ROOT = Path(__file__).resolve().parents[2]
-
-
-def starter(kind: str, *pairs: tuple[str, str]) -> RobotSpec:
-    text = (STARTERS / f"{kind}.yaml").read_text(encoding="utf-8")
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    return read_spec(YamlSource(text, f"{kind}.yaml"))
 
 
 def driven(result: SizingResult) -> Validation:
@@ -450,10 +441,11 @@ def driven(result: SizingResult) -> Validation:
 
 
 @pytest.fixture(scope="module")
-def runs(spec: RobotSpec) -> dict[str, Run]:
+def runs(spec: RobotSpec, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Run]:
     paper = size(spec, top=5)
-    hoist = size(starter("hoist", ("mass: 15 kg", "mass: 900 kg")), top=3)
-    arm = starter("arm")
+    folder = tmp_path_factory.mktemp("starters")
+    hoist = size(starter("hoist", folder, ("mass: 15 kg", "mass: 900 kg")), top=3)
+    arm = starter("arm", folder)
     example = ROOT / "examples" / "sps_platform.yaml"
     text = example.read_text(encoding="utf-8").replace(", mass: 2.65 kg", "")  # of unknown mass
     platform = size(read_spec(YamlSource(text, str(example))), top=3)

@@ -2,11 +2,10 @@
 
 from dataclasses import replace
 from math import nan
-from pathlib import Path
 
 import pytest
+from starters import STARTERS
 
-import drivesizer
 from drivesizer.output.document.content import machine_words
 from drivesizer.output.document.rows import check_table
 from drivesizer.output.parts import machine_parts, totals
@@ -14,8 +13,6 @@ from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.results.check import Band, Check
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec
-
-STARTERS = Path(drivesizer.__file__).parent / "spec" / "starters"
 
 
 @pytest.fixture(scope="module")

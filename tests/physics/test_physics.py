@@ -1,8 +1,6 @@
-"""The physics as a whole: profiles by hand, load cases, margins at their limit, objectives, fronts, the same bytes."""
+"""The physics as a whole: load cases, margins at their limit, objectives, fronts, the same bytes."""
 
-import itertools
 import math
-import random
 from dataclasses import replace
 from math import nan
 from types import SimpleNamespace
@@ -15,13 +13,10 @@ from specs import estimates_off
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.load_cases import load_cycle
-from drivesizer.loads.course import Profile
 from drivesizer.machine.problem import problem
-from drivesizer.physics.cycle_at_gearhead import CycleAtBelt
 from drivesizer.physics.drive_train import gear_loss
-from drivesizer.physics.motor_demand import demands
 from drivesizer.results.ratings import supply_voltage_limit
-from drivesizer.search.columns.candidates import Rows, candidates
+from drivesizer.search.columns.candidates import candidates
 from drivesizer.search.columns.evaluation import evaluate
 from drivesizer.search.columns.limits import motor_limits
 from drivesizer.search.ranking import objective_of
@@ -31,68 +26,9 @@ from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-SPEC = """
-name: x
-load: {{kind: wheeled_vehicle, mass: 35 kg, driven_wheels: 2, wheel_diameter: 190 mm, rolling_resistance: 0.018,
-       slope: {slope} deg, inertia: 45 kg*cm^2}}
-motion: {{speed: 1.4 m/s, acceleration_time: 0.8 s, cruise_time: 6 s, rest_time: 2 s}}
-transmission: [{{kind: gearhead}}, {{kind: belt, ratio: 1.35, efficiency: 0.92}}]
-supply: {{nominal: 36 V}}
-"""
-PROFILES = {
-    "up": Profile("up", (0.0, 0.8, 6.8, 7.6, 9.6), (0.0, 1.4, 1.4, 0.0, 0.0)),
-    "there and back": Profile("back", (0.0, 1.0, 3.0, 5.0, 8.0, 9.0), (0.0, 1.2, 1.2, -0.7, -0.7, 0.0)),
-    "from speed to speed": Profile("s", (0.0, 2.0, 3.0, 5.0), (0.5, 1.5, -0.5, 0.5)),
-}
-
 
 def spec_from(text):
     return read_spec(YamlSource(text, "x.yaml"))
-
-
-def segments_by_hand(spec, profile):
-    """The vehicle's wheel from its own mechanics, a segment of one direction at a time."""
-    load, r, g = spec.load, spec.load.wheel_diameter / 2, 9.80665
-    J = load.inertia + load.mass * r * r / load.driven_wheels
-    hill = load.mass * g * math.sin(load.slope) * r / load.driven_wheels
-    roll = load.rolling_resistance * load.mass * g * math.cos(load.slope) * r / load.driven_wheels
-    found = []
-    points = zip(profile.time, profile.speed, strict=True)
-    for (t0, v0), (t1, v1) in itertools.pairwise(points):
-        a = (v1 - v0) / (t1 - t0) / r
-        cuts = [0.0, *by_hand.crossing((v0, v1)), 1.0]
-        for u0, u1 in itertools.pairwise(cuts):
-            w = tuple(x / r for x in by_hand.between((v0, v1), u0, u1))
-            sign = (sum(w) > 0) - (sum(w) < 0)
-            found.append(by_hand.Segment((u1 - u0) * (t1 - t0), w, (a, a), (roll * sign + hill + J * a,) * 2))
-    return found
-
-
-@pytest.mark.parametrize("slope", [-8.0, 0.0, 5.0])
-@pytest.mark.parametrize("name", PROFILES)
-def test_random_pairs_by_hand(catalog, slope, name):
-    """Load, belt, gearhead and motor without any of the program's own functions."""
-    spec, profile = spec_from(SPEC.format(slope=slope)), PROFILES[name]
-    rows = random.Random(f"{name} {slope}").sample(range(len(catalog.motor_gearhead.left)), 150)
-    m, g = catalog.motor_gearhead.left[rows], catalog.motor_gearhead.right[rows]
-    motor, head = Rows(catalog.motors, m), Rows(catalog.gearheads, g)
-    at = CycleAtBelt(load_cycle(spec, profile), 0.92).behind(1.35)
-    asked = demands(at, motor, head, Rows(catalog.encoders, np.full(len(rows), -1)))
-    current = at.peak(asked.coefficients).value / motor["torque_constant"]
-    compared, segments = 0, segments_by_hand(spec, profile)
-    for k in range(len(rows)):
-        one, other = catalog.motors.record(int(m[k])), catalog.gearheads.record(int(g[k]))
-        mine = by_hand.asked(by_hand.drive(one, other, 0.0, 1.35, 0.92, segments), one, other, 298.15)
-        if math.isnan(mine.I_rms):
-            assert math.isnan(asked.rms_current[k])
-            continue
-        compared += 1
-        assert asked.rms_current[k] == pytest.approx(mine.I_rms, rel=1e-9)
-        assert current[k] == pytest.approx(mine.I_peak, rel=1e-9)
-        assert asked.peak_speed[k] == pytest.approx(mine.speed, rel=1e-9)
-        assert at.rms_torque == pytest.approx(mine.gear_rms, rel=1e-9)
-        assert at.peak_torque == pytest.approx(mine.gear_peak, rel=1e-9)
-    assert compared > 100
 
 
 def test_35_to_1_is_admitted_by_physics_for_its_speed_but_not_its_voltage(spec, catalog):

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from platforms import differential, mecanum
+from refusals import refusal
 
 from drivesizer.errors import InputError
 from drivesizer.platform.dynamics import dynamics
@@ -181,9 +182,7 @@ def with_turn(columns):
 ])  # fmt: skip
 def test_a_fault_is_one_line(file, text, words):
     path = file(text)
-    with pytest.raises(InputError) as refused:
-        read_track(path, None if "t," in text[:20] else LIMITS)
-    assert str(refused.value).startswith(f"{path}{words}") and "\n" not in str(refused.value)
+    assert refusal(lambda: read_track(path, None if "t," in text[:20] else LIMITS)).startswith(f"{path}{words}")
 
 
 def test_limits_tell_jumps_that_a_wheel_could_make(file):

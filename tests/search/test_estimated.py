@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import isnan, log, nan
-from pathlib import Path
 from statistics import NormalDist
 
 import numpy as np
 import pytest
 from specs import estimates_off, selecting
+from starters import STARTERS
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.tables import Pairs
@@ -29,7 +29,6 @@ from drivesizer.spec.robot import RobotSpec, load_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-STARTERS = Path(__file__).parents[2] / "drivesizer" / "spec" / "starters"
 MOTOR, GEARHEAD = "ECXZ22M1VF35N1IL1D577A", "GPX22UPKLSL83D0CPLW"  # RMS current close to the limit
 FIGURES = ("rotor_inertia", "no_load_current", "thermal_resistance_housing", "winding_time_constant")
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refusals import refusal
 from stepper_catalog import ideal_torque, printed_torque, worst_share, written
 
 from drivesizer import load_spec, size
@@ -306,10 +307,7 @@ def test_what_is_returned_stays_on_the_bus(path: Path) -> None:
     ],
 )
 def test_refused_in_a_line(path: Path, changes: dict[str, Any], said: str) -> None:
-    with pytest.raises(InputError) as caught:
-        sized(path, **changes)
-    assert said in str(caught.value)
-    assert "\n" not in str(caught.value)
+    assert said in refusal(lambda: sized(path, **changes))
 
 
 def test_catalogues_of_steppers_alone_ask_for_the_kind() -> None:

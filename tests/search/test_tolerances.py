@@ -352,7 +352,7 @@ def test_load_cases_share_what_they_do_not_replace(plain: str, parts: Catalog) -
 def _document(plain: str, parts: Catalog, seed: int, processes: int) -> str:
     spec = _read(plain, MOVED)
     given = assumptions(spec)
-    drawn = sample(given, 1024, seed)
+    drawn = sample(given, 256, seed)
     found = _best(_read(plain, {}), parts, 8)
     some = [subject(found, row) for row in range(8)]
     ready = prepared(problem(spec, load_parts(spec)), given, drawn)

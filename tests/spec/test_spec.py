@@ -1,6 +1,7 @@
 """robot.yaml: what is right is read to SI, what is wrong is one line with file, line, field and a way out."""
 
 import pytest
+from refusals import refusal
 
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
@@ -64,12 +65,9 @@ WRONG = [
 @pytest.mark.parametrize(("old", "new", "line", "words"), WRONG, ids=lambda v: str(v)[:30])
 def test_wrong_spec_is_one_line(example_text, old, new, line, words):
     assert old in example_text
-    with pytest.raises(InputError) as caught:
-        read(example_text.replace(old, new, 1))
-    message = str(caught.value)
+    message = refusal(lambda: read(example_text.replace(old, new, 1)))
     assert message.startswith("robot.yaml")
     assert line in message
-    assert "\n" not in message
     for word in words:
         assert word in message
 
@@ -150,9 +148,7 @@ def test_cases_change_what_they_name_and_nothing_else():
 ])  # fmt: skip
 def test_wrong_loads_motions_and_cases_are_one_line(old, new, line, words):
     assert old in HOIST
-    with pytest.raises(InputError) as caught:
-        read(HOIST.replace(old, new, 1))
-    message = str(caught.value)
-    assert line in message and "\n" not in message
+    message = refusal(lambda: read(HOIST.replace(old, new, 1)))
+    assert line in message
     for word in words:
         assert word in message

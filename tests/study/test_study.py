@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from refusals import refusal
 from studies import CHEAP, EXAMPLE, FEW, ROOT, laid
 
 from drivesizer.errors import InputError
@@ -108,9 +109,7 @@ def test_a_variant_that_is_wrong_is_the_line_of_its_own_file(tmp_path, field, va
     source = document_of(plan.job, plan.variant(1))
     with pytest.raises(InputError) as by_itself:
         read_spec(source)
-    with pytest.raises(InputError) as in_a_study:
-        spec_of(plan.job, plan.variant(1))
-    assert str(in_a_study.value) == str(by_itself.value)
+    assert refusal(lambda: spec_of(plan.job, plan.variant(1))) == str(by_itself.value)
 
 
 @given(data=st.recursive(st.integers(), lambda inner: st.dictionaries(st.sampled_from("abc"), inner, max_size=3)))
@@ -181,10 +180,7 @@ LARGE = (
     ],
 )  # fmt: skip
 def test_a_wrong_study_is_one_line(tmp_path, study, said):
-    with pytest.raises(InputError) as error:
-        planned(tmp_path, study)
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)
+    assert said in refusal(lambda: planned(tmp_path, study))
 
 
 def test_ten_million_variants_are_a_plan_and_no_list(tmp_path):

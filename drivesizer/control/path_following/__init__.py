@@ -266,12 +266,6 @@ class Followed:
     kinetic: Array  # (k,) J
     friction: float  # μ
 
-    @property
-    def imbalance(self) -> float:
-        """Largest error of the energy balance, over the largest of work and kinetic energy [1]."""
-        rest = self.work - self.lost.sum(axis=0) - (self.kinetic - self.kinetic[0])
-        return float(np.abs(rest).max() / max(np.abs(self.work).max(), self.kinetic.max(), 1e-300))
-
 
 def sampled(trajectory: Trajectory, time: Any) -> Planned:
     """A trajectory at instants; at rest before its start and after its end.
