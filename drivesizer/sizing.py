@@ -45,6 +45,7 @@ def size(
     progress: Progress | None = None,
     sampling: Sampling | None = None,
     brief: bool = False,
+    headline: bool = False,
     choices: int = 0,
     load: LoadCycle | None = None,
 ) -> SizingResult:
@@ -68,6 +69,8 @@ def size(
         How drives are sampled for their tolerances; as the spec says when not given.
     brief
         The drives alone: no alternatives, no checks by the other method, no changes that would let one pass.
+    headline
+        In brief, of all drives but the first their sums and checks alone, and no warnings.
     choices
         How many drives that pass to give as well, about, to choose from by weights of several objectives.
     load
@@ -86,7 +89,7 @@ def size(
         another method.
     """
     spec = spec if load is None else spec.alone(load=ComputedLoad.with_cycle(load, spec.load.motors), motion=None)
-    catalog = load_parts(spec, catalog)
+    brief, catalog = brief or headline, load_parts(spec, catalog)
     spec = spec.with_select(spec.select.ranked_by(objective))
     picked = shortlist(
         spec, catalog, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
@@ -95,14 +98,15 @@ def size(
     problem, found, evaluation = picked.problem, picked.found, picked.found.evaluation
 
     def records(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
-        return tuple(picked.record(row, rank) for rank, row in enumerate(rows, first))
+        return tuple(picked.record(row, rank, in_brief=headline and rank > 1) for rank, row in enumerate(rows, first))
 
     def passing(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
         return tuple(
             picked.record(
                 row, rank,
-                beside=() if brief else other_checks(problem, drive_parts(evaluation, row)),
+                in_brief=headline and rank > 1,
                 reliability=picked.reliability.get(row),
+                **({} if brief else {"beside": other_checks(problem, drive_parts(evaluation, row))}),
             )
             for rank, row in enumerate(rows, first)
         )  # fmt: skip
@@ -132,7 +136,7 @@ def size(
         unrestricted=None if brief else _unrestricted(problem),
         counts=found.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
-        warnings=(*warnings(picked, sets), *catalog.replaced, *filter(None, prices_left)),
+        warnings=() if headline else (*warnings(picked, sets), *catalog.replaced, *filter(None, prices_left)),
         pareto=pareto,
         uncertainty=picked.uncertainty,
         choices=picked.choices,

@@ -257,9 +257,14 @@ def with_rows(
     table: Table[Any], columns: Mapping[str, NDArray[Any]], source: NDArray[Any], excluded: NDArray[Any]
 ) -> Table[Any]:
     """A table with further rows below its own."""
-    both = {name: np.concatenate([table[name], columns[name]]) for name in table.columns}
-    sources = np.concatenate([table.source, source]).astype(np.int32)
-    return Table(table.section, both, sources, np.concatenate([table.excluded, excluded]))
+    return stacked([table, Table(table.section, columns, source.astype(np.int32), excluded)])
+
+
+def stacked(tables: Sequence[Table[Any]]) -> Table[Any]:
+    """Tables of one section as one, the rows of each below those of the one before."""
+    columns = {name: np.concatenate([table[name] for table in tables]) for name in tables[0].columns}
+    source, excluded = (np.concatenate([getattr(one, name) for one in tables]) for name in ("source", "excluded"))
+    return Table(tables[0].section, columns, source, excluded)
 
 
 @dataclass(frozen=True)
@@ -546,9 +551,8 @@ class _Stack:
 
     def __init__(self, tables: Sequence[Table[Any]], first_source: Sequence[int]) -> None:
         self.starts = [int(n) for n in np.cumsum([0, *map(len, tables)])]  # first row of each catalogue
-        columns = {name: np.concatenate([t[name] for t in tables]) for name in tables[0].columns}
-        source = np.concatenate([t.source + first for t, first in zip(tables, first_source, strict=True)])
-        whole: Table[Any] = Table(tables[0].section, columns, source, np.concatenate([t.excluded for t in tables]))
+        whole = stacked([replace(t, source=t.source + n) for t, n in zip(tables, first_source, strict=True)])
+        columns = whole.columns
         last = {part: row for row, part in enumerate(columns["part"].tolist())}
         self.rows = np.array(sorted(last.values()), np.int64)  # that are left
         place = {part: n for n, part in enumerate(columns["part"][self.rows].tolist())}

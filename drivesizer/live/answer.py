@@ -60,8 +60,9 @@ def whole(held: EngineMemory, text: str, *, top: int = TOP, front: bool = False,
         if wanted and not (spec.platform or spec.battery or spec.budget or spec.limits_the_bus or spec.supply.stalled):
             objectives = FRONT if spec.method == "physics" else tuple(name for name in FRONT if name != "energy")
         return size_machine(
-            machine, top=top, pareto=objectives, choices=_CHOICES if wanted else 0, brief=brief, progress=held.go_on
-        )
+            machine, top=top, pareto=objectives, choices=_CHOICES if wanted else 0, brief=brief, headline=brief,
+            progress=held.go_on,
+        )  # fmt: skip
 
     found: MachineSizing = held.keep(json.dumps([top, front, brief, text]), sized)
     return found

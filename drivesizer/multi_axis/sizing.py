@@ -29,6 +29,7 @@ def size_machine(
     progress: Progress | None = None,
     sampling: Callable[[RobotSpec], Sampling | None] = sampling_of,
     brief: bool = False,
+    headline: bool = False,
     choices: int = 0,
     parts: Callable[[RobotSpec], Catalog] = load_parts,
     torques: Callable[[RobotSection, str, float], JointTorques] | None = None,
@@ -43,8 +44,8 @@ def size_machine(
         As of ``size``, for every axis.
     sampling
         How drives of an axis are sampled for their tolerances.
-    brief, choices
-        As of ``size``; the latter of a machine of one axis.
+    brief, headline, choices
+        As of ``size``; the latter two of a machine of one axis.
     parts, torques
         Give the catalogues of an axis, and the torques of a robot's joints: several machines may share them.
 
@@ -62,7 +63,7 @@ def size_machine(
         (axis,) = machine.axes
         return of_one_axis(size(
             axis.spec, catalog=parts(axis.spec), top=top, objective=objective, pareto=pareto, progress=progress,
-            sampling=sampling(axis.spec), brief=brief, choices=choices,
+            sampling=sampling(axis.spec), brief=brief, headline=headline, choices=choices,
         ))  # fmt: skip
     from drivesizer.joints.mass_columns import joint_torques  # what one axis need not load
     from drivesizer.multi_axis.several import Options, sized

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from drivesizer.catalog import Catalog, Table, columns_of, singular
 from drivesizer.catalog.estimates import law_text, shipped_laws
-from drivesizer.catalog.tables import Pairs
+from drivesizer.catalog.tables import Pairs, stacked, unique_pairs
 from drivesizer.catalog.tolerances import lognormal
 from drivesizer.catalog.view import has_steppers
-from drivesizer.physics.figures import Array, Mask, Whole
+from drivesizer.physics.figures import Alike, Array, Mask, Whole
 from drivesizer.physics.power_stage import ASSUMED_BAND, ASSUMED_LOSS
 from drivesizer.physics.thermal import rated_ambient, steady_winding
 from drivesizer.results.check import Check
@@ -39,6 +39,7 @@ from drivesizer.units import show
 
 Figure = tuple[str, str]  # section and column
 SAMPLES = 128
+_NO_PAIRS = Pairs(*(np.zeros(0, np.int32),) * 3)
 _FARTHEST = 3.0  # standard deviations that a figure is followed
 _STEPS = 13
 _FINER = 9  # steps within the one in which a check turns
@@ -66,7 +67,7 @@ def estimated_figures(problem: Problem, one: Candidates) -> list[Figure]:
     inside, found = motors["inside"][motor] != "", []
     own_limit = motors["kind"][motor] == "brushed" or np.isnan(motors["nominal_current"][motor])
     follows = _followers(problem.catalog, motor)
-    for section, row in _rows_of(one).items():
+    for section, (row,) in _rows_of(one).items():
         for name, column in columns_of(section).items():
             ends = low.table(section)[name][row], high.table(section)[name][row]
             leads = ((section, name) not in _FOLLOWS if inside else True) and (name != _RATED or own_limit)
@@ -86,25 +87,30 @@ def _followers(catalog: Catalog, motor: int) -> dict[Figure, Figure]:
 
 
 def passing(
-    problem: Problem, one: Candidates, names: Set[str], samples: int = SAMPLES, *, each: bool = True
-) -> dict[str, float]:
-    """Probability that each check of a drive passes, by name; under "" that all of these pass."""
-    figures = estimated_figures(problem, one)
-    points = dict(zip(figures, _normal(samples, len(figures)).T, strict=True))
-    checks = [
-        check
-        for check in drive_at_points(problem, one, points, samples, names if each else ()).checks
-        if not check.advice
-    ]
-    known = [check for check in checks if check.name in names or (check.passed | check.failed).any()]
-    every = np.logical_and.reduce([check.passed for check in known])
-    return {check.name: float(check.passed.mean()) for check in known} | {"": float(every.mean())}
+    problem: Problem, drives: Candidates, names: Sequence[Set[str]], samples: int = SAMPLES, *, each: bool = True
+) -> list[dict[str, float]]:
+    """Probability that each check of each drive passes, by name; under "" that all of these pass.
+
+    ``names``: of each drive the checks that are open; computed by themselves where ``each`` is wanted.
+    """
+    points = list[dict[Figure, Array]]()
+    for place in range(len(names)):
+        figures = estimated_figures(problem, drives.on(slice(place, place + 1)))
+        points.append(dict(zip(figures, _normal(samples, len(figures)).T, strict=True)))
+    every = drives_at_points(problem, drives, points, samples, set[str]().union(*names) if each else ()).checks
+    found = list[dict[str, float]]()
+    for place, own in enumerate(names):
+        checks = [check.on(slice(place * samples, (place + 1) * samples)) for check in every if not check.advice]
+        known = [check for check in checks if check.name in own or (check.passed | check.failed).any()]
+        together = np.logical_and.reduce([check.passed for check in known])
+        found.append({check.name: float(check.passed.mean()) for check in known} | {"": float(together.mean())})
+    return found
 
 
-def _rows_of(one: Candidates) -> dict[str, int]:
-    """Motor, gearhead and brake of a single candidate, as rows of their sections; without a brake where it has none."""
-    rows = {"motors": one.motor, "gearheads": one.gearhead, "brakes": one.brake}
-    return {section: int(row[0]) for section, row in rows.items() if row is not None and row[0] >= 0}
+def _rows_of(drives: Candidates) -> dict[str, Whole]:
+    """Motors, gearheads and brakes of drives, as rows of their sections; without brakes where none has one."""
+    rows = {"motors": drives.motor, "gearheads": drives.gearhead, "brakes": drives.brake}
+    return {section: row for section, row in rows.items() if row is not None and (row >= 0).any()}
 
 
 @cache
@@ -152,7 +158,7 @@ def _along(
     every, points = np.concatenate(steps), dict[Figure, Array]()
     for k, figure in enumerate(figures):
         points[figure] = points.get(figure, 0.0) + np.where(owner == k, every, 0.0)
-    checks = drive_at_points(problem, one, points, len(every), names).checks
+    checks = drives_at_points(problem, one, [points], len(every), names).checks
     return {check.name: np.split(check.passed, ends[:-1]) for check in checks}
 
 
@@ -169,35 +175,36 @@ def _nearest_change(steps: Sequence[Array], passed: Sequence[Mask]) -> tuple[int
 def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passed: Mask) -> Turn:
     """The value at which a check turns, between two steps of a figure."""
     step = int(np.flatnonzero(passed != passed[0])[0]) - 1
-    row = _rows_of(one)[figure[0]]
+    (row,) = _rows_of(one)[figure[0]]
     three = np.array([steps[step], (steps[step] + steps[step + 1]) / 2.0, steps[step + 1]])
     below, value, above = _moved(problem.catalog, figure, np.array([row, row, row]), three).tolist()
     return Turn(figure, value, bool(passed[step]) == (below < above))
 
 
-def drive_at_points(
-    problem: Problem, one: Candidates, points: Mapping[Figure, Array], count: int, names: Collection[str]
+def drives_at_points(
+    problem: Problem, drives: Candidates, points: Sequence[Mapping[Figure, Array]], count: int, names: Collection[str]
 ) -> Evaluation:
-    """A drive with its estimated figures at several points of their bands, a row each."""
-    catalog, every = problem.catalog, np.arange(count)
-    rows = {section: np.full(count, row) for section, row in _rows_of(one).items()}
-    tables = {section: _table(catalog, section, row, points) for section, row in rows.items()}
-    fitting = catalog.motor_encoder
-    mine = fitting.left == one.motor[0]
-    sides = np.repeat(every, mine.sum()), np.tile(fitting.right[mine], count), np.tile(fitting.source[mine], count)
-    pairs = {"motor_encoder": Pairs(*(side.astype(np.int32) for side in sides)), **_braked(catalog, one, every)}
+    """Drives, each with its estimated figures at several points of their bands: so many rows of each in turn.
+
+    There are no more encoders than those that were chosen for them, one of each.
+    """
+    catalog, given = problem.catalog, drives.on(np.repeat(np.arange(len(points)), count))
+    tables, numbers = dict[str, Table[Any]](), dict[str, Alike]()
+    for section, rows in _rows_of(drives).items():
+        own = zip(rows.tolist(), points, strict=True)
+        tables[section] = stacked([_table(catalog, section, np.full(count, row), by) for row, by in own if row >= 0])
+        numbers[singular(section)] = np.cumsum(np.repeat(rows >= 0, count)) - 1
+    encoder = np.asarray(drives.encoder)
+    tables["encoders"] = catalog.encoders.taken(encoder[encoder >= 0])
+    numbers["encoder"] = np.repeat(np.cumsum(encoder >= 0) - 1, count)
+    numbers = {name: np.where(getattr(given, name) < 0, getattr(given, name), own) for name, own in numbers.items()}
+    pairs = {"motor_encoder": _NO_PAIRS, "motor_brake": _NO_PAIRS}
+    if drives.brake is not None and "brake" in numbers:
+        braked = zip(drives.motor.tolist(), drives.brake.tolist(), strict=True)
+        rows = np.flatnonzero(np.repeat([is_listed(catalog, *pair) for pair in braked], count))
+        pairs["motor_brake"] = unique_pairs(rows, numbers["brake"][rows], 0 * rows)
     varied = replace(catalog.with_tables(tables, pairs), ends=())
-    given = one.on(np.zeros(count, np.int64))._replace(motor=every, gearhead=every)
-    if "brakes" in rows:
-        given = given._replace(brake=every)
-    return at_figures(replace(problem, catalog=varied), given, "open", each=names)
-
-
-def _braked(catalog: Catalog, one: Candidates, every: Whole) -> dict[str, Pairs]:
-    """The list of what goes together of the motor at each point and its brake."""
-    brake = _rows_of(one).get("brakes", -1)
-    rows = (every if is_listed(catalog, int(one.motor[0]), brake) else every[:0]).astype(np.int32)
-    return {"motor_brake": Pairs(rows, rows, np.zeros_like(rows))}
+    return at_figures(replace(problem, catalog=varied), given._replace(**numbers), "open", each=names)
 
 
 def _table(catalog: Catalog, section: str, rows: Whole, points: Mapping[Figure, Array]) -> Table[Any]:
@@ -290,7 +297,7 @@ def resolved_checks(evaluation: Evaluation, index: int) -> tuple[tuple[Check, ..
     if not names or evaluation.spec.method != "physics":
         return checks, nan
     one = evaluation.chosen(np.array([index]))
-    probable, turning = passing(evaluation.problem, one, names), turns(evaluation.problem, one, names)
+    (probable,), turning = passing(evaluation.problem, one, [names]), turns(evaluation.problem, one, names)
     own = bool(evaluation.catalog.motors["inside"][evaluation.candidates.motor[index]])
     found = []
     for check in checks:

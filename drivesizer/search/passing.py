@@ -376,9 +376,10 @@ def ranked(problem: Problem, kept: Passing, top: int) -> Rank:
 def _probabilities(problem: Problem, sets: Candidates) -> Array:
     """Probability that the checks of each drive pass together that estimates leave open; NaN of drives without any."""
     few, found = by_physics(problem, sets, "open"), np.full(len(sets.motor), np.nan)
-    for place in range(len(found)):
-        if names := few.sampled_checks(place):
-            found[place] = passing(problem, few.chosen(np.array([place])), names, each=False)[""]
+    names = {place: some for place in range(len(found)) if (some := few.sampled_checks(place))}
+    if names:
+        places = np.array(list(names))
+        found[places] = [one[""] for one in passing(problem, few.chosen(places), list(names.values()), each=False)]
     return found
 
 

@@ -121,15 +121,16 @@ def drive_in_brief(
     index: int,
     rank: int,
     *,
+    every_check: bool = False,
     budget: MachineBudget = _NO_BUDGET,
     reliability: Reliability | None = None,
 ) -> DriveSet:
-    """The same with its sums, its tightest check and the figures of one cycle alone."""
+    """The same with its sums, its tightest check or all of them, and the figures of one cycle alone."""
     return DriveSet(
         **_sums(evaluation, index, drive_parts(evaluation, index)),
         rank=rank,
         status=gravest((evaluation.status(index), verdict(budget.checks))),
-        checks=evaluation.tightest_of(index),
+        checks=evaluation.checks_of(index) if every_check else evaluation.tightest_of(index),
         figures=figures_of("cycle", {name: column[index] for name, column in evaluation.figures.items()}),
         budget=budget.checks,
         reliability=reliability,

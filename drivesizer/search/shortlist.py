@@ -167,13 +167,14 @@ class Shortlist:
         failed = evaluation.failed if rows else ()
         return (row for row in rows if failed[row])
 
-    def record(self, row: int, rank: int = 0, **known: Any) -> DriveSet:
+    def record(self, row: int, rank: int = 0, *, in_brief: bool = False, **known: Any) -> DriveSet:
         """A drive with the machine's budgets, unless it fails by itself; what else is known is as for ``drive_set``."""
         evaluation = self.found.evaluation
         if not evaluation.fails(row):
             known["budget"] = self.machine.budget(evaluation, row)
-        made = drive_in_brief if self.checks_alone else drive_set
-        return made(evaluation, row, rank, **known)
+        if in_brief or self.checks_alone:
+            return drive_in_brief(evaluation, row, rank, every_check=in_brief, **known)
+        return drive_set(evaluation, row, rank, **known)
 
 
 def shortlist(

@@ -15,12 +15,13 @@ import pytest
 from drivesizer.commands.common import proven
 from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
+from drivesizer.live.answer import ranking
 from drivesizer.live.engine import EngineMemory, StoppedError, done
 from drivesizer.output.json.documents import as_text
 from drivesizer.output.report import write
 from drivesizer.results.machine import of_one_axis
 from drivesizer.sizing import size
-from drivesizer.spec.robot import load_spec
+from drivesizer.spec.robot import load_spec, read_spec
 
 SPEC = """\
 name: AGV   # of the test
@@ -124,6 +125,18 @@ def test_free_figures_are_said_and_the_best_machine_is_that_of_the_command(tmp_p
     assert masses[0] == pytest.approx(min(masses[1:]))
     assert "free" not in filled and filled.startswith("name: AGV   # of the test\n")
     assert pieces_of("loop", spec["text"])[-1]["kind"] == "wrong"
+
+
+@pytest.mark.parametrize("speed", ["0.8 m/s", "1.5 m/s", "9 m/s"])
+def test_the_first_answer_says_what_the_whole_one_does(speed: str) -> None:
+    """Of drives that pass, that are open by estimates, and that are rejected."""
+    text = SPEC.replace("1.5 m/s", speed).partition("select:")[0] + "select: {catalogs: [myactuator, robstride]}\n"
+    at_first = next(piece for piece in pieces_of("answer", text) if piece["kind"] == "ranking")
+    whole = ranking(of_one_axis(size(read_spec(YamlSource(text, "robot.yaml")), top=10)))
+    assert at_first.pop("kind") == "ranking"
+    shown = slice(None) if whole["found"] else slice(0)  # the closest rejected are of the whole sizing
+    assert at_first["sets"][shown] == json.loads(json.dumps(whole))["sets"][shown]
+    assert whole.keys() == at_first.keys() and at_first["margins"][shown] == whole["margins"][shown]
 
 
 def test_a_sweep_finds_where_the_best_drive_changes() -> None:

@@ -20,7 +20,10 @@ from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.view import search_view
 from drivesizer.machine.problem import problem
 from drivesizer.results.drive_set import DriveSet
+from drivesizer.search.columns.evaluation import by_physics
+from drivesizer.search.open_checks import passing
 from drivesizer.search.passing import OPEN, sifted
+from drivesizer.search.shortlist import load_parts
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.uncertain_figures import holding_of_a_set
 from drivesizer.sizing import explain, explained, size
@@ -227,3 +230,20 @@ def test_what_more_inertia_helps_and_what_it_harms_are_open_in_the_search_too(ma
         assert [shown.status for shown in result.sets] == [drive.status] * (drive.status != "fail")
         found[ratio] = drive.status
     assert found == {30.0: "fail", 50.0: "open", 100.0: "open"}
+
+
+@pytest.mark.parametrize("holds", [False, True])
+def test_several_drives_that_are_sampled_together_pass_as_probably_as_each_alone(holds):
+    """Drives of several makers, with encoders and without, with brakes and without."""
+    arm = load_spec(STARTERS / "arm.yaml")
+    arm = arm.model_copy(update={"needs": arm.needs.model_copy(update={"hold_unpowered": holds})})
+    spec = selecting(arm, catalogs=["maxon", "allied_motion", "rev", "pololu", "damiao"])
+    at = problem(spec, load_parts(spec))
+    kept, _, _ = sifted(at)
+    found = by_physics(at, kept.sets.on(np.flatnonzero(kept.certainty == OPEN)), "open")
+    names = {place: found.open_checks(place) for place in range(len(found.encoder))}
+    together = passing(at, found.chosen(np.array(list(names))), list(names.values()), each=False)
+    alone = [passing(at, found.chosen(np.array([place])), [some], each=False)[0] for place, some in names.items()]
+    of_all = [{name: one[name] for name in own} for one, own in zip(together, alone, strict=True)]
+    assert len(names) > 3 and of_all == alone
+    assert len({one[""] for one in alone}) > 1

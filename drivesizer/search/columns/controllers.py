@@ -9,7 +9,7 @@ the motor takes more voltage than the supply has, which fails with any.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -324,6 +324,7 @@ def _can_drive(drives: str, kind: str) -> bool:
 
 
 UNDECIDED = "undecided"  # figure of a candidate: above 0 where bounds leave open whether the waveform meets its limits
+_COLUMNS = 1 << 10  # candidates whose controllers are ranked together, within the processor's cache
 _AT_ONCE = 1 << 13  # controllers of candidates times segments of a cycle that are computed at once
 OVER_WAVEFORM = ("winding_temperature", *HANGING)  # checks that bounds may leave open
 _OF_CONTROLLER = (
@@ -460,19 +461,42 @@ class _Candidates(NamedTuple):
     def ranks(self, ranks: Ranks, row: Whole | None = None, found: _Judged | None = None) -> Ranks:
         """Ranks of all controllers by lower bounds over the waveform, and by what was computed with one of them.
 
-        What loses more than that one draws no less, and returns no more.
+        So many candidates at a time, with the controllers that are not lost to all of these.
         """
-        parts = self.with_controllers(self.usable.order[:, None])
-        passed: dict[str, Mask] = {}
-        lacking, margin = ranks.lacking.copy(), ranks.margin
+        lacking, hanging, margin = ranks.lacking.copy(), np.zeros_like(ranks.lacking), ranks.margin
+        if ranks.weight:
+            margin = np.array(np.broadcast_to(margin, lacking.shape))
+        for start in range(0, lacking.shape[1], _COLUMNS):
+            columns = np.arange(start, min(start + _COLUMNS, lacking.shape[1]))
+            left = np.flatnonzero((lacking[:, columns] < LOST).any(axis=1))
+            of, place = self.some(columns), np.ix_(left, columns)
+            tried = None if found is None or row is None else (row[columns], on(found, columns))
+            shape, passed = (len(left), len(columns)), dict[str, Mask]()
+            lost = np.zeros(shape, bool)
+            for check in of.hanging(self.usable.order[left], tried):
+                lost |= check.failed
+                passed[check.name] = passed.get(check.name, np.True_) & check.passed
+                if ranks.weight:
+                    margin[place] = np.minimum(margin[place], check.tightness)
+            lacking[place] = np.where(lost, LOST, lacking[place])
+            hanging[place] = np.sum([~np.broadcast_to(one, shape) for one in passed.values()], axis=0, dtype=np.int8)
+        return ranks._replace(lacking=lacking, hanging=hanging, margin=margin)
+
+    def hanging(self, controllers: Whole, tried: tuple[Whole, _Judged] | None) -> Iterator[CheckColumn]:
+        """Limits of each of some controllers that hang on the cycle too, by lower bounds and by what was computed.
+
+        What loses more than the one that was tried draws no less, and returns no more.
+        """
+        parts = self.with_controllers(controllers[:, None])
         for k, case in enumerate(self.cases):
             spec, low = case.spec, over_time.lowest(case, parts)
             high = low
-            if found is not None and row is not None:
+            if tried is not None:
+                row, found = tried
                 computed, stage = found.pairs[k][0], spec.feed(parts.controller).stage
-                tried = spec.feed(Rows(self.problem.catalog.controllers, row)).stage
-                more = (stage.loss >= tried.loss) & (stage.standby >= tried.standby)
-                less = stage.least_loss <= tried.least_loss
+                its = spec.feed(Rows(self.problem.catalog.controllers, row)).stage
+                more = (stage.loss >= its.loss) & (stage.standby >= its.standby)
+                less = stage.least_loss <= its.least_loss
                 low = low._replace(
                     voltage=low.voltage if spec.resists else np.fmax(low.voltage, computed.voltage),
                     stored=np.where(less, np.fmax(low.stored, computed.stored), low.stored),
@@ -480,15 +504,7 @@ class _Candidates(NamedTuple):
                 )
                 ranged = self.ranges_of_voltage(k, row, found)
                 high = low._replace(voltage=np.where(ranged, found.pairs[k][1].voltage, low.voltage))
-            for check in _hanging(spec, low, high, parts):
-                lacking[np.broadcast_to(check.failed, lacking.shape)] = LOST
-                passed[check.name] = passed.get(check.name, np.True_) & check.passed
-                if ranks.weight:
-                    margin = np.minimum(margin, check.tightness)
-        hanging = np.zeros(lacking.shape, np.int8)
-        for one in passed.values():
-            hanging += ~one
-        return ranks._replace(lacking=lacking, hanging=hanging, margin=margin)
+            yield from (one for one in over_time.waveform_limits(spec, low, high, parts) if one.name in HANGING)
 
     def ranges_of_voltage(self, k: int, row: Whole, found: _Judged) -> Mask:
         """Whose voltage in a load case lies within computed ends, by which the limit of a controller is undecided."""
@@ -538,11 +554,6 @@ class _Candidates(NamedTuple):
         return np.where(found.failed(), np.inf, np.array([unknown, np.round(share, 9), unprinted, place], float))
 
 
-def _hanging(spec: RobotSpec, low: over_time.Moments, high: over_time.Moments, parts: Parts) -> list[CheckColumn]:
-    """Limits of a load case that hang on controller and cycle, by lower bounds, or between two ends."""
-    return [c for c in over_time.waveform_limits(spec, low, high, parts) if c.name in HANGING]
-
-
 def _best_of_all(some: _Candidates, ranks: Ranks, row: Whole, found: _Judged, free: Mask) -> tuple[Whole, _Judged]:
     """Candidates with the best of all controllers, as computed from the waveform.
 
@@ -580,7 +591,8 @@ def _best_of_all(some: _Candidates, ranks: Ranks, row: Whole, found: _Judged, fr
         taken = of_each[_before(reached[:, of_each], best[:, left[of_each]])]
         best[:, left[taken]] = reached[:, taken]
         chosen, kept = put(chosen, left[taken], one[taken]), put(kept, left[taken], on(new, taken))
-        going = np.flatnonzero(~new.failed(HANGING)) if len(left) == len(of_each) else left[:0]
+        again = ~new.failed(HANGING) & (here.complete | np.isinf(best[0, left]))
+        going = np.flatnonzero(again) if len(left) == len(of_each) else left[:0]
         left, here, ranks, new, one = left[going], here.some(going), ranks.on(going), on(new, going), one[going]
     none = np.flatnonzero(np.isinf(best[0]) & usable.partial[some.parts.motor.rows])
     if len(none):
