@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, columns_of, load, shipped, singular
+from drivesizer.catalog import DIRECT, PARTS, Catalog, catalog_of_text, load, shipped, singular
 from drivesizer.catalog.importing import Plan, import_table
 from drivesizer.catalog.laws import check as findings
 from drivesizer.catalog.parts import printed
@@ -17,10 +17,10 @@ from drivesizer.files.sheets import tables_of
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.live.engine import EngineMemory, Piece
 from drivesizer.output.document import part as sheets
-from drivesizer.output.document.catalogue import import_words, still_needed
+from drivesizer.output.document.catalogue import import_words, listed, still_needed
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import Words
-from drivesizer.output.words import figure, first_columns
+from drivesizer.output.words import first_columns
 from drivesizer.spec.drive import Select
 from drivesizer.spec.machine import named_catalogs
 from drivesizer.units import label
@@ -115,20 +115,14 @@ def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
     found = select(shelf(held, listed_names(request["catalogues"])), section, wanted, sort=request["sort"],
                    excluded=request["excluded"], piece=piece)  # fmt: skip
     start = request["start"] if request["start"] < len(found.hits) else 0
-    (note, shown), columns = first_columns(section), columns_of(section)
-    there = {"part", "family", "manufacturer", *(column.name for _, column in shown)}
-    named = dict.fromkeys(one.column.name for one in wanted)
-    shown += [(name.replace("_", " "), columns[name]) for name in named if name not in there]
-    heads = [{"name": c.name, "head": head, "unit": label(c.unit), "text": c.kind == "text"} for head, c in shown]
-    rows = [
-        {"catalogue": hit.catalogue, "part": hit.part, "family": hit["family"], "maker": hit["manufacturer"],
-         "excluded": bool(hit.table.excluded[hit.row]),
-         "cells": ["" if (cell := figure(hit[c.name], c, unit=False)) == "unknown" else cell for _, c in shown]}
-        for hit in found.hits[start : start + PAGE]
-    ]  # fmt: skip
+    hits, (note, _) = found.hits[start : start + PAGE], first_columns(section)
+    table = listed(section, hits, [one.column.name for one in wanted], makers=True)
+    rows = [{"catalogue": hit.catalogue, "part": hit.part, "excluded": bool(hit.table.excluded[hit.row])}
+            for hit in hits]  # fmt: skip
     yield {"kind": "parts", "section": section, "found": len(found.hits), "start": start,
-           "undecided": found.undecided, "excluded": found.excluded, "sort": request["sort"],
-           "columns": heads, "rows": rows, "note": note}  # fmt: skip
+           "undecided": found.undecided, "excluded": found.excluded, "sort": request["sort"], "rows": rows,
+           "columns": [column.key for column in table.columns], "note": note,
+           "html": html([replace(table, name=section, look="listed")])}  # fmt: skip
 
 
 # -- A file of the user: a catalogue, a table that becomes one, or a log.

@@ -164,7 +164,7 @@ def test_parts_are_found_sorted_read_and_set_side_by_side(page: Any) -> None:
     until(page, lambda: "118743" in listed(page) and "118752" not in listed(page))  # 28.6 and 26.3 mN*m
     page.get_by_role("button", name="remove the condition on nominal torque").click()
     page.locator("#parts-with").fill("A-max")
-    page.get_by_role("button", name="price", exact=True).click()
+    page.get_by_role("button", name="price EUR", exact=True).click()
     until(page, lambda: page.locator("#browser th[aria-sort=ascending]").count() == 1)
     prices = [float(text) for text in page.locator("#browser tbody td:last-child").all_inner_texts() if text != "–"]
     assert len(prices) > 10 and prices == sorted(prices)

@@ -139,8 +139,7 @@ function refused(error) {
 
 function list(piece) {
   if (last?.section !== piece.section) chosen = [];
-  const opened = found.querySelector(".opened")?.value ?? last?.opened;
-  last = { ...piece, opened };
+  last = { ...piece, opened: last?.opened };
   found.replaceChildren(summary(piece), pages(piece), piece.rows.length ? table(piece) : "", box);
   tabled(found);
   sideBySide();
@@ -164,28 +163,28 @@ function pages(piece) {
   return made;
 }
 
+/** The table of the document, whose heads sort and whose rows open. */
 function table(piece) {
-  const names = [{ name: "part", head: "part", text: true }, { name: "family", head: "family", text: true }, { name: "manufacturer", head: "maker", text: true }, ...piece.columns];
-  const head = element("tr", {}, element("th", { scope: "col" }, element("span", { className: "hidden", textContent: "side by side" })), ...names.map((one) => headOf(one, piece)));
-  const made = element("table", { className: "listed" }, element("thead", {}, head), element("tbody", {}, ...piece.rows.map((row) => line(row, piece))));
-  return element("div", { className: "framed" }, element("div", { className: "scroll", tabIndex: 0, role: "region", aria: { label: words(piece.section) } }, made));
+  const made = element("div", { innerHTML: piece.html }); // of the server's own templates, which escape every text
+  for (const [n, head] of made.querySelectorAll("thead th").entries()) sorting(head, piece.columns[n], piece);
+  for (const [n, line] of made.querySelectorAll("tbody tr").entries()) opening(line.cells[0], piece.rows[n]);
+  return made.firstElementChild;
 }
 
-function headOf(one, piece) {
-  const now = piece.sort === one.name ? "ascending" : piece.sort === `-${one.name}` ? "descending" : "none";
-  const sorter = button(one.head, () => { sorts[piece.section] = now === "ascending" ? `-${one.name}` : one.name; look(); });
-  const made = element("th", { scope: "col", className: one.text ? "" : "n", aria: { sort: now } }, sorter);
-  if (one.unit) made.append(element("small", { textContent: one.unit }));
-  return made;
+function sorting(head, name, piece) {
+  const now = piece.sort === name ? "ascending" : piece.sort === `-${name}` ? "descending" : "none";
+  head.setAttribute("aria-sort", now);
+  head.replaceChildren(button(head.textContent, () => { sorts[piece.section] = now === "ascending" ? `-${name}` : name; look(); }));
 }
 
-function line(row, piece) {
+function opening(cell, row) {
   const box = element("input", { type: "checkbox", checked: chosen.some((one) => same(one, row)), aria: { label: `${row.part}: side by side` } });
   box.addEventListener("change", () => pick(row, box));
-  const opens = button(row.part, () => { last.opened = row.part; for (const old of document.querySelectorAll("#browser .opened")) old.classList.remove("opened"); opens.classList.add("opened"); turned("part", { catalogue: row.catalogue, section: filter.kind(), part: row.part }, showPart); }, { className: row.part === last.opened ? "part-link opened" : "part-link" });
-  const name = element("th", { scope: "row" }, opens, row.excluded ? element("small", { textContent: "excluded from sizing" }) : "");
-  const cells = row.cells.map((cell, n) => element("td", { className: piece.columns[n].text ? "" : "n", textContent: cell || "–" }));
-  return element("tr", {}, element("td", {}, box), name, element("td", { textContent: row.family }), element("td", { textContent: row.maker, title: row.catalogue }), ...cells);
+  const opens = button(row.part, () => {
+    last.opened = row.part;
+    turned("part", { catalogue: row.catalogue, section: filter.kind(), part: row.part }, showPart);
+  }, { className: row.part === last.opened ? "part-link opened" : "part-link" });
+  cell.replaceChildren(box, opens, row.excluded ? element("small", { textContent: "excluded from sizing" }) : "");
 }
 
 // -- side by side

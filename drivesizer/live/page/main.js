@@ -6,7 +6,7 @@ import { able, button, element, enable } from "./dom.js";
 import * as files from "./files.js";
 import * as form from "./form.js";
 import * as headline from "./headline.js";
-import { get, pieces, whole } from "./requests.js";
+import { get, pieces } from "./requests.js";
 import * as sliders from "./sliders.js";
 import { packed, put, redo, state, undo, unpacked, watch } from "./state.js";
 
@@ -118,7 +118,7 @@ function take(piece, mine) {
     answer.sections([]);
     headline.row([]);
     sliders.renew();
-    headline.free(piece.figures, design);
+    headline.free(piece.figures, (event) => awaited("design", event.currentTarget, "searching …", best));
     more.hidden = true;
   } else found(piece);
 }
@@ -190,47 +190,42 @@ function wake() {
   for (const done of waiting.splice(0)) done();
 }
 
-// -- the closed loop
+// -- what the user waits for: the closed loop, and the best machine of free figures
 
-loop.addEventListener("click", async () => {
-  if (!able(loop)) return;
-  enable(loop, false);
-  files.withdraw("loop");
-  loop.textContent = "simulating …";
+/** Shows what a job finds of the text as it is now; its button says meanwhile that it runs. */
+async function awaited(job, made, busy, show) {
+  if (!able(made)) return;
+  const words = made.textContent;
+  enable(made, false);
+  files.withdraw(job);
+  made.textContent = busy;
   await settled();
   const text = state.text;
   try {
-    for await (const piece of pieces("loop", { text })) {
+    for await (const piece of pieces(job, { text })) {
       if (text !== state.text) break;
-      if (piece.kind === "wrong") files.notice(piece.lines.join("; "), [], "", "loop");
-      else found(piece);
+      if (piece.kind === "wrong") files.notice(piece.lines.join("; "), [], "", job);
+      else show(piece);
     }
   } catch {
     files.reachable(false);
   }
-  enable(loop, true);
-  loop.textContent = "Simulate";
-  const head = document.querySelector('[data-name="loop"] > *, [data-name="closed_loop"] > *');
-  if (text !== state.text) files.notice("The spec was changed in the meantime: the closed loop was not shown.", [], "said");
+  enable(made, true);
+  made.textContent = words;
+  const head = document.querySelector(job === "loop" ? '[data-name="loop"] > *, [data-name="closed_loop"] > *' : "#designed > *");
+  if (text !== state.text) files.notice("The spec was changed in the meantime: what was found is not shown.", [], "said");
   else head?.focus({ preventScroll: true });
   head?.scrollIntoView();
-});
+}
+loop.addEventListener("click", () => awaited("loop", loop, "simulating …", found));
 
-// -- the best machine of free figures
-
-async function design() {
-  await settled();
-  const text = state.text;
-  try {
-    const [piece] = await whole("design", { text });
-    if (text !== state.text || piece.kind !== "designed") return;
-    designed.replaceChildren(element("div", { innerHTML: piece.html }), // of the server's own templates, which escape every text
-      element("p", {}, ...piece.fills.map(([name, filled]) => button(`Use the ${name} figures`, () => restart(filled)))));
-    tabled(designed);
-    turn("answer");
-  } catch (error) {
-    files.notice(error.message, [], "", "design");
-  }
+/** The best machine, and buttons that fill its figures in. */
+function best(piece) {
+  if (piece.kind !== "designed") return;
+  designed.replaceChildren(element("h2", { tabIndex: -1, textContent: "The best machine" }), element("div", { innerHTML: piece.html }), // of the server's own templates, which escape every text
+    element("p", {}, ...piece.fills.map(([name, filled]) => button(`Use the ${name} figures`, () => restart(filled)))));
+  tabled(designed);
+  turn("answer");
 }
 
 // -- which part is in sight: the machine as form or YAML, and on a narrow screen the machine or its answer
@@ -260,7 +255,7 @@ function turn(name) {
 function reveal(fault) {
   turn("machine");
   const fields = document.getElementById("form");
-  if (!fields.hidden && !fields.inert && form.focus(fault.path)) return;
+  if (fields.checkVisibility() && !fields.inert && form.focus(fault.path)) return;
   choose("yaml");
   const lines = area.value.split("\n"), number = Math.min(fault.line ?? 1, lines.length);
   const start = lines.slice(0, number - 1).reduce((sum, line) => sum + line.length + 1, 0);

@@ -69,19 +69,8 @@ def listing(found: Mapping[str, Selection], limit: int, named: Sequence[str]) ->
 
 
 def _list(section: str, found: Selection, limit: int, named: Sequence[str]) -> Iterator[doc.Block]:
-    schema, (note, usual) = columns_of(section), first_columns(section)
-    there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
-    wanted = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(named) if name in schema.keys() - there]
-    columns = [doc.Column("part", "part", "name"), doc.Column("family", "family")]
-    for place, (head, one) in enumerate([*usual, *wanted]):  # requested columns go before the last of the usual ones
-        form = "text" if one.kind == "text" else "number"
-        columns.append(doc.Column(one.name, f"{head}\n{label(one.unit)}".rstrip(), form, yields=0 < place < len(usual)))
-    rows = []
-    for hit in found.hits[:limit]:
-        cells = {one.name: part.cell(hit[one.name], one, unit=False) for _, one in (*usual, *wanted)}
-        mark = doc.Mark(" ×" if hit.table.excluded[hit.row] else "")
-        rows.append(doc.Row({"part": (hit.part, mark), "family": hit["family"], **cells}))
-    yield doc.Table("", columns, rows, look="listing", dense=True)
+    note, _ = first_columns(section)
+    yield listed(section, found.hits[:limit], named)
     count = len(found.hits)
     more = f"the first {limit} of {count} {section}; --limit shows more" if count > limit else f"{count} {section}"
     yield doc.Words(f"{more}; {note}" if count and note else more)
@@ -89,6 +78,25 @@ def _list(section: str, found: Selection, limit: int, named: Sequence[str]) -> I
         yield doc.Words(f"{found.undecided} more may fit: a required figure is unknown")
     if found.excluded:
         yield doc.Words(f"{found.excluded} more are excluded from sizing by a note; --excluded lists them (×)")
+
+
+def listed(section: str, hits: Sequence[Hit], named: Sequence[str], *, makers: bool = False) -> doc.Table:
+    """Parts, a line each, with the columns that conditions name; perhaps with their makers."""
+    schema, (_, usual) = columns_of(section), first_columns(section)
+    there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
+    wanted = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(named) if name in schema.keys() - there]
+    columns = [doc.Column("part", "part", "name"), doc.Column("family", "family")]
+    columns += [doc.Column("manufacturer", "maker")] if makers else []
+    for place, (head, one) in enumerate([*usual, *wanted]):  # requested columns go before the last of the usual ones
+        form = "text" if one.kind == "text" else "number"
+        columns.append(doc.Column(one.name, f"{head}\n{label(one.unit)}".rstrip(), form, yields=0 < place < len(usual)))
+    rows = []
+    for hit in hits:
+        cells = {one.name: part.cell(hit[one.name], one, unit=False) for _, one in (*usual, *wanted)}
+        mark = doc.Mark(" ×" if hit.table.excluded[hit.row] else "")
+        names = {name: str(hit[name]) for name in ("family", "manufacturer")}
+        rows.append(doc.Row({"part": (hit.part, mark), **names, **cells}))
+    return doc.Table("", columns, rows, look="listing", dense=True)
 
 
 def searched(
