@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from math import nan
 from statistics import NormalDist
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -182,17 +183,19 @@ def _turn(problem: Problem, one: Candidates, figure: Figure, steps: Array, passe
 
 
 def drives_at_points(
-    problem: Problem, drives: Candidates, points: Sequence[Mapping[Figure, Array]], count: int, names: Collection[str]
-) -> Evaluation:
+    problem: Problem, drives: Candidates, points: Sequence[Mapping[Figure, Array]], count: int, names: Collection[str],
+    values: Mapping[Figure, Array] = MappingProxyType({}),
+) -> Evaluation:  # fmt: skip
     """Drives, each with its estimated figures at several points of their bands: so many rows of each in turn.
 
-    There are no more encoders than those that were chosen for them, one of each.
+    Other figures have values. There are no more encoders than those that were chosen for them, one of each.
     """
     catalog, given = problem.catalog, drives.on(np.repeat(np.arange(len(points)), count))
     tables, numbers = dict[str, Table[Any]](), dict[str, Alike]()
     for section, rows in _rows_of(drives).items():
         own = zip(rows.tolist(), points, strict=True)
-        tables[section] = stacked([_table(catalog, section, np.full(count, row), by) for row, by in own if row >= 0])
+        found = stacked([_table(catalog, section, np.full(count, row), by) for row, by in own if row >= 0])
+        tables[section] = found.changed({name: x for (of, name), x in values.items() if of == section})
         numbers[singular(section)] = np.cumsum(np.repeat(rows >= 0, count)) - 1
     encoder = np.asarray(drives.encoder)
     tables["encoders"] = catalog.encoders.taken(encoder[encoder >= 0])
@@ -217,7 +220,7 @@ def _table(catalog: Catalog, section: str, rows: Whole, points: Mapping[Figure, 
         by = points.get(follows.get(own, own), points.get(own))
         if by is not None and column.kind != "text":
             columns[name] = _moved(catalog, own, rows, by)
-    if section == "motors":
+    if section == "motors" and catalog.ends:
         _with_rated_temperature(catalog, rows, columns)
     return replace(table, columns=columns)
 

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from math import isnan
+from statistics import NormalDist
 
 import numpy as np
 
+from drivesizer.catalog.tolerances import lognormal
 from drivesizer.load_cases.of_machine import grip_warning, starts_farther_on
 from drivesizer.loads import Load
 from drivesizer.loads.recorded import ComputedLoad, Recorded
 from drivesizer.machine import belts as pulleys
-from drivesizer.machine.set_cycle import driven
 from drivesizer.physics.cycle_at_gearhead import SPEED
 from drivesizer.physics.drive_train import usual_idle
 from drivesizer.physics.load_cycle import LoadCycle
@@ -23,6 +23,7 @@ from drivesizer.results.problem import Problem
 from drivesizer.results.ratings import unstated_ambient, unstated_supply, unstated_temperature
 from drivesizer.results.sizing import objective_figure
 from drivesizer.search.machine_filter import shortfall
+from drivesizer.search.open_checks import drives_at_points
 from drivesizer.search.set_record import TABLES
 from drivesizer.search.shortlist import Shortlist
 from drivesizer.spec.mounting import altitude_words, mounting_words
@@ -53,7 +54,7 @@ def warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     return (
         *_mains(picked.problem.machine),
         *picked.weighed,
-        *_best_drive_warnings(picked.problem, sets),
+        *_best_drive_warnings(picked, sets),
         *nearest_figures(picked.problem.machine, sets[:1]),
         *_held_back_remarks(picked, sets),
         *budgets,
@@ -127,9 +128,9 @@ def _static_remarks(problem: Problem) -> tuple[str, ...]:
     )
 
 
-def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
+def _best_drive_warnings(picked: Shortlist, sets: tuple[DriveSet, ...]) -> tuple[str, ...]:
     """Warnings: what the method leaves out, and what limits the best drive."""
-    spec = problem.spec
+    problem, spec = picked.problem, picked.problem.spec
     sentences = list(dict.fromkeys(line for case in problem.cases for line in grip_warning(case.spec)))
     if spec.method == "paper":
         sentences.append(
@@ -147,7 +148,7 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
         for check in best.own_checks
         if check.name == "hottest_phase" and check.status == "fail"
     ]
-    sentences += _idle_gearhead(problem, best)
+    sentences += _idle_gearhead(picked, best)
     figures = {figure.name: figure for figure in best.figures}
     if "current_limit" in figures and figures["current_limit"].value < figures["peak_current"].value:
         both = figures["current_limit"].text, figures["peak_current"].text
@@ -160,20 +161,35 @@ def _best_drive_warnings(problem: Problem, sets: tuple[DriveSet, ...]) -> tuple[
     return tuple(sentences)
 
 
-def _idle_gearhead(problem: Problem, best: DriveSet) -> Iterable[str]:
-    """A warning where friction of the gearhead without load, which is not printed, decides of the RMS current."""
-    gearhead, ends = best.gearhead, [float(one) for one in usual_idle(best.gearhead)]
-    check = next((one for one in best.own_checks if one.name == "motor_nominal_current"), None)
-    if check is None or check.status != "pass" or isnan(ends[1]) or not isnan(gearhead.no_load_torque) or best.steps:
+_SHARES = np.linspace(0.05, 0.95, 19)  # of gearheads of a kind, with less friction
+
+
+def _idle_gearhead(picked: Shortlist, best: DriveSet) -> Iterable[str]:
+    """A warning where friction of the gearhead without load, which is not printed, decides of checks."""
+    low, usual, high = (float(one) for one in usual_idle(best.gearhead))
+    if picked.problem.spec.method != "physics" or isnan(usual) or not isnan(best.gearhead.no_load_torque) or best.steps:
         return
-    idling = [replace(best, gearhead=replace(gearhead, no_load_torque=torque)) for torque in ends]
-    low, usual, high = (max(float(driven(c.spec, one)[2].rms_current[0]) for c in problem.cases) for one in idling)
-    if high * (1.0 + check.needed) > check.limit:
-        figures = [show(x, "A", "current", 3) for x in (low, high, usual, check.limit)]
-        yield (
-            "friction of the best drive's gearhead without load is not printed; with what is usual of its kind the "
-            "motor's RMS current is {} to {}, {} in the middle, of permitted {}"
-        ).format(*figures)
+    row = next(iter((*picked.best, *picked.unsure)))
+    one, evaluation = picked.found.evaluation.chosen(np.array([row])), picked.found.evaluation
+    idle = lognormal(low, usual, high, np.array([NormalDist().inv_cdf(share) for share in _SHARES]))
+    names = {check.name for check in best.own_checks if check.status == "pass"}
+    values = {("gearheads", "no_load_torque"): idle}
+    found = drives_at_points(evaluation.problem, one, [{}], len(idle), names, values)
+    decided = [check for check in found.checks if check.name in names and check.failed[-1] and not check.advice]
+    if not decided:
+        return
+    ends = [show(torque, "mN*m", "torque", 2) for torque in (low, high)]
+    passes = f"{np.logical_and.reduce([check.passed for check in decided]).mean():.0%}".replace("%", " %")
+    said = []
+    for check in decided:
+        least, most = (check.at(end, "physics") for end in (0, -1))
+        figures = [show(x, most.unit, most.kind, 3) for x in (least.demand, most.demand, most.limit)]
+        margin = f" with {show(most.needed, '%', 'dimensionless')} of margin" if most.needed else ""
+        said.append("{} {} to {} of {}".format(most.title, *figures) + margin)
+    yield (
+        "friction of the best drive's gearhead without load is not printed; with what is usual of its kind, "
+        f"{ends[0]} to {ends[1]} at its input, the drive passes with {passes}: {'; '.join(said)}"
+    )
 
 
 _LONE = 0.8  # of the peak, below which the largest torque beside it says that it is one sample's

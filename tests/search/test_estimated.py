@@ -6,18 +6,21 @@ against the normal distribution that the band stands for.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
-from math import isnan, log, nan
+from math import isnan, log, nan, pi
 from statistics import NormalDist
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from specs import estimates_off, selecting
 from starters import STARTERS
 
 from drivesizer.catalog import Catalog, load
 from drivesizer.catalog.tables import Pairs
 from drivesizer.catalog.view import search_view
+from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.problem import problem
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.columns.evaluation import by_physics
@@ -28,7 +31,7 @@ from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.search.uncertainty.uncertain_figures import holding_of_a_set
 from drivesizer.sizing import explain, explained, size
 from drivesizer.spec.drive import Choice, MotorChoice
-from drivesizer.spec.robot import RobotSpec, load_spec
+from drivesizer.spec.robot import RobotSpec, load_spec, read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
@@ -247,3 +250,37 @@ def test_several_drives_that_are_sampled_together_pass_as_probably_as_each_alone
     of_all = [{name: one[name] for name in own} for one, own in zip(together, alone, strict=True)]
     assert len(names) > 3 and of_all == alone
     assert len({one[""] for one in alone}) > 1
+
+
+STEADY = """name: nearly steady
+load: {kind: rotary_table, inertia: 0.0001 kg*m^2, friction_torque: 0.41 N*m}
+motion: {profile: segments, segments: [{time: 1 s, to: 30 rpm}, {time: 3598 s}, {time: 1 s, to: 0 rpm}]}
+transmission: [{kind: gearhead}]
+supply: {nominal: 12 V}
+select: {catalogs: [maxon], motor: {part: DCX22S01EBKL598}, gearhead: {part: GPX22HPKLSL44D0CPLW}}
+"""
+
+
+def test_friction_of_a_gearhead_without_load_is_a_range_where_it_decides(maxon: Catalog) -> None:
+    """The current at both ends of what is usual, 2 % a stage and three times either way; how probable it passes."""
+    spec = read_spec(YamlSource(STEADY, "steady.yaml"))
+    (said,) = [text for text in size(spec, catalog=maxon, top=1).warnings if "gearhead without load" in text]
+    (best,) = size(spec, catalog=maxon, top=1).sets
+    motor, gear, w = best.motor, best.gearhead, 30 * pi / 30 * best.gearhead.ratio
+    lost = motor.torque_constant * motor.no_load_current * (0.65 + 0.35 * w / motor.no_load_speed)
+
+    def current(idle: float) -> float:
+        e = 1.0 / (1.0 / gear.efficiency - gear.ratio * idle / gear.continuous_torque)
+        return (0.41 / (gear.ratio * e) + idle + lost) / motor.torque_constant
+
+    usual = 0.02 * gear.stages * gear.continuous_torque / gear.ratio
+    low, high, limit = (float(x) for x in re.findall(r"\(RMS\) ([\d.]+) A to ([\d.]+) A of ([\d.]+) A", said)[0])
+    assert (low, high) == pytest.approx((current(usual / 3.0), current(usual * 3.0)), rel=2e-3)
+    assert limit == motor.nominal_current and best.status == "pass"
+    ends = [float(x) for x in re.findall(r"([\d.]+) mN·m", said)]
+    assert ends == pytest.approx([usual / 3.0 * 1e3, usual * 3.0 * 1e3], rel=0.02)
+    most = brentq(lambda idle: current(idle) - limit, usual / 9.0, usual * 9.0)
+    probable = NormalDist(log(usual), log(3.0) / 1.6448536269514722).cdf(log(most))
+    assert float(re.findall(r"passes with (\d+) %", said)[0]) / 100.0 == pytest.approx(probable, abs=0.06)
+    printed = with_figure(maxon, "no_load_torque", usual, "gearheads", gear.part)
+    assert not any("gearhead without load" in text for text in size(spec, catalog=printed, top=1).warnings)
