@@ -453,6 +453,7 @@ def _scaled(found: Estimates, share: NDArray[np.float64]) -> Estimates:
 
 _BEYOND = np.log(2.0)  # a term may lie this far outside the parts that the law was fitted to
 _STRANGER = 2.0  # times the band, in logarithms, of a maker or construction not seen: assumed where too few have it
+_OF_SIZE = "rotor_inertia"  # as mass times diameter squared: of two motors of one mass the wider one has more
 _LAST = 1e3  # added to widths, in logarithms, of laws without peers of a part's construction
 
 
@@ -515,7 +516,8 @@ class _Parts:
 def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estimates]:
     """Every figure that parts of a table lack, by the narrowest law whose terms the part has.
 
-    Laws with parts of its construction among their peers go before all others.
+    Laws with parts of its construction among their peers go before all others; of an inertia none counts beside one
+    with a printed figure more that gives a value outside its band.
     A term may be an estimate itself, of a figure that is declared before: its band then widens that of the result.
     """
     found: dict[str, Estimates] = {}
@@ -543,17 +545,30 @@ def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estima
     count = len(parts.table)
     band, by = np.full((3, count), np.nan), np.full(count, -1)
     missing, width = np.isnan(parts.term(figure).middle), np.full(count, np.inf)
-    for number, law in laws if missing.any() else ():
-        stranger = parts.strangers(law)
-        found = _law_value(law, parts, stranger)
-        spread = found.above - found.below + np.where(stranger, _LAST, 0.0)
+    values = [(number, law, _law_value(law, parts, parts.strangers(law))) for number, law in laws if missing.any()]
+    for number, law, found in values:
+        spread = found.above - found.below + np.where(parts.strangers(law), _LAST, 0.0)
         better = missing & (spread < width) & ((by < 0) | (law.source == ""))
+        better &= ~_refuted(parts, law, found, values)
         for place, side in enumerate((np.zeros(count), found.below, found.above)):
             band[place][better] = np.exp(found.middle + side)[better]
         by[better], width[better] = number, spread[better]
     rows = np.flatnonzero(by >= 0)
     value, low, high = band[:, rows]
     return Estimates(rows, value, low, high, by[rows])
+
+
+def _refuted(parts: _Parts, law: Fit, found: _Term, others: list[tuple[int, Fit, _Term]]) -> NDArray[np.bool_]:
+    """Parts whose inertia by a law with a printed figure more is outside a law's band: peers of one mass are others."""
+    refuted = np.zeros(len(parts.table), bool)
+    if law.law.figure != _OF_SIZE:
+        return refuted
+    for _, fit, other in others:
+        if set(fit.law.terms) > set(law.law.terms):
+            more = [parts.term(name).above == 0.0 for name in fit.law.terms if name not in law.law.terms]
+            off = other.middle - found.middle
+            refuted |= np.logical_and.reduce(more) & ((off < found.below) | (off > found.above))
+    return refuted
 
 
 def _law_value(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> _Term:

@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from importlib import resources
 from math import exp, log
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -163,6 +164,21 @@ def test_distance_from_the_peers_widens_the_band():
     for away in (0.0, 3.0):
         expected = 1.0 + 1.0 / 40 + away**2 / np.square(x - x.mean()).sum()
         assert widening(found.peers, np.array([[x.mean() + away]])) ** 2 == pytest.approx(expected, rel=1e-9)
+
+
+def test_inertia_of_a_motor_wide_for_its_mass_goes_with_its_diameter():
+    """A Jameco motor of 54 g, 30 mm wide where coreless motors of that mass have 22: J as mass times diameter squared.
+
+    Its authors state 5.7 and 8.5 g*cm^2 of two; without its diameter it would have that of its slimmer peers.
+    """
+    catalog = load(["docs/measured_parts.yaml"], beside=Path(__file__).parents[2])
+    row = catalog.motors.rows["Jameco sheet"]
+    wide = {one.figure: one for one in estimates_of(catalog.motors, row)}["rotor_inertia"]
+    slim = catalog.motors.changed({"diameter": np.full(len(catalog.motors), np.nan)})
+    slim = {one.figure: one for one in estimates_of(slim, row)}["rotor_inertia"]
+    assert "diameter" in wide.fit.law.terms and "diameter" not in slim.fit.law.terms
+    assert wide.low < 5.7e-7 and wide.high > 8.5e-7 and slim.high < 5.7e-7
+    assert wide.value / slim.value == pytest.approx((30.0 / 22.0) ** 2, rel=0.15)
 
 
 def test_a_part_far_from_all_that_were_fitted_is_not_estimated():
