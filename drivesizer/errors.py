@@ -50,12 +50,12 @@ class CatalogError(DrivesizerError, ValueError):
     """A catalogue file cannot be used."""
 
 
-def quoted(found: object, longest: int = 60) -> str:
+def quoted(value: object, longest: int = 60) -> str:
     """The user's own text as it goes into a message: on one line, printable, cut when long.
 
     Parameters
     ----------
-    found
+    value
         What the user wrote.
     longest
         Characters that are shown.
@@ -70,7 +70,7 @@ def quoted(found: object, longest: int = 60) -> str:
     >>> quoted("3,5 mm")
     '"3,5 mm"'
     """
-    text = str(found)
+    text = str(value)
     if len(text) > longest:
         text = text[: longest - 1] + "…"
     return f'"{printable(text)}"'

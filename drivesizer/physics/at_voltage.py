@@ -121,9 +121,9 @@ def step_time(
         corner = np.maximum((voltage - R * limit) / k_e, 0.0)  # rad/s
         ramp = _ramp(inertia, pushed, viscous, np.minimum(corner, share * final))
         rest = tau * np.log(np.maximum((final - corner) / ((1.0 - share) * final), 1.0))
-        found = np.where(limited, np.where(pushed > 0.0, ramp + rest, np.inf), free)
+        time = np.where(limited, np.where(pushed > 0.0, ramp + rest, np.inf), free)
     starts = final > 0.0
-    return np.where(starts, found, np.where(np.isnan(final), np.nan, np.inf))
+    return np.where(starts, time, np.where(np.isnan(final), np.nan, np.inf))
 
 
 def _two_poles(damping: Array, product: Array, share: float) -> Array:
@@ -220,5 +220,5 @@ def coast_down_time(inertia: Figure, torque: Figure, viscous: Figure, speed: Fig
     with np.errstate(divide="ignore", invalid="ignore"):
         x = np.asarray(viscous * (speed - to) / least)
         slowed = np.where(x > 1e-9, np.log1p(x) / np.where(x > 0.0, x, 1.0), 1.0 - x / 2.0)
-        found = inertia * (speed - to) / least * slowed
-    return np.where(least == 0.0, np.inf + 0.0 * np.asarray(inertia * speed), found)
+        time = inertia * (speed - to) / least * slowed
+    return np.where(least == 0.0, np.inf + 0.0 * np.asarray(inertia * speed), time)

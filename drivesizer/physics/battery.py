@@ -73,8 +73,8 @@ def capacity_for(time: Figure, current: Figure, rated_time: Figure, exponent: Fi
         Rated capacity [A*s].
     """
     share = np.asarray(time, float) / rated_time
-    wanted = current * rated_time * np.where(share < 1.0, share ** (1.0 / np.asarray(exponent, float)), share)
-    return (wanted + 0.0 * exponent)[()]
+    charge = current * rated_time * np.where(share < 1.0, share ** (1.0 / np.asarray(exponent, float)), share)
+    return (charge + 0.0 * exponent)[()]
 
 
 def table_time(draw: Figure, draws: Figure, times: Figure) -> Alike:
@@ -216,8 +216,8 @@ def state_of_charge(duration: Figure, current: Figure, capacity: Figure, start: 
     array
         One more value than pieces along the last axis [1]; not cut at 0 or 1.
     """
-    drawn = np.cumsum(np.asarray(duration, float) * current, axis=-1) / capacity
-    return start - np.concatenate([np.zeros((*drawn.shape[:-1], 1)), drawn], axis=-1)
+    discharged = np.cumsum(np.asarray(duration, float) * current, axis=-1) / capacity
+    return start - np.concatenate([np.zeros((*discharged.shape[:-1], 1)), discharged], axis=-1)
 
 
 def polarised_voltage(

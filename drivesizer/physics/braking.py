@@ -98,8 +98,8 @@ def released_power(brake: Figures) -> Alike:
     >>> float(released_power({"power": 12.0, "holding_power": 3.0}))
     3.0
     """
-    kept = np.where(np.isnan(brake["holding_power"]), brake["power"], brake["holding_power"])
-    return np.where(np.isnan(kept), 0.0, kept)
+    power = np.where(np.isnan(brake["holding_power"]), brake["power"], brake["holding_power"])
+    return np.where(np.isnan(power), 0.0, power)
 
 
 def stop(inertia: Figure, speed: Figure, brake: Figure, load: Figure, engage_time: Figure) -> Stop:
@@ -346,13 +346,13 @@ def burnt_energy(drawn: Array, returned: Array, capacity: float) -> Array:
     """
     if not capacity > 0.0:
         return returned.copy()
-    held = capacity if returned.sum() > drawn.sum() else 0.0  # where a periodic store is at some moment of its cycle
+    stored = capacity if returned.sum() > drawn.sum() else 0.0  # where a periodic store is at some moment of its cycle
     burnt = np.zeros(len(drawn))
     for _ in range(2):  # from that moment on the second time has the periodic course
         for piece, (out, into) in enumerate(zip(drawn.tolist(), returned.tolist(), strict=True)):
-            held = max(held - out, 0.0) + into
-            over = max(held - capacity, 0.0)
-            held, burnt[piece] = held - over, over
+            stored = max(stored - out, 0.0) + into
+            over = max(stored - capacity, 0.0)
+            stored, burnt[piece] = stored - over, over
     return burnt
 
 
@@ -412,12 +412,12 @@ def burning(duration: Array, returned: Array, highest: Array, burnt: Array, powe
     parts = np.stack([lasts - on, share * on, (1.0 - share) * on]), np.stack([np.zeros(len(rows)), first, out - first])
     counts = np.ones(len(duration), np.int64)
     counts[rows] = 3
-    found = np.repeat(duration, counts), np.zeros(int(counts.sum()))
+    columns = np.repeat(duration, counts), np.zeros(int(counts.sum()))
     places = (np.cumsum(counts) - counts)[rows] + np.arange(3)[:, None]
-    for column, values in zip(found, parts, strict=True):
+    for column, values in zip(columns, parts, strict=True):
         column[places] = values
-    real = found[0] > _NEARLY * np.repeat(duration, counts)
-    return Burning(found[0][real], found[1][real], float(np.maximum(full, end).max(initial=0.0)))
+    real = columns[0] > _NEARLY * np.repeat(duration, counts)
+    return Burning(columns[0][real], columns[1][real], float(np.maximum(full, end).max(initial=0.0)))
 
 
 def largest_mean(duration: Array, energy: Array, window: float) -> float:

@@ -118,14 +118,14 @@ def lags(counts: Counts | None, period: float) -> tuple[Array, Array]:
     return counts.choice, counts.choice * period / 2.0
 
 
-def shortest(bound: Array, taken: float) -> int:
+def shortest(bound: Array, time_constant: float) -> int:
     """The smallest number of periods that a time constant permits, by its place.
 
     Parameters
     ----------
     bound
         Least time constant with each number of periods [s].
-    taken
+    time_constant
         Time constant that is designed for [s].
 
     Returns
@@ -133,4 +133,4 @@ def shortest(bound: Array, taken: float) -> int:
     int
         Place of the first bound that the time constant keeps.
     """
-    return int(np.flatnonzero(bound <= taken * (1.0 + 1e-9))[0])
+    return int(np.flatnonzero(bound <= time_constant * (1.0 + 1e-9))[0])

@@ -65,17 +65,17 @@ class CycleAtBelt:
         """The six at both ends of each segment: (segments, 2, 6); of several cycles (6, segments, 2, cycles)."""
         return self._functions(slice(None))
 
-    def _functions(self, some: slice) -> Array:
+    def _functions(self, rows: slice) -> Array:
         """The six of some segments."""
-        speed, torque = self.load_cycle.speed[some], self.torque[some]
+        speed, torque = self.load_cycle.speed[rows], self.torque[rows]
         running = np.any(speed != 0.0, axis=1)[:, None]
-        drives = (cycles.middle(self.load_cycle.torque[some]) * cycles.middle(speed))[:, None] > 0.0
+        drives = (cycles.middle(self.load_cycle.torque[rows]) * cycles.middle(speed))[:, None] > 0.0
         six = (
             np.where(running & drives, torque, 0.0),
             np.where(running & ~drives, torque, 0.0),
             np.where(running, 0.0, torque),
             *(np.broadcast_to(x, torque.shape)
-              for x in (self.load_cycle.acceleration[some], np.sign(cycles.middle(speed))[:, None], speed)),
+              for x in (self.load_cycle.acceleration[rows], np.sign(cycles.middle(speed))[:, None], speed)),
         )  # fmt: skip
         return np.stack(six, axis=2 if torque.ndim == 2 else 0)
 
@@ -87,16 +87,15 @@ class CycleAtBelt:
             yield slice(0, count), self.functions
             return
         for first in range(0, count, _PART):
-            some = slice(first, min(first + _PART, count))
-            yield some, self._functions(some)
+            rows = slice(first, min(first + _PART, count))
+            yield rows, self._functions(rows)
 
     @cached_property
     def acts(self) -> Mask:
         """Mask of the functions that are ever not 0: (6,)."""
         if self.load_cycle.torque.ndim == 3:
-            return np.array([one.any() for one in self.functions])
-        found: Mask = np.any([f.any(axis=(0, 1)) for _, f in self.parts], axis=0)
-        return found
+            return np.array([function.any() for function in self.functions])
+        return np.any([f.any(axis=(0, 1)) for _, f in self.parts], axis=0)
 
     @cached_property
     def moments(self) -> Array:
@@ -104,17 +103,16 @@ class CycleAtBelt:
         duration, total = self.load_cycle.duration, self.load_cycle.total
         if self.load_cycle.torque.ndim == 3:
             share, active = duration / total, np.flatnonzero(self.acts)
-            found = np.zeros((6, 6, self.functions.shape[-1]))
+            means = np.zeros((6, 6, self.functions.shape[-1]))
             for a in active.tolist():
                 for b in active[active <= a].tolist():
-                    found[a, b] = found[b, a] = cycles.integral(share, self.functions[a], self.functions[b])
-            return found
-        found = np.zeros((6, 6))
-        for some, f in self.parts:
-            (left, right), t = (f[:, 0], f[:, 1]), duration[some, None]
-            found += (t * (2.0 * left + right)).T @ left + (t * (left + 2.0 * right)).T @ right
-        summed: Array = (found + found.T) / (12.0 * total)
-        return summed
+                    means[a, b] = means[b, a] = cycles.integral(share, self.functions[a], self.functions[b])
+            return means
+        means = np.zeros((6, 6))
+        for rows, f in self.parts:
+            (left, right), t = (f[:, 0], f[:, 1]), duration[rows, None]
+            means += (t * (2.0 * left + right)).T @ left + (t * (left + 2.0 * right)).T @ right
+        return (means + means.T) / (12.0 * total)
 
     @cached_property
     def time(self) -> Array:
@@ -127,34 +125,36 @@ class CycleAtBelt:
         speed, torque = self.load_cycle.speed, self.load_cycle.torque
         drives = cycles.middle(torque) * cycles.middle(speed) > 0.0
         factor = np.where(drives, 1.0 / self.efficiency, self.efficiency)
-        found: Array = torque * np.where(np.any(speed != 0.0, axis=1), factor, 1.0)[:, None]
-        return found
+        return torque * np.where(np.any(speed != 0.0, axis=1), factor, 1.0)[:, None]
 
     @cached_property
     def speed(self) -> Array:
         """Speed at the output, at both ends of each segment [rad/s]."""
-        found: Array = np.broadcast_to(self.load_cycle.speed, self.load_cycle.torque.shape)
-        return found
+        return np.broadcast_to(self.load_cycle.speed, self.load_cycle.torque.shape)
 
     @cached_property
     def peak_speed(self) -> Alike:
         """Highest speed [rad/s]."""
-        found = np.maximum(self.load_cycle.speed.max(axis=(0, 1)), -self.load_cycle.speed.min(axis=(0, 1)))
-        return float(found) if self.load_cycle.speed.ndim == 2 else found
+        peak = np.maximum(self.load_cycle.speed.max(axis=(0, 1)), -self.load_cycle.speed.min(axis=(0, 1)))
+        return float(peak) if self.load_cycle.speed.ndim == 2 else peak
 
     @cached_property
     def scalars(self) -> Scalars:
         """Single figures; of one cycle from the segments in which it runs, of several the others as of no time."""
         cycle, torque, speed = self.load_cycle, self.torque, self.load_cycle.speed
         running, alone = np.any(speed != 0.0, axis=1), speed.ndim == 2
-        held = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
-        time, some = (cycle.duration[held], held) if alone else (np.where(held, cycle.duration, 0.0), slice(None))
-        total, power = time.sum(axis=0), np.abs(cycles.mean_product(torque, speed)[some])
+        loads_gears = running | ~running.any(axis=0)  # a cycle that never runs loads gears at rest
+        time, rows = (
+            (cycle.duration[loads_gears], loads_gears)
+            if alone
+            else (np.where(loads_gears, cycle.duration, 0.0), slice(None))
+        )
+        total, power = time.sum(axis=0), np.abs(cycles.mean_product(torque, speed)[rows])
         rests = ~running & (cycle.duration > 0.0)
         at_rest = np.where(rests[:, None], np.abs(torque), -1.0).max(axis=(0, 1))
         at_rest = np.where(at_rest >= 0.0, at_rest, np.nan)
-        found = Scalars(
-            rms_torque=cycles.rms(time, torque[some]),
+        figures = Scalars(
+            rms_torque=cycles.rms(time, torque[rows]),
             peak_torque=np.abs(torque).max(axis=(0, 1)),
             held=self.efficiency * np.where(np.isnan(cycle.held), at_rest, cycle.held),
             load_torque=np.abs(cycle.torque).max(axis=(0, 1)),
@@ -163,7 +163,7 @@ class CycleAtBelt:
             peak_power=np.abs(torque * speed).max(axis=(0, 1)),
             drawn_power=np.where(cycle.acceleration * speed >= 0.0, torque * speed, 0.0).max(axis=(0, 1)),
         )
-        return Scalars(*map(float, found)) if alone else found
+        return Scalars(*map(float, figures)) if alone else figures
 
     @cached_property
     def corners(self) -> tuple[Array, Array]:
@@ -171,21 +171,21 @@ class CycleAtBelt:
 
         Those at which it is smallest are among them with the other sign.
         """
-        found = [extremes(f, self.time[some]) for some, f in self.parts]
-        if len(found) > 1:
-            high, high_time, low, low_time = (np.concatenate(same) for same in zip(*found, strict=True))
-            found = [extremes(np.concatenate([high, low]), np.concatenate([high_time, low_time]))]
-        time = np.concatenate([found[0].high_time, found[0].low_time])
+        points = [extremes(f, self.time[rows]) for rows, f in self.parts]
+        if len(points) > 1:
+            high, high_time, low, low_time = (np.concatenate(same) for same in zip(*points, strict=True))
+            points = [extremes(np.concatenate([high, low]), np.concatenate([high_time, low_time]))]
+        time = np.concatenate([points[0].high_time, points[0].low_time])
         order = np.argsort(time, kind="stable")
-        return np.concatenate([found[0].high, -found[0].low])[order], time[order]
+        return np.concatenate([points[0].high, -points[0].low])[order], time[order]
 
     @cached_property
     def braked(self) -> Array:
         """Of one cycle: work of each function against the motion, of torques [J]: shape (6,)."""
         against = -self.moments[:, SPEED] * self.load_cycle.total
-        found: Array = np.maximum(against, 0.0)  # a torque has one direction of power
-        found[ACCELERATION] = sum(_against(self.load_cycle.duration[some], f) for some, f in self.parts)
-        return found
+        work: Array = np.maximum(against, 0.0)  # a torque has one direction of power
+        work[ACCELERATION] = sum(_against(self.load_cycle.duration[rows], f) for rows, f in self.parts)
+        return work
 
     @cached_property
     def hardest_braking(self) -> list[tuple[Array, Array, float]]:
@@ -195,17 +195,17 @@ class CycleAtBelt:
         ``braked`` has it, and the duration [s].
         """
         cycle, duration = self.load_cycle, self.load_cycle.duration
-        power, found = cycles.mean_product(self.torque, cycle.speed), {}
+        power, stretches = cycles.mean_product(self.torque, cycle.speed), {}
         for share in _LOST:
             work = np.append(0.0, np.cumsum(duration * (power - share * power.min())))
             end = int((np.maximum.accumulate(work) - work).argmax())
             start = int(work[: end + 1].argmax())
-            if start < end and (start, end) not in found:
+            if start < end and (start, end) not in stretches:
                 four = ("duration", "speed", "acceleration", "torque")
                 stretch = replace(cycle, **{name: getattr(cycle, name)[start:end] for name in four})
                 own, total = CycleAtBelt(stretch, self.efficiency), float(stretch.total)
-                found[start, end] = own.moments * total, own.braked, total
-        return list(found.values())
+                stretches[start, end] = own.moments * total, own.braked, total
+        return list(stretches.values())
 
     def turned(self, exponent: float) -> Alike:
         """Mean over the cycle of the torque to an exponent, times speed: ``turned_load`` of it."""
@@ -240,8 +240,7 @@ class AtGearhead:
     def scale(self) -> Array:
         """Of each of the functions: shape (6,), or (candidates, 6)."""
         back, same = 1.0 / self.belt, np.ones_like(self.belt)
-        found: Array = np.stack([back, back, back, self.belt, same, self.belt], axis=-1)
-        return found
+        return np.stack([back, back, back, self.belt, same, self.belt], axis=-1)
 
     def __getattr__(self, name: str) -> Any:
         """One of ``Scalars`` behind the belt."""
@@ -267,8 +266,7 @@ class AtGearhead:
     @cached_property
     def functions(self) -> Array:
         """Behind one belt the six functions at both ends of each segment: shape (segments, 2, 6)."""
-        found: Array = self.base.functions * self.scale
-        return found
+        return self.base.functions * self.scale
 
     def line(self, c: Array) -> Array:
         """Behind one belt the sum c f(t) at both ends of each segment, shape (segments, 2); c of shape (6,)."""
@@ -288,13 +286,11 @@ class AtGearhead:
 
     def mean_with(self, c: Array, function: int) -> Array:
         """Mean over the cycle of c f(t) times one of the functions, of each candidate; c of shape (candidates, 6)."""
-        found: Array = (c * self.scale) @ self.base.moments[:, function] * self.scale[..., function]
-        return found
+        return (c * self.scale) @ self.base.moments[:, function] * self.scale[..., function]
 
     def slope(self, c: Array) -> Array:
         """Half of the gradient of the mean square of c f(t), by each coefficient: shape (candidates, 6)."""
-        found: Array = (c * self.scale) @ self.base.moments * self.scale
-        return found
+        return (c * self.scale) @ self.base.moments * self.scale
 
     def peak(self, coefficients: Array, left_out: Mask | None = None) -> Peak:
         """Largest absolute value over the cycle of what is linear in the functions, with coefficients of 0 or more.
@@ -354,5 +350,4 @@ def bounded(value: Array, time: Array, left_out: Mask | None) -> Peak:
 
 def lacking(left_out: Mask) -> Mask:
     """Whether anything was left out of a candidate's coefficients: of the three that may lack a part."""
-    found: Mask = left_out[:, ACCELERATION] | left_out[:, DIRECTION] | left_out[:, SPEED]
-    return found
+    return left_out[:, ACCELERATION] | left_out[:, DIRECTION] | left_out[:, SPEED]

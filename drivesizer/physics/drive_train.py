@@ -126,11 +126,11 @@ def drive_inertia(
     >>> round(float(drive_inertia(motor, {"inertia": nan}, encoder, unknown=0.0)), 12)
     1.01e-06
     """
-    found = [motor["rotor_inertia"], gearhead["inertia"], braking]
+    inertias = [motor["rotor_inertia"], gearhead["inertia"], braking]
     if not isnan(unknown):
-        found = [np.nan_to_num(x, nan=unknown) for x in found]
+        inertias = [np.nan_to_num(x, nan=unknown) for x in inertias]
     own = 0.0 if encoder is None else np.nan_to_num(encoder["inertia"])
-    return found[1] + own + found[0] + found[2]
+    return inertias[1] + own + inertias[0] + inertias[2]
 
 
 @once_per_part
@@ -248,8 +248,8 @@ def usual_idle(gearhead: Figures) -> tuple[Array, Array, Array]:
     [0.001, 0.003, 0.009]
     """
     kind, stages = np.asarray(gearhead["kind"]), np.asarray(gearhead["stages"])
-    each = [kind == name for name in IDLE]
-    share, spread = (np.select(each, [band[n] for band in IDLE.values()], nan) for n in (0, 1))
+    kinds = [kind == name for name in IDLE]
+    share, spread = (np.select(kinds, [band[n] for band in IDLE.values()], nan) for n in (0, 1))
     stages = np.where((stages > 0.0) & (kind != "strain wave"), stages, 1.0)
     usual = share * stages * gearhead["continuous_torque"] / gearhead["ratio"]
     return usual / spread, usual, usual * spread
@@ -273,8 +273,7 @@ def lost_in_gearhead(driving: Figure, braking: Figure, speed: Figure, gearhead: 
         [W].
     """
     e, idle = gear_loss(gearhead)
-    found: Array = driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * speed
-    return found
+    return driving * (1.0 / e - 1.0) - braking * (1.0 - e) + idle * speed
 
 
 _SIX_STEPS = 3.0 / (2.0 * np.pi)  # six commutations in an electrical period, each through half of L
@@ -307,8 +306,8 @@ def commutation(motor: Figures) -> Array:
     ----------
     .. [1] N. Mohan, T. Undeland, W. Robbins, Power Electronics, 3rd ed., Wiley 2003, chapter 6: 3 w L_s I / pi.
     """
-    found = _SIX_STEPS * np.asarray(motor["pole_pairs"]) * motor["inductance"]
-    return np.where(np.asarray(motor["kind"]) == "brushless", np.nan_to_num(found), 0.0)
+    drop = _SIX_STEPS * np.asarray(motor["pole_pairs"]) * motor["inductance"]
+    return np.where(np.asarray(motor["kind"]) == "brushless", np.nan_to_num(drop), 0.0)
 
 
 @once_per_part
@@ -330,10 +329,10 @@ def back_emf_constant(motor: Figures) -> Array:
     """
     k_t, own = np.asarray(motor["torque_constant"]), np.asarray(motor["back_emf_constant"])
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
-        if (unprinted := np.isnan(found)).any():
-            found = np.where(unprinted, _by_no_load_speed(motor, k_t), found)
-        return np.where(np.abs(found / k_t - 1.0) < _SAME, k_t, found)
+        k_e = np.where(np.isnan(own), np.divide(1.0, motor["speed_constant"]), own)
+        if (unprinted := np.isnan(k_e)).any():
+            k_e = np.where(unprinted, _by_no_load_speed(motor, k_t), k_e)
+        return np.where(np.abs(k_e / k_t - 1.0) < _SAME, k_t, k_e)
 
 
 def _by_no_load_speed(motor: Figures, k_t: Array) -> Array:

@@ -109,19 +109,19 @@ class Equation(Declared):
                 pass  # the reason is found below
         try:
             by_name = not args and kwargs.keys() == {term.name for term in self.terms}
-            given = kwargs if by_name else _signature(self.formula).bind(*args, **kwargs).arguments
+            arguments = kwargs if by_name else _signature(self.formula).bind(*args, **kwargs).arguments
         except TypeError as error:
-            wanted = ", ".join(f"{term.name} [{term.unit}]" for term in self.terms)
-            raise InputError(f"{self.label}: {error}; expected {wanted}") from None
-        with_units = [value for value in given.values() if hasattr(value, "dimensionality")]
-        listed = [term for term in self.terms if term.name in given]
-        plain = {term.name: _in_si(self, given[term.name], term, bool(with_units)) for term in listed}
+            terms = ", ".join(f"{term.name} [{term.unit}]" for term in self.terms)
+            raise InputError(f"{self.label}: {error}; expected {terms}") from None
+        with_units = [value for value in arguments.values() if hasattr(value, "dimensionality")]
+        listed = [term for term in self.terms if term.name in arguments]
+        plain = {term.name: _in_si(self, arguments[term.name], term, bool(with_units)) for term in listed}
         result = _result(self, plain)
         if not with_units:
             return result
         quantity = with_units[0]._REGISTRY.Quantity  # the caller's own: the result goes with other quantities there
-        found = _single(self, **{term.name: quantity(plain[term.name], _pint(term.unit)) for term in listed})
-        return quantity(found).to(_pint(self.result.unit))
+        value = _single(self, **{term.name: quantity(plain[term.name], _pint(term.unit)) for term in listed})
+        return quantity(value).to(_pint(self.result.unit))
 
     @property
     def label(self) -> str:
@@ -142,10 +142,10 @@ def _in_si(declared: Equation, value: Any, term: Term, with_units: bool) -> Any:
     kind = _KIND_OF[term.unit]
 
     def refused(fault: str) -> InputError:
-        found = f"{value:~C}" if hasattr(value, "dimensionality") else value
-        got = quoted(found) if isinstance(value, str) else quoted(found)[1:-1]
-        wanted = "a plain number" if term.unit == "1" else f"in {term.unit}, e.g. {KINDS[kind].example}"
-        return InputError(f"{declared.label}: {term.name} ({term.meaning}) must be {wanted}; got {got}{fault}")
+        text = f"{value:~C}" if hasattr(value, "dimensionality") else value
+        got = quoted(text) if isinstance(value, str) else quoted(text)[1:-1]
+        expected = "a plain number" if term.unit == "1" else f"in {term.unit}, e.g. {KINDS[kind].example}"
+        return InputError(f"{declared.label}: {term.name} ({term.meaning}) must be {expected}; got {got}{fault}")
 
     figure = value
     if hasattr(value, "dimensionality"):
@@ -241,7 +241,7 @@ def of_docstring(
     return title, terms["Parameters"], terms["Returns"][0], words["Printed"], own, words["Notes"]
 
 
-def equation(number: int | None, symbol: str, kind: str, shown: str) -> Callable[[Callable[..., Any]], Equation]:
+def equation(number: int | None, symbol: str, kind: str, printed: str) -> Callable[[Callable[..., Any]], Equation]:
     """Declare the function below as an equation.
 
     Parameters
@@ -250,7 +250,7 @@ def equation(number: int | None, symbol: str, kind: str, shown: str) -> Callable
         The paper's number, or None for what the paper does not number.
     symbol
         The paper's symbol of the result.
-    kind, shown
+    kind, printed
         Kind of quantity of the result, and the unit of the trade it is printed in.
 
     Returns
@@ -260,7 +260,7 @@ def equation(number: int | None, symbol: str, kind: str, shown: str) -> Callable
     """
 
     def declare(formula: Callable[..., Any]) -> Equation:
-        declared = Equation(number, symbol, formula, *of_docstring(formula), kind, shown)
+        declared = Equation(number, symbol, formula, *of_docstring(formula), kind, printed)
         if number is None:
             COMPANIONS[declared.name] = declared
         else:

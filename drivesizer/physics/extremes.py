@@ -142,17 +142,17 @@ def undominated(points: Array, most: int | None = None) -> Whole:
         rows = np.flatnonzero(_exceeding(left, left[:, [best]])[:, 0] | (rows == best))
     # an earlier point cannot be exceeded by a later one; columns break ties that the digits of the sum leave
     rows = rows[np.lexsort((*-left[::-1, rows], -far[rows]))]
-    left, found, size = left[:, rows], list[Whole](), 1
+    left, undominated_rows, size = left[:, rows], list[Whole](), 1
     count, enough = 0, len(rows) if most is None else most + 1
     while len(rows) and count < enough:
         block = left[:, :size]
         first = np.flatnonzero((_exceeding(block, block) | _NOT_BEFORE[: block.shape[1], : block.shape[1]]).all(axis=1))
         first = first[: enough - count]
-        found.append(rows[first])
+        undominated_rows.append(rows[first])
         count, size = count + len(first), min(2 * size, _BLOCK)
         after = _exceeding(left, left[:, first]).all(axis=1)
         rows, left = rows[after], left[:, after]
-    return np.concatenate([*found, rows]).astype(np.int64)
+    return np.concatenate([*undominated_rows, rows]).astype(np.int64)
 
 
 def _exceeding(points: Array, others: Array) -> Mask:
@@ -173,5 +173,4 @@ def _hull(points: Array) -> Whole:
     flat = scaled @ axes[size > 1e-9 * size[0]].T
     if flat.shape[1] == 1:
         return np.array([flat[:, 0].argmin(), flat[:, 0].argmax()])
-    corners: Whole = np.sort(ConvexHull(flat).vertices).astype(np.int64)
-    return corners
+    return np.sort(ConvexHull(flat).vertices).astype(np.int64)

@@ -108,8 +108,7 @@ def on(record: Record, rows: Any) -> Record:
                 known[id(x)] = x.on(rows) if hasattr(x, "on") else _each(taken, x)
         return known[id(x)]
 
-    found: Record = taken(record)
-    return found
+    return taken(record)
 
 
 def joined(several: Sequence[Record]) -> Record:
@@ -130,20 +129,21 @@ def joined(several: Sequence[Record]) -> Record:
     >>> joined([Range(np.array([1.0]), np.array([2.0])), Range(np.array([5.0]), np.array([7.0]))]).high.tolist()
     [2.0, 7.0]
     """
-    every: Any = several
+    records: Any = several
     if len(several) == 1:
         return several[0]
-    whole: Any = np.concatenate(every) if isinstance(every[0], np.ndarray) else _each(lambda *x: joined(x), *every)
-    found: Record = whole
-    return found
+    whole: Any = (
+        np.concatenate(records) if isinstance(records[0], np.ndarray) else _each(lambda *x: joined(x), *records)
+    )
+    return whole
 
 
-def put(record: Record, rows: Any, some: Record) -> Record:
+def put(record: Record, rows: Any, replacement: Record) -> Record:
     """Columns, and records of columns, with those of some of the candidates replaced.
 
     Parameters
     ----------
-    record, some
+    record, replacement
         Of all candidates and of these.
     rows
         Which these are: a mask or numbers.
@@ -161,13 +161,12 @@ def put(record: Record, rows: Any, some: Record) -> Record:
     x: Any = record
     if isinstance(x, np.ndarray):
         x = x.copy()
-        x[rows] = some
+        x[rows] = replacement
     elif hasattr(x, "with_rows"):
-        x = x.with_rows(rows, some)
+        x = x.with_rows(rows, replacement)
     else:
-        x = _each(lambda a, b: put(a, rows, b), x, some)
-    found: Record = x
-    return found
+        x = _each(lambda a, b: put(a, rows, b), x, replacement)
+    return x
 
 
 def _each(make: Callable[..., Any], *records: Any) -> Any:
@@ -176,7 +175,7 @@ def _each(make: Callable[..., Any], *records: Any) -> Any:
     if first is None:
         return None
     if isinstance(first, dict):
-        return {name: make(*(one[name] for one in records)) for name in first}
+        return {name: make(*(record[name] for record in records)) for name in first}
     parts = [make(*same) for same in zip(*records, strict=True)]
     return first._make(parts) if hasattr(first, "_make") else type(first)(parts)
 
@@ -203,14 +202,14 @@ def product(rows: Array, columns: Array) -> Array:
     """
     if rows.size * columns.shape[1] <= _MULTIPLIED:
         return rows @ columns
-    found = np.empty((len(rows), columns.shape[1]))
+    result = np.empty((len(rows), columns.shape[1]))
     wide = min(columns.shape[1], _WIDEST)
     high = max(_MULTIPLIED // (columns.shape[0] * wide), 1)
     for top in range(0, len(rows), high):
         for left in range(0, columns.shape[1], wide):
             part = slice(top, top + high), slice(left, left + wide)
-            np.matmul(rows[part[0]], columns[:, part[1]], out=found[part])
-    return found
+            np.matmul(rows[part[0]], columns[:, part[1]], out=result[part])
+    return result
 
 
 def once_per_part(compute: Callable[[Figures], Result]) -> Callable[[Figures], Result]:
@@ -236,7 +235,7 @@ def once_per_part(compute: Callable[[Figures], Result]) -> Callable[[Figures], R
 
     @wraps(compute)
     def computed(part: Figures) -> Result:
-        each: Callable[[Callable[[Figures], Result]], Result] | None = getattr(part, "each", None)
-        return compute(part) if each is None else each(compute)
+        per_part: Callable[[Callable[[Figures], Result]], Result] | None = getattr(part, "each", None)
+        return compute(part) if per_part is None else per_part(compute)
 
     return computed

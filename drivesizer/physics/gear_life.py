@@ -75,8 +75,8 @@ def turned_load(
         return ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * share
 
     weights = (_WEIGHTS / 2.0).reshape(share.shape)
-    each = (force(at(load)) ** exponent * np.abs(at(speed)) * weights).sum(axis=1)
-    return (duration * each).sum(axis=0) / duration.sum(axis=0)
+    wear = (force(at(load)) ** exponent * np.abs(at(speed)) * weights).sum(axis=1)
+    return (duration * wear).sum(axis=0) / duration.sum(axis=0)
 
 
 def mean_load(turned: Figure, mean_speed: Figure, exponent: float) -> Alike:
@@ -284,8 +284,8 @@ def permissible_radial(limit: Figure, printed_at: Figure, distance: Figure, bear
     [675, 450]
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        kept = np.where(distance > printed_at, printed_at / distance, 1.0) + 0.0 * printed_at
-        share = np.where(np.isnan(bearing), kept, (printed_at + bearing) / (distance + bearing))
+        by_lever = np.where(distance > printed_at, printed_at / distance, 1.0) + 0.0 * printed_at
+        share = np.where(np.isnan(bearing), by_lever, (printed_at + bearing) / (distance + bearing))
         return np.where(np.isposinf(limit), limit, limit * share)
 
 

@@ -112,7 +112,7 @@ class LoadCycle:
     @property
     def samples(self) -> int:
         """Number of cycles side by side; 1 of one, and where all are the same."""
-        single = (self.inertia, self.radius, self.held, *(x for one in self.own for x in (one.demand, one.limit)))
+        single = (self.inertia, self.radius, self.held, *(x for limit in self.own for x in (limit.demand, limit.limit)))
         wide = [
             c.shape[-1] for c in (self.duration, self.speed, self.acceleration, self.torque) if self.duration.ndim > 1
         ]
@@ -125,7 +125,8 @@ class LoadCycle:
             return column[..., rows] if np.ndim(column) and column.shape[-1] > 1 else column
 
         own = tuple(
-            one._replace(demand=some(one.demand), limit=some(one.limit), time=some(one.time)) for one in self.own
+            limit._replace(demand=some(limit.demand), limit=some(limit.limit), time=some(limit.time))
+            for limit in self.own
         )
         names = (*CYCLE_COLUMNS, "inertia", "radius", "held")
         return replace(self, own=own, **{name: some(getattr(self, name)) for name in names})
@@ -142,8 +143,7 @@ class LoadCycle:
     @property
     def direction(self) -> Ends:
         """Sign of the speed within each segment, 0 at rest: shape (segments, 1, ...)."""
-        direction: Ends = np.sign(self.speed.mean(axis=1, keepdims=True))
-        return direction
+        return np.sign(self.speed.mean(axis=1, keepdims=True))
 
     @property
     def power(self) -> Ends:
@@ -217,8 +217,7 @@ class Cuts(NamedTuple):
     def travel(self, duration: Array, speed: Ends) -> Ends:
         """Way along straight lines of speed at both ends of the pieces, from the start of their segment."""
         first, share = speed[self.owner, :1], np.stack([self.start, self.end], axis=1)
-        way: Ends = duration[self.owner, None] * (first * share + (speed[self.owner, 1:] - first) * share**2 / 2)
-        return way
+        return duration[self.owner, None] * (first * share + (speed[self.owner, 1:] - first) * share**2 / 2)
 
     def line(self, ends: Ends, *, crosses: bool = False) -> Ends:
         """A straight line over segments at both ends of their pieces; ``crosses``: it is 0 where it is cut."""
@@ -272,8 +271,7 @@ def middle(ends: Ends) -> Array:
     >>> middle(np.array([[1.0, 3.0], [2.0, 2.0]])).tolist()
     [2.0, 2.0]
     """
-    found: Array = (ends[:, 0] + ends[:, 1]) / 2
-    return found
+    return (ends[:, 0] + ends[:, 1]) / 2
 
 
 def integral(duration: Array, a: Ends, b: Ends) -> Alike:
@@ -316,8 +314,7 @@ def mean_product(a: Ends, b: Ends) -> Array:
         In the units of a times b, shape (segments,) or (segments, cycles).
     """
     a_0, a_1, b_0, b_1 = a[:, 0], a[:, 1], b[:, 0], b[:, 1]
-    mean: Array = (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6
-    return mean
+    return (2 * a_0 * b_0 + a_0 * b_1 + a_1 * b_0 + 2 * a_1 * b_1) / 6
 
 
 def rms(duration: Array, a: Ends) -> Alike:
@@ -336,8 +333,8 @@ def rms(duration: Array, a: Ends) -> Alike:
         In the unit of a; of several cycles shape (cycles,).
     """
     total = duration.sum(axis=0)
-    found = np.sqrt(integral(duration, a, a) / np.where(total > 0.0, total, 1.0))
-    return float(found) if duration.ndim == 1 else found
+    root = np.sqrt(integral(duration, a, a) / np.where(total > 0.0, total, 1.0))
+    return float(root) if duration.ndim == 1 else root
 
 
 # -- The speed of a cycle that a gearhead's continuous input speed limits.
@@ -400,8 +397,7 @@ def mean_running(duration: Array, speed: Array) -> Array:
     """
     running = np.where((speed != 0.0).any(axis=1), duration, 0.0)
     total = running.sum(axis=0)
-    found: Array = (running * np.abs(speed).mean(axis=1)).sum(axis=0) / np.where(total > 0.0, total, 1.0)
-    return found
+    return (running * np.abs(speed).mean(axis=1)).sum(axis=0) / np.where(total > 0.0, total, 1.0)
 
 
 def exceeded(duration: Array, speed: Array, permitted: tuple[float, float]) -> Array:
@@ -432,8 +428,7 @@ def exceeded(duration: Array, speed: Array, permitted: tuple[float, float]) -> A
     ends = np.broadcast_to(np.abs(speed).reshape(len(speed), 2, -1), (len(speed), 2, count))
     slowest, total = ends.min(axis=(0, 1)), time.sum(axis=0)
     if permitted[1] >= 1.0 and (total <= permitted[0]).all():  # exceeded always or not long enough
-        lasts: Array = slowest.reshape(shape)
-        return lasts
+        return slowest.reshape(shape)
     longest_run, in_all = permitted[0] * (1.0 + _ROUNDING), permitted[1] * total * (1.0 + _ROUNDING)
     time, ends = _from_the_slowest(time, ends)
     levels = np.sort(np.concatenate([np.zeros((1, count)), ends[:, 0], ends[:, 1]]), axis=0)
@@ -447,8 +442,7 @@ def exceeded(duration: Array, speed: Array, permitted: tuple[float, float]) -> A
     (runs, sums), (runs_then, sums_then) = _times(time, ends, levels, place)
     share = np.maximum(_share(runs, runs_then, np.float64(longest_run)), _share(sums, sums_then, in_all))
     low, high = (levels[place + step, np.arange(count)] for step in (0, 1))
-    found: Array = np.maximum(np.where(known < 0, 0.0, low + share * (high - low)), slowest).reshape(shape)
-    return found
+    return np.maximum(np.where(known < 0, 0.0, low + share * (high - low)), slowest).reshape(shape)
 
 
 def _from_the_slowest(time: Array, ends: Array) -> tuple[Array, Array]:
@@ -471,8 +465,8 @@ def _times(time: Array, ends: Array, levels: Array, place: Whole) -> Iterator[tu
     joined = above[1:, 0] & above[:-1, 1]  # to the segment before
     most, certain = ends.max(axis=1), np.where(whole, time, 0.0)
     for v in (low, high):
-        each = certain + slope * (most - v)
-        end = np.cumsum(each, axis=0)
+        time_above = certain + slope * (most - v)
+        end = np.cumsum(time_above, axis=0)
         starts = np.concatenate([np.zeros((1, end.shape[1])), np.where(joined, 0.0, end[:-1])])
         yield end - np.maximum.accumulate(starts, axis=0), end[-1:]
 
@@ -481,5 +475,4 @@ def _share(first: Array, last: Array, permitted: Array | np.float64) -> Array:
     """Share of the step from one level to the next with times longer than permitted; 0 where they never are."""
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(last >= permitted, 1.0, (first - permitted) / (first - last))
-    found: Array = np.where(first > permitted, share, 0.0).max(axis=0)
-    return found
+    return np.where(first > permitted, share, 0.0).max(axis=0)

@@ -42,12 +42,12 @@ def local_parabola(time: Column, value: Column, window: float) -> tuple[Column, 
     fit, slope = np.empty_like(time), np.empty_like(time)
     many, widest = np.empty(len(time), bool), 0
     for k in range(0, len(time), _PART):
-        some = slice(k, k + _PART)
+        rows = slice(k, k + _PART)
         near = slice(max(k - 2, 0), k + _PART + 2)
         fitted = _three_points(time[near], value[near])
-        fit[some], slope[some] = (x[some.start - near.start :][: len(time[some])] for x in fitted)
-        first, end = _windows(time, time[some], half)
-        many[some], widest = end - first >= 4, max(widest, int((end - first).max()))
+        fit[rows], slope[rows] = (x[rows.start - near.start :][: len(time[rows])] for x in fitted)
+        first, end = _windows(time, time[rows], half)
+        many[rows], widest = end - first >= 4, max(widest, int((end - first).max()))
     for at in _numbers(many, max(_PART, 4 * widest)):  # so that few samples are looked at twice
         first, end = _windows(time, time[at], half)
         start = int(np.searchsorted(time, time[first[0]] - 7 * half)) if len(time) > _PART else 0  # a bin before it
@@ -74,11 +74,11 @@ def periodic_parabola(time: Column, value: Column, window: float) -> tuple[Colum
     return fit[len(time) - 1 : 2 * len(time) - 1], slope[len(time) - 1 : 2 * len(time) - 1]
 
 
-def _numbers(chosen: Mask, count: int) -> Iterator[Whole]:
+def _numbers(mask: Mask, count: int) -> Iterator[Whole]:
     """Numbers of those that are chosen, so many at a time: all of a long recording's take room."""
     left = np.zeros(0, np.int64)
-    for k in range(0, len(chosen), count):
-        left = np.concatenate([left, k + np.flatnonzero(chosen[k : k + count])])
+    for k in range(0, len(mask), count):
+        left = np.concatenate([left, k + np.flatnonzero(mask[k : k + count])])
         if len(left) >= count:
             yield left[:count]
             left = left[count:]
@@ -118,9 +118,9 @@ def _least_squares(
         inside = number[first] == number[end - 1]
         s = (time - (number + 0.5 - row) * 6 * half) / half
         start = value[np.searchsorted(number, number, side="left")]
-        chosen = at[inside]
-        fitted = _fitted(s, value - start, s[chosen], first[inside], end[inside])
-        fit[inside], slope[inside] = fitted[0] + start[chosen], fitted[1] / half
+        rows = at[inside]
+        fitted = _fitted(s, value - start, s[rows], first[inside], end[inside])
+        fit[inside], slope[inside] = fitted[0] + start[rows], fitted[1] / half
     return fit, slope
 
 
@@ -178,13 +178,15 @@ def fastest_ramp(distance: float, speed: float, acceleration: float, jerk: float
 
     length = min(distance, 4 * v * max(v / a, math.sqrt(v / j)))
     unit = max(length / v, 2 * math.sqrt(length / a), math.cbrt(32 * length / j))
-    task, found = ruckig.InputParameter(1), ruckig.Trajectory(1)
+    task, trajectory = ruckig.InputParameter(1), ruckig.Trajectory(1)
     task.target_position = [1.0]
     limits = [v * unit / length, a * unit * unit / length, j * unit * unit * unit / length]
     task.max_velocity, task.max_acceleration, task.max_jerk = ([limit] for limit in limits)
     try:
-        ruckig.Ruckig(1).calculate(task, found)
+        ruckig.Ruckig(1).calculate(task, trajectory)
     except ruckig.RuckigError as error:
         raise ArithmeticError(str(error)) from None
-    t = found.profiles[0][0].t  # of the seven phases; from rest to rest the last three are the first three, mirrored
+    t = trajectory.profiles[0][
+        0
+    ].t  # of the seven phases; from rest to rest the last three are the first three, mirrored
     return t[0] * unit, t[1] * unit, t[3] * unit + (distance - length) / v

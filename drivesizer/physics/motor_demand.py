@@ -46,8 +46,7 @@ class Demands(NamedTuple):
 
     def surplus(self, k_t: Array) -> Array:
         """Back-EMF constant less torque constant, per speed at the gearhead's output [V*s/rad]."""
-        found: Array = (self.back_emf - k_t) * self.total_ratio
-        return found
+        return (self.back_emf - k_t) * self.total_ratio
 
 
 class Coefficients(NamedTuple):
@@ -98,26 +97,26 @@ def _least_square(at: AtGearhead, c: Array, left_out: Mask) -> Array:
     It is a convex function of the amounts: the least is met where the slope by some of them is 0 and the others are 0.
     """
     slope = at.slope(c)
-    found: Array = (slope * c).sum(1)
+    mean_square: Array = (slope * c).sum(1)
     places = [k for k in (ACCELERATION, DIRECTION, SPEED) if left_out[:, k].any()]
     if not (left_out & (slope < 0.0))[:, places].any():  # more of any of them only adds
-        return found
+        return mean_square
     rows = np.flatnonzero((left_out & (slope < 0.0))[:, places].any(axis=1))
     squares = {k: at.slope(np.broadcast_to(np.eye(6)[k], c.shape))[rows] for k in places}
-    least = found[rows]
-    for some in (list(some) for n in range(len(places)) for some in combinations(places, n + 1)):
-        matrix, s = np.stack([squares[k][:, some] for k in some], axis=1), slope[rows][:, some]
+    least = mean_square[rows]
+    for functions in (list(functions) for n in range(len(places)) for functions in combinations(places, n + 1)):
+        matrix, s = np.stack([squares[k][:, functions] for k in functions], axis=1), slope[rows][:, functions]
         size = np.sqrt(np.einsum("rkk->rk", matrix))
-        own = left_out[rows][:, some].all(axis=1) & (size > 0.0).all(axis=1)
+        own = left_out[rows][:, functions].all(axis=1) & (size > 0.0).all(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             matrix, s = matrix / (size[:, :, None] * size[:, None, :]), s / size
         own[own] = np.linalg.det(matrix[own]) > _APART
         amounts = -np.linalg.solve(matrix[own], s[own][:, :, None])[:, :, 0]
         of = np.flatnonzero(own)[(amounts >= 0.0).all(axis=1)]
         amounts = amounts[(amounts >= 0.0).all(axis=1)]
-        least[of] = np.minimum(least[of], found[rows[of]] + (s[of] * amounts).sum(axis=1))
-    found[rows] = least
-    return found
+        least[of] = np.minimum(least[of], mean_square[rows[of]] + (s[of] * amounts).sum(axis=1))
+    mean_square[rows] = least
+    return mean_square
 
 
 def coefficients(
@@ -196,5 +195,4 @@ def flange_loss(at: AtGearhead, gearhead: Figures) -> Array:
     """
     if not at.acts[SPEED]:
         return np.zeros(len(gearhead["ratio"]))
-    found: Array = mean_gear_loss(at, gearhead) / at.moment(DIRECTION, SPEED)
-    return found
+    return mean_gear_loss(at, gearhead) / at.moment(DIRECTION, SPEED)

@@ -104,7 +104,7 @@ class Feed(NamedTuple):
         return self.stage.loss * np.abs(current) + self.stage.resistance * current**2
 
 
-def power_stage(controller: Figures, voltage: Figure, given: object = None, *, assume: bool = True) -> PowerStage:
+def power_stage(controller: Figures, voltage: Figure, own_stage: object = None, *, assume: bool = True) -> PowerStage:
     r"""The stage of controllers by what is printed of them, given or assumed.
 
     The loss per ampere is the larger of the voltage drop and of what the greatest efficiency leaves at the highest
@@ -117,7 +117,7 @@ def power_stage(controller: Figures, voltage: Figure, given: object = None, *, a
         Figures by field name: columns, NaN unknown.
     voltage
         Of the supply, for a standby current [V].
-    given
+    own_stage
         ``voltage_drop`` [V], ``resistance`` [ohm] and ``standby`` [W] in place of the controllers' own; None where not.
     assume
         Whether an unknown loss is ``ASSUMED_LOSS``; else it is left out.
@@ -130,7 +130,7 @@ def power_stage(controller: Figures, voltage: Figure, given: object = None, *, a
     inside, duty, drop = controller["inside"] != "", controller["max_duty"], controller["voltage_drop"]
     full = np.where(np.isnan(duty), 1.0, duty) * controller["supply_max"]
     loss = np.fmax(drop, (1.0 / controller["max_efficiency"] - 1.0) * full)
-    own, ohm, watt = (getattr(given, name, None) for name in ("voltage_drop", "resistance", "standby"))
+    own, ohm, watt = (getattr(own_stage, name, None) for name in ("voltage_drop", "resistance", "standby"))
     if own is not None:
         drop, loss = (np.where(inside, x, own) for x in (drop, loss))
     unknown = np.isnan(loss)

@@ -189,11 +189,11 @@ def mean_load(duration: Array, speed: Array, force: Array, preload: Figure = 0.0
     ends = (x[:, :1] + (x[:, 1:] - x[:, :1]) * edges for x in (speed, force))
     v, F = (np.stack([x[:, :-1], x[:, 1:]], axis=2).reshape(-1, 2, *x.shape[2:]) for x in ends)
     t = (duration[:, None] * np.diff(edges, axis=1)).reshape(-1, *edges.shape[2:])
-    moved = gear_life.turned_load(t, F, v, 0.0)
+    distance = gear_life.turned_load(t, F, v, 0.0)
 
     def flank(sign: float) -> Alike:
         cubes = gear_life.turned_load(t, F, v, 3.0, lambda force: _on_flank(sign * force, preload))
-        return gear_life.mean_load(cubes, moved, 3.0)
+        return gear_life.mean_load(cubes, distance, 3.0)
 
     return MeanLoad(flank(1.0), flank(-1.0))
 
@@ -203,8 +203,7 @@ def _on_flank(force: Array, preload: Figure) -> Array:
     limit = 2.0**1.5 * preload
     with np.errstate(divide="ignore", invalid="ignore"):  # without a preload the limit is 0
         within = np.where(np.greater(preload, 0.0), preload * np.maximum(1.0 + force / limit, 0.0) ** 1.5, 0.0)
-    loaded: Array = np.where(force >= limit, force, within)
-    return loaded
+    return np.where(force >= limit, force, within)
 
 
 def life_turns(dynamic_load: Figure, mean: MeanLoad, load_factor: float = 1.0) -> Alike:
@@ -238,7 +237,7 @@ def life_turns(dynamic_load: Figure, mean: MeanLoad, load_factor: float = 1.0) -
     >>> f"{life_turns(9800.0, MeanLoad(492.0, 0.0), 1.5):.3g}"
     '2.34e+09'
     """
-    fatigue = sum((load_factor * one / dynamic_load) ** (10.0 / 3.0) for one in mean)  # of 10^6 turns, to 10/9
+    fatigue = sum((load_factor * load / dynamic_load) ** (10.0 / 3.0) for load in mean)  # of 10^6 turns, to 10/9
     with np.errstate(divide="ignore"):
         return 1e6 * np.float_power(fatigue, -0.9)
 

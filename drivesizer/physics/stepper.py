@@ -195,8 +195,7 @@ def pull_out_torque(
         crossing = (resistance * c + X * np.sqrt(np.maximum(Z2 * I_m**2 - c**2, 0.0))) / Z2
         i_x = np.where(of_current, I_m, np.where(of_voltage, top, crossing))
     known = np.isnan(voltage + I_m + k + Z2 + 0.0 * w)
-    found: Array = np.where(known, np.nan, k * np.maximum(i_x, 0.0))
-    return found
+    return np.where(known, np.nan, k * np.maximum(i_x, 0.0))
 
 
 def rescaled_torque(speed: Figure, voltage: Figure, at_speed: Array, at_torque: Array, at_voltage: Figure) -> Array:
@@ -227,13 +226,13 @@ def rescaled_torque(speed: Figure, voltage: Figure, at_speed: Array, at_torque: 
     """
     w = np.abs(speed) * np.maximum(at_voltage / voltage, 1.0)[:, None]
     least = np.minimum.accumulate(at_torque, axis=1)
-    found = np.repeat(least[:, :1], w.shape[1], axis=1)
+    torque_there = np.repeat(least[:, :1], w.shape[1], axis=1)
     for left in range(at_speed.shape[1] - 1):
         (a, b), (low, high) = at_speed[:, left : left + 2].T[:, :, None], least[:, left : left + 2].T[:, :, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             between = low + (high - low) * (w - a) / (b - a)
-        found = np.where((w > a) & (b > a), between, found)
-    return np.where(w > at_speed[:, -1:] * (1.0 + 1e-9), np.nan, np.where(np.isnan(w), np.nan, found))
+        torque_there = np.where((w > a) & (b > a), between, torque_there)
+    return np.where(w > at_speed[:, -1:] * (1.0 + 1e-9), np.nan, np.where(np.isnan(w), np.nan, torque_there))
 
 
 DETENT_SHARE = 0.05  # of the holding torque that a rotor's own friction and detent take; NEMA 17 and 23 print 3 to 6 %
@@ -268,8 +267,7 @@ def torque_at_current(torque: Figure, share: Figure, own: Figure) -> Alike:
     >>> float(torque_at_current(0.40, 0.5, 0.02))
     0.19
     """
-    found: Figure = np.maximum(share * (torque + own) - own, 0.0)
-    return found
+    return np.maximum(share * (torque + own) - own, 0.0)
 
 
 # -- Starting of steppers without a ramp, and their natural frequency.

@@ -56,23 +56,20 @@ class TwoBodies:
     def known(self) -> Mask:
         """Whether all figures of each motor are known."""
         figures = np.broadcast_arrays(self.R_25, self.R_th1, self.R_th2, self.tau_w, self.tau_h)
-        found: Mask = np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
-        return found
+        return np.all([(x > 0.0) & (x < np.inf) for x in figures], axis=0)
 
 
 def data_temperature(motor: Figures) -> Value:
     """Temperature at which a motor's figures hold [K]: its catalogue's, else 25 degC, the makers' usual rating."""
     stated = np.asarray(motor["data_temperature"], float)
-    found: Value = np.where(np.isnan(stated), DATA_TEMPERATURE, stated)[()]
-    return found
+    return np.where(np.isnan(stated), DATA_TEMPERATURE, stated)[()]
 
 
 @once_per_part
 def rated_ambient(motor: Figures) -> Value:
     """Ambient of the continuous nominal current [K]: the maker's, else that of the motor's other figures."""
     stated = np.asarray(motor["rated_ambient"], float)
-    found: Value = np.where(np.isnan(stated), data_temperature(motor), stated)[()]
-    return found
+    return np.where(np.isnan(stated), data_temperature(motor), stated)[()]
 
 
 @once_per_part
@@ -94,8 +91,7 @@ def resistance_25(motor: Figures) -> Value:
     >>> round(float(resistance_25({"resistance": 2.83, "data_temperature": 295.15})), 4)
     2.8635
     """
-    found: Value = motor["resistance"] / (1.0 + COPPER * (data_temperature(motor) - DATA_TEMPERATURE))
-    return found
+    return motor["resistance"] / (1.0 + COPPER * (data_temperature(motor) - DATA_TEMPERATURE))
 
 
 def resistance_at(R_25: Value, temperature: Value) -> Value:
@@ -144,8 +140,7 @@ def settled(ambient: Value, heating: Value, rest: Value = 0.0) -> Value:
     with np.errstate(divide="ignore", invalid="ignore"):
         growth = 1.0 - COPPER * np.asarray(heating)
         rise = np.divide(heating * (1.0 + COPPER * (ambient - DATA_TEMPERATURE)) + rest, growth)
-        found: Value = (ambient + np.where(growth <= 0.0, np.inf + np.asarray(rest), rise))[()]
-    return found
+        return (ambient + np.where(growth <= 0.0, np.inf + np.asarray(rest), rise))[()]
 
 
 def two_bodies(motor: Figures) -> TwoBodies:
@@ -248,8 +243,7 @@ def current_derating(ambient: Value, T_max: Value, rated: Value = DATA_TEMPERATU
     span = np.asarray(T_max - rated)
     rise, span = np.broadcast_arrays(np.maximum(T_max - ambient, 0.0), span)
     share = np.divide(rise, span, out=np.full(span.shape, np.nan), where=span > 0.0)
-    found: Value = np.where(np.isnan(span) & (ambient <= np.asarray(rated)), 1.0, np.sqrt(share))[()]
-    return found
+    return np.where(np.isnan(span) & (ambient <= np.asarray(rated)), 1.0, np.sqrt(share))[()]
 
 
 def derating_at_most(ambient: Value, T_max: Value, rated: Value = DATA_TEMPERATURE) -> Value:
@@ -274,13 +268,12 @@ def derating_at_most(ambient: Value, T_max: Value, rated: Value = DATA_TEMPERATU
     >>> round(float(derating_at_most(298.15, float("nan"), 313.15)), 4)
     1.1726
     """
-    found = np.asarray(current_derating(ambient, T_max, rated))
+    share = np.asarray(current_derating(ambient, T_max, rated))
     unknown, rated = np.isnan(np.asarray(T_max)), np.asarray(rated)
     if not unknown.any():
-        return found[()]
+        return share[()]
     colder = np.maximum(rated - ambient, 0.0) / np.maximum(_LEAST_PERMITTED - rated, 1e-300)
-    most: Value = np.where(unknown, np.sqrt(1.0 + colder), found)[()]
-    return most
+    return np.where(unknown, np.sqrt(1.0 + colder), share)[()]
 
 
 def continuous_current(
@@ -327,8 +320,7 @@ def continuous_current(
     rise = T_max - ambient - R_th2 * P_h  # K, left to the copper
     hot = R_25 * (1.0 + COPPER * (T_max - DATA_TEMPERATURE))  # ohm
     with np.errstate(divide="ignore", invalid="ignore"):
-        found: Value = np.sqrt(np.divide(np.maximum(rise, 0.0), hot * (R_th1 + R_th2)))
-    return found
+        return np.sqrt(np.divide(np.maximum(rise, 0.0), hot * (R_th1 + R_th2)))
 
 
 def nominal_current(
@@ -401,8 +393,7 @@ def continuous_torque(k_t: Value, I_0: Value, current: Value) -> Value:
     >>> round(float(continuous_torque(23.4e-3, 36.9e-3, 1.2)), 4)
     0.0272
     """
-    found: Value = np.maximum(k_t * (current - I_0), 0.0)
-    return found
+    return np.maximum(k_t * (current - I_0), 0.0)
 
 
 def with_plate(housing: Value, plate: Value) -> Value:

@@ -229,8 +229,8 @@ def temperature_of_pulses(ambient: Figure, cycle: AtGearhead, demands: Demands, 
     bodies, total = two_bodies(motor), cycle.load_cycle.total
     with np.errstate(divide="ignore", invalid="ignore"):
         R_th1, losses = bodies.R_th1 + total / bodies.capacity_w, heat.mean * (1.0 + total / bodies.tau_h)
-    found = steady_winding_temperature(ambient, bodies.R_25, R_th1, bodies.R_th2, demands.rms_current, losses)
-    return np.where(bodies.known & ~np.isnan(found), found, np.inf)
+    temperature = steady_winding_temperature(ambient, bodies.R_25, R_th1, bodies.R_th2, demands.rms_current, losses)
+    return np.where(bodies.known & ~np.isnan(temperature), temperature, np.inf)
 
 
 def volts_of(demands: Demands, k_t: Array, resistance: Array) -> Array:

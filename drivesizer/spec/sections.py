@@ -488,7 +488,7 @@ class Consumer(fields.Section):
             raise ValueError(f"expected mission.duration for the time of {self.name}; else give its duty")
         if np.all(self.time > mission):
             raise ValueError(f"expected the time of {self.name} not to be longer than the mission")
-        return np.minimum(self.time / mission, 1.0)  # type: ignore[no-any-return]  # a column where it is sampled
+        return np.minimum(self.time / mission, 1.0)  # a column where it is sampled
 
     def drawn(self, mission: float | None) -> tuple[float, float]:
         """Power out of the battery in the mean over a mission's time [s] and at most [W]."""

@@ -182,23 +182,20 @@ def _key(spelling: str) -> str:
 @cache
 def _spellings(kind: str) -> dict[str, str]:
     """Every accepted spelling of a kind's units, as keys to the pint expression."""
-    found: dict[str, str] = {}
+    units: dict[str, str] = {}
     for unit, others in KINDS[kind].units.items():
         for spelling in (unit, *others.split()):
             key = _key(spelling)
             bare = key.replace("(", "").replace(")", "")
             for variant in (key, bare, key.replace("*", ""), bare.replace("*", "")):
-                found.setdefault(variant, unit)
-    return found
+                units.setdefault(variant, unit)
+    return units
 
 
 @cache
 def _table() -> dict[str, dict[str, list[float]]]:
     """Factor and offset of every unit by kind: what :func:`tabulate` found, kept so that no start waits for pint."""
-    found: dict[str, dict[str, list[float]]] = json.loads(
-        (resources.files("drivesizer.units") / "units.json").read_text(encoding="utf-8")
-    )
-    return found
+    return json.loads((resources.files("drivesizer.units") / "units.json").read_text(encoding="utf-8"))
 
 
 def tabulate() -> dict[str, dict[str, list[float]]]:
@@ -206,16 +203,16 @@ def tabulate() -> dict[str, dict[str, list[float]]]:
 
     ``python -m drivesizer.units`` prints it as ``units.json``; a test holds file and pint together.
     """
-    ureg, found = registry(), {}
+    ureg, factors = registry(), {}
     for name, kind in KINDS.items():
-        found[name] = {unit: [1.0, 0.0] for unit in kind.units}
+        factors[name] = {unit: [1.0, 0.0] for unit in kind.units}
         if name.startswith("price"):  # stays in its currency: rates are no units
             continue
         for unit in (u for u in kind.units if u != kind.si):
             step = f"delta_{ureg.get_name(unit)}" if name == "temperature" else unit
             zero = ureg.Quantity(0.0, unit).to(kind.si).magnitude if name == "temperature" else 0.0
-            found[name][unit] = [float(ureg.Quantity(1.0, step).to(kind.si).magnitude), float(zero)]
-    return found
+            factors[name][unit] = [float(ureg.Quantity(1.0, step).to(kind.si).magnitude), float(zero)]
+    return factors
 
 
 def number(text: str) -> tuple[float, str]:
@@ -421,11 +418,11 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
         return "unknown"
     if math.isinf(value):
         return "unbounded" if value > 0 else "unbounded below"
-    shown = float(from_si(value, unit, kind)) + 0.0  # without a negative zero
-    while abs(shown) >= _THOUSAND and unit in _LARGER:
+    number = float(from_si(value, unit, kind)) + 0.0  # without a negative zero
+    while abs(number) >= _THOUSAND and unit in _LARGER:
         unit = _LARGER[unit]
-        shown = float(from_si(value, unit, kind)) + 0.0
-    return f"{digits_of(shown, digits)} {label(unit)}".rstrip()
+        number = float(from_si(value, unit, kind)) + 0.0
+    return f"{digits_of(number, digits)} {label(unit)}".rstrip()
 
 
 def digits_of(number: float, digits: int = 4) -> str:
