@@ -101,7 +101,7 @@ def test_vendor_spellings(text, kind, si):
         ("24", "voltage", "no unit"),
         (24, "voltage", "no unit"),
         (True, "voltage", "not a quantity"),
-        (None, "voltage", "not a quantity"),
+        (None, "voltage", "is empty"),
         (["24 V"], "voltage", "not a quantity"),
         (True, "dimensionless", "not a quantity"),
         ("3 J", "torque", "unit of energy"),

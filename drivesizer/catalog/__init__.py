@@ -137,8 +137,8 @@ def path_of(name: str, beside: Path | None = None) -> Path:
         return path
     hint = nearest(name, known, 1)
     raise UnknownCatalogError(
-        f"no catalogue is called {quoted(name)}{hint}; expected a maker's, such as maxon, or a .yaml file; "
-        "or a price list, .csv or .xlsx"
+        f"no catalogue is called {quoted(name)}{hint}; expected one of `drivesizer catalog stats`, such as maxon, "
+        "or a .yaml file; or a price list, .csv or .xlsx"
     )
 
 

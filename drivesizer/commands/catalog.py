@@ -145,7 +145,8 @@ def take_in(
         new(beside, map_text(imported, planned).encode())
         kind = "" if section else f" --section {imported.section}"
         written.append(
-            f"{beside} written: mend it where the guess is wrong, and import again with --map {beside}{kind}"
+            f"{beside} written: mend it where the guess is wrong, remove {target} and import again "
+            f"with --map {beside}{kind}"
         )
     if not dry_run:
         new(target, imported.text.encode())

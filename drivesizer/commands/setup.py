@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import textwrap
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -87,7 +88,7 @@ def _kind() -> str:
     """The kind of load that is chosen out of a list, by number or by name."""
     for number, kind in enumerate(KINDS, 1):
         said = starter(kind).splitlines()[0].removeprefix("# ").rstrip(".")
-        typer.echo(f"{number:>3}  {kind:<17} {said}")
+        typer.echo(textwrap.fill(f"{number:>3}  {kind:<17} {said}", 80, subsequent_indent=" " * 23))
     while True:
         answer = str(typer.prompt("What moves", default="wheeled_vehicle")).strip()
         chosen = KINDS[int(answer) - 1] if answer.isdecimal() and 1 <= int(answer) <= len(KINDS) else answer

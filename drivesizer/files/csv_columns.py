@@ -229,9 +229,8 @@ def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[CsvFile, Form
         warnings.warn(f"{path}: columns left out: {', '.join(left_out)}", LeftOutWarning, stacklevel=2)
     numbers = rows[head + 1 + has_units :]
     decimal = decimal_sign([cell for _, some in numbers[:500] for cell in some], table.separator)
-    plain = (
-        (number, _plain_cells(path, number, some, [at[name] for name in form], decimal)) for number, some in numbers
-    )
+    taken = {name: at[name] for name in form}
+    plain = ((number, _plain_cells(path, number, some, taken, decimal)) for number, some in numbers)
     return CsvFile(path, len(form), most, chain([(line, list(form))], plain)), form, factors
 
 
@@ -245,11 +244,15 @@ def _meant(cells: Sequence[str], forms: Sequence[Form]) -> list[tuple[Form, dict
     return found if len({frozenset(at.values()) for _, at in found}) == 1 else []
 
 
-def _plain_cells(path: Path, line: int, cells: Sequence[str], places: Sequence[int], decimal: str) -> list[str]:
+def _plain_cells(path: Path, line: int, cells: Sequence[str], taken: Mapping[str, int], decimal: str) -> list[str]:
     """The cells of a row that are taken, with decimal points."""
-    if len(cells) <= max(places):
+    if len(cells) <= max(taken.values()):
         raise InputError(f"{path}:{line}: row: {len(cells)} cells; the header has more")
-    try:
-        return [figure(cells[place], decimal)[0] if decimal == "," else cells[place] for place in places]
-    except InputError as error:
-        raise InputError(f"{path}:{line}: row: {error}") from None
+    found = []
+    for name, place in taken.items():
+        try:
+            found.append(figure(cells[place], decimal)[0] if decimal == "," else cells[place])
+        except InputError as error:
+            said = error if cells[place] else "the cell is empty"
+            raise InputError(f"{path}:{line}: {name}: {said}; expected a number in each row") from None
+    return found

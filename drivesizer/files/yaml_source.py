@@ -211,6 +211,8 @@ def _hint(lines: list[str], line: int, problem: str) -> str:
         where = "deeper" if here > before else "less deep"
         by = f"{here} blank{'s' * (here != 1)}, {where} than the line above"
         return f"; indented by {by}: fields of one group stand below each other"
+    if "mapping values" in problem and above.strip() and ":" not in above and here == before:
+        return "; the line above has no colon behind the name of its field"
     if "mapping values" in problem:
         return "; a text with a colon and a blank in it needs quotes"
     return ""

@@ -126,7 +126,8 @@ def _parts_of(field: FieldInfo) -> Iterator[Any]:
 
 # beginnings of validators' messages that state what was found
 _ALONE = (
-    '"', "give", "expected", "transmission", "platform", "inner", "sinkage", "ki", "motion", "a recorded", "the paper",
+    '"', "is empty", "a list", "give", "expected", "transmission", "platform", "inner", "sinkage", "ki", "motion",
+    "a recorded", "the paper",
 )  # fmt: skip
 
 

@@ -160,6 +160,7 @@ def as_quotient(value: float, rest: str) -> str:
 
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
+_RANGE = re.compile(r"\s*[0-9.]+\s*([^\W\d]*\s*(\.\.|to\b)|[-–])\s*[0-9]")  # 50 kg .. 60 kg, 50 to 60 kg, 50-60 kg
 _CHARACTERS = str.maketrans("·⋅×µμ²³¹⁻−′″\u00a0\u202f", "***uu231--'\"  ") | {ord("Ω"): "ohm", 0x2126: "ohm"}
 
 
@@ -272,6 +273,10 @@ def to_si(text: object, kind: str) -> float:
 def _in_si(text: object, kind: str) -> float:
     expected = KINDS[kind]
     hint = f"expected {noun(kind)}, e.g. {expected.example}"
+    if text is None:
+        raise InputError(f"is empty; {hint}")
+    if isinstance(text, list):
+        raise InputError(f"a list is not a quantity; {hint}")
     if isinstance(text, bool) or not isinstance(text, str | int | float):
         raise InputError(f"{quoted(text)} is not a quantity; {hint}")
     try:
@@ -281,6 +286,8 @@ def _in_si(text: object, kind: str) -> float:
     if not unit and expected.si != "1":
         raise InputError(f"{quoted(text)} has no unit; {hint}")
     name = _spellings(kind).get(_key(unit)) if unit else "1"
+    if name is None and _RANGE.match(str(text)):
+        raise InputError(f"{quoted(text)} is a range; its usual figure goes first, as in 0.02 in 0.015..0.03; {hint}")
     if name is None:
         quotient = as_quotient(value, unit) if expected.si == "1" else ""  # of a ratio, the number that is meant
         raise InputError(f"{quoted(text)}: {quotient or _misfit(unit, kind)}; {hint}")

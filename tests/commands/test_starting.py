@@ -36,6 +36,13 @@ def test_enter_at_every_question_gives_the_starter(told):
     assert asked == load_spec("robot.yaml").model_dump()
 
 
+def test_the_list_of_loads_has_whole_sentences_in_eighty_columns(told):
+    listed = told("init", answers="\n" * 30).output.partition("What moves")[0]
+    assert max(map(len, listed.splitlines())) <= 80
+    assert "point to point, sideways and in turns as well" in " ".join(listed.split())
+    assert " ".join(listed.split()).count("each drive is") == 0  # of the sentence behind it
+
+
 def test_answers_are_read_as_strictly_as_a_file_and_asked_again(told):
     answers = "hoist\nmetric\n40\n40 kg\n" + "\n" * 20
     found = told("init", answers=answers)

@@ -262,6 +262,14 @@ def test_what_is_wrong_is_reported_in_a_line(tmp_path, text, message):
     assert message in refusal(lambda: load_cycle(spec_of(tmp_path)))
 
 
+@pytest.mark.parametrize(("cell", "said"), [("", "the cell is empty"), ("x", '"x" does not start with a number')])
+def test_a_cell_of_a_loggers_table_that_is_no_number_is_named_by_its_column(tmp_path, cell, said):
+    (tmp_path / "run.csv").write_text(f"Zeit [s];Drehzahl [rpm];Drehmoment [Nm]\n0,0;1,0;0,2\n0,5;{cell};0,3\n")
+    with pytest.raises(InputError) as caught:
+        load_cycle(spec_of(tmp_path))
+    assert f"run.csv:3: speed: {said}; expected a number in each row" in str(caught.value)
+
+
 def test_a_window_longer_than_the_recording(shaft):
     with pytest.raises(InputError, match=r"robot\.yaml:5: load\.smoothing: 9 s is longer than the recording, 3 s"):
         shaft(POSITION, CORNERS, CORNERS, CORNERS, smoothing="9 s")

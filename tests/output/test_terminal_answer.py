@@ -36,6 +36,9 @@ def test_the_first_screen_has_the_whole_answer_in_forty_lines(starter, capsys, m
     for check in sorted((c for c in best.deciding if c.is_comparable), key=lambda c: c.margin)[:3]:
         assert any(line.startswith(check.title) for line in lines)  # nor the name of a check
     assert "paper" not in out and "58,817 drives" in out and "next: drivesizer size --checks" in out
+    assert "price each" in out and "120.82 EUR" in out  # of one motor; the widest name wraps in its stead
+    others = out.partition("Beside other")[2].partition("next: ")[0].splitlines()
+    assert len(others) > 4 and all(line.rstrip().endswith("pass") for line in others[2:] if " EUR " in line)
     order = [out.index(words) for words in ("pass A drive", "total", "smallest margins", "Beside other", "next: ")]
     assert order == sorted(order)
 

@@ -175,7 +175,7 @@ def _table(console: Console, block: doc.Table) -> None:
         columns[0] = replace(columns[0], form="text")
         block = replace(block, rows=rows)
         made = _made(block, columns)
-    while (over := width_of(made) - console.width) > 0 and any(c.yields for c in columns):
+    while (over := width_of(made) - console.width) > _spare(made) and any(c.yields for c in columns):
         columns.remove([c for c in columns if c.yields][-1])
         made = _made(block, columns)
     if over > 0:
@@ -193,6 +193,16 @@ def _table(console: Console, block: doc.Table) -> None:
     if caption:
         console.print(RichText(_sentence(caption), style="bold"))
     console.print(made)
+
+
+def _spare(made: RichTable) -> int:
+    """Characters that columns of words can give up: a third of their longest line, and no word is broken."""
+    spare = 0
+    for column in made.columns:
+        lines = [] if column.no_wrap else [line for cell in column.cells for line in str(cell).split("\n")]
+        longest, word = (max(map(len, some), default=0) for some in (lines, " ".join(lines).split()))
+        spare += longest - max(word, longest * 2 // 3)
+    return spare
 
 
 def _made(block: doc.Table, columns: Sequence[doc.Column]) -> RichTable:
