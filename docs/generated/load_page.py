@@ -63,7 +63,7 @@ def _springs() -> str:
 def _docstring(subject: Any) -> str:
     """The docstring of a module or a class, with its references as links on the page."""
     text = as_markdown(inspect.getdoc(subject) or "").replace("`stage_losses`", "[stage](#a-stage)")
-    return text.replace("`lever`", "[pieces](#torques-that-are-no-straight-lines)")
+    return text.replace("`weight_on_lever`", "[pieces](#torques-that-are-no-straight-lines)")
 
 
 def _starter(kind: str) -> str:

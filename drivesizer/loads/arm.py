@@ -4,7 +4,7 @@ r"""A joint that swings an arm against gravity.
 
 φ counts upward from the level line, φ₀ at the start of the cycle; a joint's axis tilted by τ from level feels the less
 of gravity. J about the joint is given, or m l² as if all of the mass were in its centre, which is the least it can be.
-How fine the weight's torque is followed: ``lever``.
+How fine the weight's torque is followed: ``weight_on_lever``.
 
 Worked example: a uniform arm of 70 cm and 4.0 kg with 3.0 kg in the hand, together 7.0 kg at 0.50 m, loads the
 shoulder with 7.0 · 9.8 · 0.50 = 34 N·m level and 24 N·m at 45° below (Knight, Physics for Scientists and Engineers,

@@ -5,7 +5,7 @@ r"""A fan, pump or flywheel: torque that grows with a power of speed, against th
 The affinity laws give n = 2: torque with the square of speed, power with its cube. Where torque is not linear in speed
 a ramp from standstill to the cycle's top speed is cut into 128 pieces, others in proportion; the straight lines between
 are off by n(n-1)/8/128² of the torque at top speed, 1.5e-5 of it for a fan and 2e-4 at most. No cycle is cut into more
-than some 10 000 pieces (``lever``).
+than some 10 000 pieces (``weight_on_lever``).
 
 Worked examples: a fan takes 6.3 hp at a flow of 15 800 and 12.778 hp at 20 000 cubic feet a minute, flow as speed
 (Calculated Industries, Sheet Metal/HVAC Pro Calc, user's guide, fan law 3). A flywheel of 5.0 kg·m² at 60 rad/s comes

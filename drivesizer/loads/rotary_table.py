@@ -4,7 +4,7 @@ r"""An indexing or turning table, level or tilted, balanced or not.
 
 An axis tilted by τ from the vertical lets the centre of mass, ε off the axis, climb and fall; φ counts from the level
 line through the axis, in the direction of the motion, and the angle at the start of the cycle is φ₀. J is of all that
-turns, the mass off the axis included. How fine the weight's torque is followed: ``lever``.
+turns, the mass off the axis included. How fine the weight's torque is followed: ``weight_on_lever``.
 
 Worked example: a merry-go-round as a disc of 50.0 kg and 1.50 m radius (56.25 kg·m²) with a child of 18.0 kg at 1.25 m
 (28.13 kg·m²) accelerates at 4.44 rad/s² under 250 N at the rim, 375 N·m (OpenStax, College Physics, dynamics of
