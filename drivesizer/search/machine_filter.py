@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import replace
 from itertools import islice
 from math import nan
+from typing import Any
 
 import numpy as np
 
@@ -190,12 +191,23 @@ _CELLS = 400_000  # drives times pieces of the load cycle at a time: over a long
 class InMachine:
     """A machine against its budgets with drives in it, of each drive once.
 
-    In brief without figures that have no limit, and without counts of the budgets that each drive fails on.
+    In brief without figures that have no limit, and without counts of the budgets that each drive fails on. ``made``:
+    what was computed of the same machine before, whatever its drives are ranked by.
     """
 
-    def __init__(self, problem: Problem, aside: frozenset[str] = frozenset(), *, brief: bool = False) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        aside: frozenset[str] = frozenset(),
+        *,
+        brief: bool = False,
+        made: dict[Hashable, Any] | None = None,
+    ) -> None:
         self.problem, self.aside, self.brief = problem, aside, brief
-        self.requirements = machine_requirements(problem.machine, brief=brief)
+        self._made: dict[Hashable, Any] = {} if made is None else made
+        if "requirements" not in self._made:
+            self._made["requirements"] = machine_requirements(problem.machine, brief=brief)
+        self.requirements: MachineBudget | None = self._made["requirements"]
         self._budgets: dict[tuple[int, int, float], MachineBudget] = {}
 
     def budget(self, whole: Evaluation, row: int) -> MachineBudget:
@@ -203,8 +215,10 @@ class InMachine:
         sets = whole.candidates
         key = int(sets.motor[row]), int(sets.gearhead[row]), float(sets.belt[row])
         if key not in self._budgets:
-            one = drive_parts(whole, row)
-            self._budgets[key] = machine_budget(self.problem, one, self.requirements)
+            drive = *key, *(int(part[row]) for part in (whole.controller, whole.encoder, whole.brake))
+            if drive not in self._made:
+                self._made[drive] = machine_budget(self.problem, drive_parts(whole, row), self.requirements)
+            self._budgets[key] = self._made[drive]
         return self._budgets[key]
 
     def rejects(self, checks: Iterable[Check]) -> bool:

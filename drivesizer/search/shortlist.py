@@ -205,7 +205,7 @@ def shortlist(
     problem = problem.ranked_by(spec.select.objective)
     sampling = sampling or sampling_of(spec)
     pool = POOL if sampling and sampling.confidence is not None else 0
-    machine = InMachine(problem, brief=checks_alone)
+    machine = InMachine(problem, brief=checks_alone, made=made)
     found = search(
         problem, top=max(top, pool), misses=misses, pareto=pareto, progress=progress, judge=machine.judge,
         others=0 if pool else others, margins=choices > 0,

@@ -244,6 +244,20 @@ def _alike(ours, theirs):
     return True
 
 
+@pytest.mark.parametrize(
+    "spec", [EXAMPLE, EXAMPLE.replace("method: paper", "method: physics")], ids=["paper", "physics"]
+)
+def test_rows_by_several_objectives_are_those_by_each_alone(tmp_path, spec):
+    """Of a light machine that has drives and a heavy one that has none."""
+    study = "spec: robot.yaml\nvary: {load.mass: [30 kg, 900 kg]}\nobjectives: [%s]\n"
+    names = ("mass", "price", "length")
+    together = table(planned(tmp_path, study % ", ".join(names), spec))
+    assert {row["status"] for row in together} >= {"pass", "fail"}
+    for place, name in enumerate(names):
+        alone = table(planned(tmp_path, study % name, spec))
+        assert [row | {"variant": 0} for row in together[place :: len(names)]] == [r | {"variant": 0} for r in alone]
+
+
 def test_a_row_is_what_size_finds(tmp_path):
     plan = planned(tmp_path, FEW + "objectives: [mass, price]\ntop: 2\n")
     rows = table(plan)
