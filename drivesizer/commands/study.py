@@ -26,6 +26,9 @@ def study(
     processes: Processes = 0,
     scheduler: Scheduler = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Begin anew; results that are there are lost.")] = False,
+    chunks: Annotated[
+        bool, typer.Option("--chunks", help="Workers write the rows, as Parquet: FOLDER/chunks is the table.")
+    ] = False,
     over: Annotated[str | None, typer.Option("--map", metavar="A,B", help="The two fields that maps are over.")] = None,
     maps: Annotated[bool, typer.Option("--maps/--no-maps", help="Whether maps are drawn.")] = True,
     report: common.Report = None,
@@ -45,7 +48,7 @@ def study(
         with common.stoppable(kept), common.progress("variants", 0.0) as advance:
             found = carry_out(
                 plan, target, processes=processes, scheduler=scheduler, fresh=fresh, maps=names if maps else None,
-                progress=advance,
+                chunks=chunks, progress=advance,
             )  # fmt: skip
     status = ", ".join(f"{found.variants[name]} {name}" for name in _ORDER if found.variants[name])
     variants, drives = number_of(found.variants.total(), "variant"), number_of(found.examined, "drive")

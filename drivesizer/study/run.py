@@ -24,15 +24,14 @@ from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
 from drivesizer.files.arithmetic import Expression
-from drivesizer.files.writing import remove_files
 from drivesizer.files.yaml_source import source_of, written
 from drivesizer.physics.extremes import undominated
 from drivesizer.results.sizing import frame_of
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.study import store as folders
 from drivesizer.study.figures import row_figures
-from drivesizer.study.plan import Places, Plan, planned
-from drivesizer.study.rows import Column, Row, columns_of, forget_files, rows_of, spec_figures
+from drivesizer.study.plan import Job, Places, Plan, Variant, planned
+from drivesizer.study.rows import Column, Part, Row, columns_of, forget_files, rows_of, spec_figures
 from drivesizer.study.workers import Progress, Workers, computed, cores, workers
 
 if TYPE_CHECKING:
@@ -139,6 +138,7 @@ def _explained(cells: Sequence[object], values: NDArray[np.float64], *, sampled:
 
 _TASKS = 128  # at least, where there are as many points
 _LARGEST = 100  # variants of a task: so many are lost by each killed process
+_OF_CHUNK = 1000  # that a worker writes as a file
 _TRIED = 200  # variants, to find a valid one
 
 
@@ -165,9 +165,12 @@ def carry_out(
     scheduler: str | None = None,
     fresh: bool = False,
     maps: Sequence[str] | None = (),
+    chunks: bool = False,
     progress: Progress | None = None,
 ) -> Outcome:
-    """Size every variant that is not sized yet, and write tables and maps."""
+    """Size every variant that is not sized yet, and write tables and maps; in chunks workers write the rows."""
+    if chunks and not folders.has_parquet():
+        raise InputError("--chunks needs pyarrow; install drivesizer[study]")
     forget_files()
     origin, outcome, over = folders.made_of(plan), Outcome(), None
     if maps is not None:
@@ -180,21 +183,14 @@ def carry_out(
         outcome.notes += [note] if note else []
     most = processes or cores()
     with workers(most if plan.depth else min(most, plan.points), scheduler) as on, folders.locked(folder):
-        store = folders.Store(folder, plan, origin, fresh=fresh)
+        store = (folders.Chunks if chunks else folders.Store)(folder, plan, origin, fresh=fresh)
         _compute(plan, store, on, progress)
         while finer := refined(plan, store.every_row(plan.every_point)):
             plan = finer
             _compute(plan, store, on, progress)
-        columns, (as_csv, as_parquet) = columns_of(plan), store.results
-        outcome.columns, outcome.every_row = columns, partial(store.every_row, plan.every_point)
-        folders.write_csv(as_csv, columns, _counted(outcome))
-        outcome.written.append(as_csv)
-        if folders.has_parquet():
-            folders.write_parquet(as_parquet, columns, outcome.every_row())
-            outcome.written.append(as_parquet)
-        else:
-            remove_files([as_parquet])
-            outcome.notes.append("no results.parquet, which needs pyarrow: install drivesizer[study]")
+        outcome.columns, outcome.every_row = columns_of(plan), partial(store.every_row, plan.every_point)
+        outcome.written, notes = store.write(outcome.columns, _counted(outcome), outcome.every_row)
+        outcome.notes += notes
         outcome.answers = answers(plan, outcome.every_row)
         for name, heads, rows in outcome.answers:
             folders.write_csv(folder / name, heads, rows)
@@ -226,17 +222,24 @@ def refuse_if_all_invalid(plan: Plan) -> str:
 
 def _compute(plan: Plan, store: folders.Store, on: Workers | None, progress: Progress | None) -> None:
     """Compute the points that are missing, several in a task, and store each task when it is complete."""
-    missing = store.missing(plan.every_point)
-    several = min(max(plan.points * plan.of_each // _TASKS, 1), _LARGEST)
+    missing, largest = store.missing(plan.every_point), _LARGEST
+    compute: Callable[[Job, Sequence[Variant]], Part] = rows_of
+    if isinstance(store, folders.Chunks):
+        place, columns = str(store.path.absolute()), columns_of(plan)
+        compute = partial(folders.into_chunk, folder=place, columns=columns, made_of=store.made_of)
+        largest = _OF_CHUNK
+    several = min(max(plan.points * plan.of_each // _TASKS, 1), largest)
     each = max(several // plan.of_each, 1)
+    ends = np.flatnonzero(np.diff(missing) > 1) + 1  # a task has points one after the other
     tasks = (
-        [variant for point in missing[n : n + each] for variant in plan.point(point)]
-        for n in range(0, len(missing), each)
+        [variant for point in some[n : n + each] for variant in plan.point(point)]
+        for some in (part.tolist() for part in np.split(np.array(missing, np.int64), ends))
+        for n in range(0, len(some), each)
     )
     done = plan.total - len(missing) * plan.of_each
     if missing and progress:
         progress(done, plan.total)
-    for part in computed(plan.job, tasks, on):
+    for part in computed(plan.job, tasks, on, compute):
         store.keep(part)
         done += part.variants
         if progress:

@@ -4,6 +4,7 @@
     FOLDER/rows.jsonl                a line for each point: checksum, then its number and its rows as JSON
     FOLDER/lock, lock.txt            held by a process while it works, and its name
     FOLDER/results.csv, .parquet     the table, units in the heads of CSV and in the metadata of Parquet's columns
+    FOLDER/chunks/FIRST-LAST.parquet the rows of some points, where workers write them: in place of all these
 
 After a kill or a failure of power a line is whole, or its point is computed again. The manifest has the digests of all
 inputs; rows of different studies are never mixed. The operating system holds the lock for as long as the process lives,
@@ -18,7 +19,8 @@ import io
 import json
 import os
 import socket
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
@@ -38,14 +40,14 @@ from drivesizer.files.writing import ready, remove_files, write_files
 from drivesizer.files.yaml_source import YamlSource, texts_in
 from drivesizer.output.words import csv_cell
 from drivesizer.spec.machine import named_catalogs
-from drivesizer.study.plan import Plan
-from drivesizer.study.rows import Column, Part, Row
+from drivesizer.study.plan import Job, Plan, Variant
+from drivesizer.study.rows import Column, Part, Row, rows_of
 from drivesizer.version import __version__
 
 _FORMAT = 2  # of the folder
 _MANIFEST = "study.json"
 _ANSWERS = ("best.csv", "front.csv", "influence.csv")  # where they are wanted
-_OWN = {"lock", "lock.txt", "rows.jsonl", "maps", "results.csv", "results.parquet", _MANIFEST, *_ANSWERS}
+_OWN = {"lock", "lock.txt", "rows.jsonl", "chunks", "maps", "results.csv", "results.parquet", _MANIFEST, *_ANSWERS}
 _HOLDER = "lock.txt"  # names the process that holds the lock: a locked file itself cannot be read on every system
 _READ = (".csv", ".txt", ".json", ".urdf", ".xml", ".mjcf")  # ends of names of files that specs name
 _GROUP = 50_000  # least number of rows that are written together to Parquet
@@ -123,11 +125,13 @@ def made_of(plan: Plan) -> dict[str, str]:
 class Store:
     """The rows of a study; the caller holds its folder's lock."""
 
+    kind: Mapping[str, str] = {}  # in the manifest
+
     def __init__(self, folder: Path, plan: Plan, made_of: Mapping[str, str], *, fresh: bool = False) -> None:
         self.folder, self.path, self.made_of = folder, folder / "rows.jsonl", made_of
         self.of_each = plan.of_each
         self.results = folder / "results.csv", folder / "results.parquet"
-        manifest = {"format": _FORMAT, "variants": plan.total, "made_of": dict(made_of)}
+        manifest = {"format": _FORMAT, "variants": plan.total, "made_of": dict(made_of), **self.kind}
         try:
             read: Any = json.loads((folder / _MANIFEST).read_bytes())
         except FileNotFoundError:
@@ -138,9 +142,8 @@ class Store:
         if fresh:  # the files of a study, and no others
             maps = folder / "maps"
             answers = (folder / name for name in _ANSWERS)
-            remove_files(
-                [*self.results, *answers, self.path, folder / _MANIFEST, *maps.glob("*.svg"), *maps.glob("*.png")]
-            )
+            every = [*(folder / "chunks").glob("*.parquet"), *maps.glob("*.svg"), *maps.glob("*.png")]
+            remove_files([*self.results, *answers, folder / "rows.jsonl", folder / _MANIFEST, *every])
         elif before is not None and before != manifest:
             reason = _difference(before, manifest)
             raise InputError(
@@ -151,31 +154,30 @@ class Store:
             write_files({folder / _MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode()})
         self.places = np.full(plan.points, -1, np.int64)  # of each point's line in the file
         try:
-            with self.path.open("a+b") as file:
-                place, line = file.seek(0), b"\n"
-                for line in file:
-                    body = line[9:-1]
-                    if line == _line(body):  # else of a process that was killed while writing
-                        point = int(body[1 : body.index(b",")])
-                        self._grow(point + 1)
-                        self.places[point] = place
-                    place += len(line)
-                if not line.endswith(b"\n"):
-                    file.write(b"\n")
+            self._find()
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written ({reason_of(error)})") from None
+
+    def _find(self) -> None:
+        """Find the points that are stored."""
+        with self.path.open("a+b") as file:
+            place, line = file.seek(0), b"\n"
+            for line in file:
+                body = line[9:-1]
+                if line == _line(body):  # else of a process that was killed while writing
+                    point = int(body[1 : body.index(b",")])
+                    self._grow(point + 1)
+                    self.places[point] = place
+                place += len(line)
+            if not line.endswith(b"\n"):
+                file.write(b"\n")
 
     def _grow(self, points: int) -> None:
         self.places = np.concatenate([self.places, np.full(max(points - len(self.places), 0), -1, np.int64)])
 
     def keep(self, part: Part) -> None:
         """Store the rows of some points."""
-        for name, found in part.made_of.items():
-            if self.made_of.get(name, found) != found:
-                raise InputError(
-                    f"{name}: a process that computes variants has another version ({found[:12]}) than this one "
-                    f"({self.made_of[name][:12]}); expected the same everywhere"
-                )
+        refuse_others(self.made_of, part)
         try:
             with self.path.open("ab") as file:
                 for point, rows in groupby(part.rows, lambda row: (row[0] - 1) // self.of_each):
@@ -197,6 +199,28 @@ class Store:
                 file.seek(place)
                 yield from json.loads(file.readline()[9:])[1:]
 
+    def write(
+        self, columns: Sequence[Column], counted: Iterable[Row], rows: Callable[[], Iterable[Row]]
+    ) -> tuple[list[Path], list[str]]:
+        """Write the table of some rows: its files, and what there is to say of them."""
+        as_csv, as_parquet = self.results
+        write_csv(as_csv, columns, counted)
+        if not has_parquet():
+            remove_files([as_parquet])
+            return [as_csv], ["no results.parquet, which needs pyarrow: install drivesizer[study]"]
+        write_parquet(as_parquet, columns, rows())
+        return [as_csv, as_parquet], []
+
+
+def refuse_others(made_of: Mapping[str, str], part: Part) -> None:
+    """Refuse rows of a process with another program or catalogue."""
+    for name, found in part.made_of.items():
+        if made_of.get(name, found) != found:
+            raise InputError(
+                f"{name}: a process that computes variants has another version ({found[:12]}) than this one "
+                f"({made_of[name][:12]}); expected the same everywhere"
+            )
+
 
 def _line(body: bytes) -> bytes:
     return b"%08x %s\n" % (crc32(body), body)
@@ -207,6 +231,8 @@ def _difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     made = before.get("made_of")
     if before.get("format") != now["format"] or not isinstance(made, dict):
         return f"its {_MANIFEST} is none of this version"
+    if before.get("rows") != now.get("rows"):
+        return "its rows are kept in another form: with --chunks or without"
     names = [name for name in {**made, **now["made_of"]} if made.get(name) != now["made_of"].get(name)]
     listed = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
     return f"{listed} changed since" if names else "of another size"
@@ -245,6 +271,55 @@ def write_parquet(path: Path, columns: Sequence[Column], rows: Iterable[Row]) ->
         while group := list(islice(every, _GROUP)):
             arrays = [pyarrow.array([row[n] for row in group], field.type) for n, field in enumerate(schema)]
             writer.write_table(pyarrow.table(arrays, schema=schema))
+
+
+# Rows that those who compute them write themselves.
+
+
+class Chunks(Store):
+    """The rows of a study in files of Parquet, each with the points that its name says: together they are one table."""
+
+    kind: Mapping[str, str] = {"rows": "chunks"}
+
+    def _find(self) -> None:
+        self.path = self.folder / "chunks"
+        self.path.mkdir(exist_ok=True)
+        remove_files(self.path.glob("*.part"))  # of a process that was killed while writing
+        for file in self._files():
+            first, last = map(int, file.stem.split("-"))
+            self._grow(last + 1)
+            self.places[first : last + 1] = first
+
+    def _files(self) -> list[Path]:
+        return sorted(self.path.glob("*-*.parquet"))
+
+    def keep(self, part: Part) -> None:
+        """Rows that a worker stored."""
+
+    def write(
+        self, columns: Sequence[Column], counted: Iterable[Row], rows: Callable[[], Iterable[Row]]
+    ) -> tuple[list[Path], list[str]]:
+        """The table is there; its rows are counted."""
+        deque(counted, maxlen=0)
+        return [self.path], []
+
+    def every_row(self, points: int | None = None) -> Iterator[Row]:
+        """The rows of the first so many points in the order of their variants, as far as they are known."""
+        parquet: Any = import_module("pyarrow.parquet")
+        for file in self._files():
+            if points is None or int(file.stem.split("-")[0]) < points:
+                yield from map(list, zip(*parquet.read_table(file).to_pydict().values(), strict=True))
+
+
+def into_chunk(
+    job: Job, variants: Sequence[Variant], *, folder: str, columns: Sequence[Column], made_of: Mapping[str, str]
+) -> Part:
+    """Rows of some variants, of points one after the other, as a file of their own; none are given back."""
+    part, of_each = rows_of(job, variants), len(job.catalogs) * len(job.objectives)
+    refuse_others(made_of, part)
+    first, last = ((variants[n].number - 1) // of_each for n in (0, -1))
+    write_parquet(Path(folder) / f"{first:08d}-{last:08d}.parquet", columns, part.rows)
+    return part._replace(rows=[])
 
 
 @contextmanager

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -40,16 +40,21 @@ class Workers(NamedTuple):
     refusal: Callable[[BaseException], str]  # nothing where the program is at fault
 
 
-def computed(job: Job, tasks: Iterable[list[Variant]], on: Workers | None) -> Iterator[Part]:
+def computed(
+    job: Job,
+    tasks: Iterable[list[Variant]],
+    on: Workers | None,
+    compute: Callable[[Job, Sequence[Variant]], Part] = rows_of,
+) -> Iterator[Part]:
     """Compute the variants of each task, here where there are no workers; rows come in the order of completion."""
     if on is None:
-        yield from (rows_of(job, task) for task in tasks)
+        yield from (compute(job, task) for task in tasks)
         return
     waiting, running = iter(tasks), set[Future[Part]]()
     try:
         while True:
             few = islice(waiting, on.ahead - len(running))
-            running |= {on.executor.submit(rows_of, job.sent, task) for task in few}
+            running |= {on.executor.submit(compute, job.sent, task) for task in few}
             if not running:
                 return
             done, running = wait(running, return_when=FIRST_COMPLETED)

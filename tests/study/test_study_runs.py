@@ -14,7 +14,7 @@ import pytest
 from studies import FEW, MANY, halted, laid, ran, results, surroundings
 
 from drivesizer import cli
-from drivesizer.study import workers
+from drivesizer.study import store, workers
 from drivesizer.study.store import locked
 
 WAIT = 120.0  # s, for a process to come so far
@@ -198,6 +198,56 @@ def test_a_cluster_that_loses_a_worker_gives_the_same(whole, tmp_path):
         running.stdin.close()
     assert (study.returncode, err) == (0, "")
     assert results(tmp_path / "study") == without_maps(whole)
+
+
+def as_one(folder):
+    """All chunks of a study, read as one table."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    return parquet.read_table(folder / "study" / "chunks")
+
+
+def test_chunks_that_workers_wrote_are_the_table(table, run, tmp_path):
+    """By two workers; a chunk is lost, one is half written, and the study goes on."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    laid(tmp_path, MANY.replace("steps: 25", "steps: 9").replace("steps: 20", "steps: 6"))
+    words = "--chunks", "--no-maps", "--processes", 2
+    assert run(*words)[0] == 0
+    chunks = sorted((tmp_path / "study" / "chunks").iterdir())
+    (tmp_path / "study" / "chunks" / f"{chunks[3].name}.part").write_bytes(chunks[3].read_bytes()[:100])
+    chunks[3].unlink()
+    times = [path.stat().st_mtime_ns for path in (chunks[0], chunks[-1])]
+    status, out, err = run(*words)
+    assert (status, err) == (0, "") and out.endswith(f"study{os.sep}chunks\n")
+    assert sorted((tmp_path / "study" / "chunks").iterdir()) == chunks
+    assert [path.stat().st_mtime_ns for path in (chunks[0], chunks[-1])] == times  # nothing else was computed again
+    assert not (tmp_path / "study" / "rows.jsonl").exists()
+    assert as_one(tmp_path).equals(parquet.read_table(io.BytesIO(table["results.parquet"])))
+    status, out, err = run("--no-maps")
+    assert (status, out, err.count("\n")) == (2, "", 1) and "with --chunks or without" in err
+
+
+def test_chunks_without_pyarrow_are_one_line(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "has_parquet", lambda: False)
+    laid(tmp_path, FEW)
+    status, out, err = run("--chunks")
+    assert (status, out, err) == (2, "", "drivesizer: --chunks needs pyarrow; install drivesizer[study]\n")
+
+
+@pytest.mark.slow
+def test_chunks_of_a_cluster_are_the_table(whole, tmp_path):
+    pytest.importorskip("distributed")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    laid(tmp_path, MANY)
+    (tmp_path / "cluster.py").write_text(CLUSTER)
+    with subprocess.Popen(
+        [sys.executable, "cluster.py"], cwd=tmp_path, env=surroundings(), stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8",
+    ) as running:  # fmt: skip
+        address = running.stdout.readline().split()[0]
+        done = ran(tmp_path, "--scheduler", address, "--no-maps", "--chunks")
+        running.stdin.close()
+    assert (done.returncode, done.stderr) == (0, "")
+    assert as_one(tmp_path).equals(parquet.read_table(io.BytesIO(whole["results.parquet"])))
 
 
 def without_maps(files):
