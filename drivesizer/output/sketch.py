@@ -16,6 +16,18 @@ _FONT = "font-family: 'DejaVu Sans', sans-serif"
 
 Point = tuple[float, float]
 
+_SPRINGS = {"constant": "F", "linear": "c", "torsion": "c", "gas": "F", "counterweight": "m"}  # symbol of each kind
+_SPIRAL = [n / 6 for n in range(6, 64)]
+_FRAME: list[list[Point]] = [[(44, 3), (44, 23)], *([(44.0, y), (49.0, y - 5.0)] for y in (8.0, 13.0, 18.0, 23.0))]
+_MARKS: dict[str, list[list[Point]]] = {  # of what is beside the drive: lines, the load's end at the left
+    "constant": [*_FRAME, [(0, 19), (34, 19)], [(34 + 6 * cos(a / 4), 13 + 6 * sin(a / 4)) for a in range(26)]],
+    "linear": [*_FRAME, [(0, 13), (6, 13), *((9 + 5 * n, 8 + 10 * (n % 2)) for n in range(6)), (37, 13), (44, 13)]],
+    "torsion": [*_FRAME, [(30, 13), (44, 13)], [(20 + a * cos(1.5 * a), 13 + a * sin(1.5 * a)) for a in _SPIRAL]],
+    "gas": [*_FRAME, [(0, 13), (26, 13)], [(26, 9), (26, 17)], [(14, 8), (40, 8), (40, 18), (14, 18), (14, 8)],
+            [(40, 13), (44, 13)]],
+    "counterweight": [[(2, 24), (2, 6), (26, 6), (26, 12)], [(17, 12), (35, 12), (35, 24), (17, 24), (17, 12)]],
+}  # fmt: skip
+
 
 def _lowered(symbol: str) -> str:
     base, _, index = symbol.partition("_")
@@ -30,6 +42,7 @@ class Pen:
         self.entered = entered
         self.parts: list[str] = []
         self.legend: list[tuple[str, str]] = []  # symbols and their fields
+        self.of_springs: dict[str, str] = {}  # words of their symbols
 
     def has(self, *fields: str) -> bool:
         """Whether a field is drawn: all of a sketch without figures, else those that were entered."""
@@ -111,7 +124,7 @@ class Pen:
     def names(self) -> int:
         """The symbols in words below the drawing, in two columns; how many lines they take."""
         for n, (symbol, field) in enumerate(self.legend):
-            value = (self.entered or {}).get(field)
+            value = self.of_springs.get(symbol, (self.entered or {}).get(field))
             said = ", ".join(map(str, value.values())) if isinstance(value, Mapping) else "" if value is None else value
             x, y = 20 + _WIDTH // 2 * (n % 2), _HEIGHT + 14 * (n // 2)
             look = f"{_FONT}; font-size: 9px; fill: {_INKS['black']}"
@@ -165,6 +178,23 @@ class Pen:
         self.force((x - 2, y - 26), (x - 38, y - 26), "F_0", "force", shift=(-12.0, -6.0))
         friction = ("friction_coefficient", "friction_force")
         self.force((x - 2, y - 6), (x - 26, y - 6), "μ, F_f", *friction, shift=(-36.0, 4.0))
+
+    def springs(self, x: float, y: float) -> None:
+        """What is beside the drive, between load and frame: a mark each, from a place to the left."""
+        given = (self.entered or {}).get("springs")
+        every = [one for one in given if isinstance(one, Mapping)] if isinstance(given, list) else []
+        for number, one in enumerate(every, 1):
+            kind = str(one.get("kind"))
+            if kind not in _MARKS:
+                continue
+            symbol, left = f"{_SPRINGS[kind]}_{number if len(every) > 1 else 's'}", x - 62 * number
+            self.of_springs[symbol] = ", ".join(str(value) for value in one.values() if not isinstance(value, Mapping))
+            self.legend.append((symbol, "springs"))
+            if left < 0:  # the words below name it
+                continue
+            for points in _MARKS[kind]:
+                self.line(*((left + dx, y + dy) for dx, dy in points), ink="force")
+            self.label(left + 22, y + 36, symbol, at="middle", ink="force")
 
 
 SKETCHES: dict[str, list[dict[str, list[Any]]]] = shipped_data("drivesizer.output", "sketches.yaml")

@@ -33,6 +33,22 @@ def test_what_was_entered_stands_beside_its_symbol_and_nothing_else_is_named():
     assert "counterweight" not in text and "rope efficiency" not in text
 
 
+@pytest.mark.parametrize("kind", SKETCHES)
+def test_what_is_beside_the_drive_is_drawn_with_its_figures(kind):
+    beside = [{"kind": "gas", "force": "400 N"}, {"kind": "counterweight", "mass": "4 kg"}]
+    entered = {"kind": kind, "inertia": "1 kg*m^2"}
+    without, drawn = (etree.fromstring(sketch(kind, entered | {"springs": some})) for some in ([], beside))
+    marks = drawn.findall(f"{SVG}polyline")[len(without.findall(f"{SVG}polyline")) :]
+    points = [tuple(map(float, p.split(","))) for one in marks for p in one.get("points").split()]
+    assert len(marks) > 4 and all(0 <= x <= float(drawn.get("width")) and 0 <= y <= 204 for x, y in points)
+    text = "".join(drawn.itertext())
+    assert "springs gas, 400 N" in text and "springs counterweight, 4 kg" in text
+
+
+def test_springs_that_are_not_understood_yet_are_left_out():
+    assert sketch("arm", {"springs": ["gas", {"kind": "rubber"}]}) == sketch("arm", {"springs": None})
+
+
 def test_init_writes_it_and_refuses_what_has_none(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert CliRunner().invoke(app, ["init", "--kind", "arm", "--sketch", "arm.svg"]).exit_code == 0
