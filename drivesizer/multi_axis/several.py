@@ -130,6 +130,7 @@ class AxisSizings:
         self.how, self.ranking = how, how.objective
         self.price = machine.budget.price if machine.budget else None
         self.made: dict[tuple[str, Masses], SizingResult] = {}
+        self.with_first: dict[tuple[str, Masses, str], SizingResult] = {}  # by the label of the drive
         self.own: dict[tuple[str, Masses], float] = {}  # kg, of its drive on the link that a joint moves
         self.uncertain = set[str]()  # axes of which drives lighter than their own load has may have been left out
         self.kinds: OfferedKinds | None = None  # where common drives are preferred
@@ -217,7 +218,12 @@ class AxisSizings:
         return Loaded(spec, self._parts(spec), self.how.sampling(spec))
 
     def chosen(self, axis: str, masses: Masses, label: str) -> SizingResult:
-        """The sizing of an axis with the drive of a label as its first."""
+        """The sizing of an axis with the drive of a label as its first, made once."""
+        if (axis, masses, label) not in self.with_first:
+            self.with_first[axis, masses, label] = self._with_first(axis, masses, label)
+        return self.with_first[axis, masses, label]
+
+    def _with_first(self, axis: str, masses: Masses, label: str) -> SizingResult:
         result = self.result(axis, masses)
         one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
         if one is None and self.kinds is not None:
