@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import fields
 from math import isnan, nan
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping
 from drivesizer.files.text import listed
 from drivesizer.results.check import Figure, figures_of
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Cascade, Gains, LinearRun, Loop, Stepping
 
 NONE = "–"  # of a figure that does not exist: no margins of an unstable loop, or an unbounded one
 

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby
 from math import isnan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from drivesizer.control.validation import Loop, Validation
 from drivesizer.output.derivation import margin, step
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives, OfLoop, driven_over
@@ -17,6 +16,9 @@ from drivesizer.output.loop_table import BESIDE, NO_LINEAR, gain_rows, left_out,
 from drivesizer.results.check import sentence_case
 from drivesizer.results.drive_set import DriveSet, Requirement
 from drivesizer.units import show
+
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Loop, Validation
 
 # -- The requirements of the load: the paper's equations with the numbers put in, or the figures of the load cycle.
 

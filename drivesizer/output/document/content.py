@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from drivesizer.catalog import Catalog
-from drivesizer.control.validation import Validation
 from drivesizer.load_cases.platform import WheelLoad, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.output.parts import PartLine, machine_parts
@@ -24,6 +23,7 @@ from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import show
 
 if TYPE_CHECKING:
+    from drivesizer.control.validation import Validation
     from drivesizer.output.report.figures.all_figures import Behaviour
     from drivesizer.output.report.figures.picture import Pictured
     from drivesizer.spec.machine import MachineSpec

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from math import isinf, isnan, radians
+from typing import TYPE_CHECKING
 
-from drivesizer.control.path_following import Followed
 from drivesizer.load_cases.platform import Driving
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.document import records as doc
@@ -24,6 +24,9 @@ from drivesizer.output.platform import (
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.platform.robot_figures import Numbers
 from drivesizer.results.drive_set import DriveSet
+
+if TYPE_CHECKING:
+    from drivesizer.control.path_following import Followed
 
 # -- budgets and masses
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf, isfinite, isnan, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from drivesizer.control.validation import Validation
 from drivesizer.output.derivation import margin, symbol, use
 from drivesizer.output.document import records as doc
 from drivesizer.results.check import Check, Figure, Reliability, Spread, tightest
 from drivesizer.results.check_kinds import OWN_REQUIREMENTS, REQUIREMENTS, figure_words, part_of, sorted_by_part
 from drivesizer.results.drive_set import DriveSet, EnergyBudget, MassRow, Relaxation, Requirement
 from drivesizer.spec.robot import AS_SPECIFIED
+
+if TYPE_CHECKING:
+    from drivesizer.control.validation import Validation
 
 # -- checks
 
