@@ -25,6 +25,7 @@ from drivesizer.catalog.tables import Pairs
 from drivesizer.machine.budgets import riding_mass
 from drivesizer.results.check import GRAVEST, Status
 from drivesizer.results.drive_set import DriveParts, DriveSet
+from drivesizer.results.machine import objective_sum
 from drivesizer.results.problem import Problem
 from drivesizer.search.columns.candidates import Candidates
 from drivesizer.search.passing import sifted
@@ -250,12 +251,12 @@ class OfferedKinds:
             kept, _, _ = sifted(problem)
             objective = str(one.spec.select.objective)
             value, missing = _known(problem.catalog, kept.sets, kept.figures, objective)
-            drives = _drives_summed(objective, problem.machine)
+            drives = problem.machine.load.motors
             motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
             rows, found = np.lexsort((value, missing)), dict[Kind, Cost]()
             for row in rows[kept.certainty[rows] <= ORDER.index(statuses[axis])].tolist():
                 kind = str(motors[kept.sets.motor[row]]), str(gearheads[kept.sets.gearhead[row]])
-                found.setdefault(kind, (int(missing[row]), float(value[row]) * drives))
+                found.setdefault(kind, (int(missing[row]), objective_sum(objective, float(value[row]), drives)))
             self.first[axis] = frozenset(list(found)[:_FIRST])
             least = min(found.values(), default=(0, 0.0))
             limit = least[0], least[1] + slack
@@ -297,7 +298,7 @@ def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
         some = found.found.evaluation.on(np.array([row]))
         bought = chosen(some, needs_encoder=not some.spec.steps)
         value, missing = _known(some.catalog, some.candidates, {**some.figures, **bought}, objective)
-        cost = int(missing[0]), float(value[0]) * _drives_summed(objective, found.problem.machine)
+        cost = int(missing[0]), objective_sum(objective, float(value[0]), found.problem.machine.load.motors)
         rows[kind_of(one)] = _Row(found, row, Choice(one.label, cost, riding_mass(found.problem, one)))
     return rows
 
@@ -308,11 +309,6 @@ def _known(
     """Known part of an objective, and number of parts of which it is unknown."""
     value, missing = single(catalog, sets, figures, objective)
     return value, missing + controlling_unknown(catalog, sets, figures, objective)
-
-
-def _drives_summed(objective: str, spec: RobotSpec) -> int:
-    """Drives of an axis over which an objective is summed: the energy of a cycle is that of all already."""
-    return 1 if objective == "energy" else spec.load.motors
 
 
 def _restricted(loaded: Loaded, kinds: frozenset[Kind]) -> Loaded:

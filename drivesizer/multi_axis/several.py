@@ -332,7 +332,7 @@ def _cost(one: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Cost
         return (0 if best else 1), 0.0
     value, summed = one.objective, OBJECTIVES[objective].over
     missing = len(unknown_parts(one, objective, one.objective_of)) if summed else int(isnan(value))
-    return missing, 0.0 if isnan(value) else objective_sum(objective, one, motors)
+    return missing, 0.0 if isnan(value) else objective_sum(objective, value, motors)
 
 
 _PER_AXIS = 3  # sizings of each axis at most, on the average

@@ -94,9 +94,9 @@ class MachinePower:
 SUMMED = tuple(name for name, kind in OBJECTIVES.items() if not kind.more_is_better and kind.kind != "temperature")
 
 
-def objective_sum(objective: str, one: DriveSet, drives: int) -> float:
-    """An objective of all drives of an axis."""
-    return one.objective * (1 if objective == "energy" else drives)
+def objective_sum(objective: str, value: float, drives: int) -> float:
+    """An objective of all drives of an axis, by that of one; the energy of a cycle is that of all already."""
+    return value * (1 if objective == "energy" else drives)
 
 
 class CarriedMass(NamedTuple):
@@ -191,7 +191,9 @@ class MachineSizing:
         """Sum of the objective over all drives, SI; NaN where it is no sum, one is unknown, or an axis has no drive."""
         if self.objective not in SUMMED:
             return nan
-        found = [objective_sum(self.objective, one.best, one.drives) if one.best else nan for one in self.axes]
+        found = [
+            objective_sum(self.objective, one.best.objective, one.drives) if one.best else nan for one in self.axes
+        ]
         return nan if any(map(isnan, found)) else fsum(found)
 
 

@@ -144,7 +144,8 @@ def counting_limits(spec: RobotSpec, belt: Alike, demand: Demands, parts: Parts)
     speed: Options = {"needed": spec.margins.speed, **({} if spec.wants_encoder else PROPOSAL)}
     counted = line_frequency(demand, encoder)
     rates = encoder["max_frequency"], parts.controller["max_encoder_frequency"]
-    rate = _lower(*rates, counted * (1.0 + spec.margins.speed))
+    rate, known = np.minimum(*rates), np.fmin(*rates)  # where one is unknown what needs more than the other fails
+    rate = np.where(np.isnan(rate) & (counted * (1.0 + spec.margins.speed) > known), known, rate)
     found = [
         at_most("encoder_speed", demand.peak_speed, encoder["max_speed"], **speed),
         at_most("encoder_frequency", counted, rate, **speed),
@@ -155,12 +156,6 @@ def counting_limits(spec: RobotSpec, belt: Alike, demand: Demands, parts: Parts)
         edge = angle_per_edge(lines(encoder), demand.total_ratio * geared)
         found.append(at_most("encoder_resolution", edge, need))
     return found
-
-
-def _lower(one: Array, other: Array, needed: Array) -> Array:
-    """The lower of two limits; where one is unknown, the other for what needs more than that: a certain failure."""
-    both, known = np.minimum(one, other), np.fmin(one, other)
-    return np.where(np.isnan(both) & (needed > known), known, both)
 
 
 # -- A holding brake for every candidate at once: of those that go with its motor the smallest that holds the load.
