@@ -17,8 +17,7 @@ import numpy as np
 
 from drivesizer.catalog.parts import OneRow, one_row
 from drivesizer.kernel.cycle import HEAT, POWER
-from drivesizer.kernel.drives import drives_of
-from drivesizer.kernel.evaluate import evaluate, pieces
+from drivesizer.kernel.evaluate import drives_of, evaluate, pieces
 from drivesizer.kernel.heat import mean_square
 from drivesizer.kernel.records import Drive, Figures, Piece
 from drivesizer.kernel.warming import State, after

@@ -15,8 +15,7 @@ from typing import Literal, NamedTuple, Unpack
 import numpy as np
 
 from drivesizer.kernel.cycle import ENERGY, POWER
-from drivesizer.kernel.drives import drives_of, held
-from drivesizer.kernel.evaluate import evaluate
+from drivesizer.kernel.evaluate import drives_of, evaluate, held
 from drivesizer.kernel.records import Drive
 from drivesizer.machine.supply_power import Draw
 from drivesizer.physics.cycle_at_gearhead import SPEED, AtGearhead, Peak
