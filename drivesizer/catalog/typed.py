@@ -17,7 +17,6 @@ import numpy as np
 
 from drivesizer.catalog import catalog_of_text
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, singular
-from drivesizer.catalog.schema import SCHEMA, SOURCE
 from drivesizer.catalog.tables import Catalog, joined, with_pairs
 from drivesizer.errors import CatalogError, quoted
 from drivesizer.files.yaml_edit import Edit, edited
@@ -59,6 +58,8 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
             raise CatalogError(f"{source.where((*at, key))}: {column} is given twice, as {keys[column]} too")
         bare = column == "ratio" and isinstance(value, str) and value.replace(".", "", 1).isdecimal()
         figures[column], keys[column] = float(value) if bare else value, key
+    from drivesizer.catalog.schema import SCHEMA  # where no part is typed it need not load
+
     origin = {key: given[key] for key in SHARED if key in given}
     data: dict[str, Any] = {
         "catalog": SCHEMA,
@@ -117,6 +118,8 @@ class _Fields(YamlSource):
     def where(self, path: Path_) -> str:
         """Place of the field that a figure, or the source, was made of."""
         key = path[3] if path[2:3] == ("common",) and len(path) > 3 else path[-1]
+        from drivesizer.catalog.schema import SOURCE
+
         own = {"family": "family", "manufacturer": "maker", **dict.fromkeys(SOURCE["properties"], key)}
         field = self.keys.get(str(key)) or own.get(str(key))
         return self.whole.where((*self.at, field) if field else self.at)
