@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from typing import Any
 
 from drivesizer.catalog import PARTS
-from drivesizer.output.export.json_document import export_schema
-from drivesizer.output.json.schema import comparison_schema, identification_schema, prediction_schema, report_schema
+from drivesizer.output.export.machine import export_schema
+from drivesizer.output.json.schema import record_schema, report_schema
+from drivesizer.results.identification import Comparison, Identification
+from drivesizer.results.prediction import Prediction
 
 __all__ = ["json_documents"]
 
 _DOCUMENTS = {
     "Sizing and report": report_schema,
-    "Prediction": prediction_schema,
-    "Identification": identification_schema,
-    "Comparison": comparison_schema,
+    "Prediction": partial(record_schema, Prediction),
+    "Identification": partial(record_schema, Identification),
+    "Comparison": partial(record_schema, Comparison),
     "Export": export_schema,
 }
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import textwrap
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -293,17 +295,19 @@ def schema(
     import json
 
     from drivesizer.catalog.schema import catalog_schema
-    from drivesizer.output.export.json_document import export_schema
-    from drivesizer.output.json import schema as schemas
+    from drivesizer.output.export.machine import export_schema
+    from drivesizer.output.json.schema import record_schema, report_schema
+    from drivesizer.results.identification import Comparison, Identification
+    from drivesizer.results.prediction import Prediction
     from drivesizer.spec.machine import machine_schema
     from drivesizer.spec.robot import RobotSpec
     from drivesizer.study.plan import StudyFile
 
-    made = {
-        "spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": schemas.report_schema,
-        "study": StudyFile.model_json_schema, "prediction": schemas.prediction_schema, "export": export_schema,
-        "machine": machine_schema, "identification": schemas.identification_schema,
-        "comparison": schemas.comparison_schema,
+    made: dict[str, Callable[[], Any]] = {
+        "spec": RobotSpec.model_json_schema, "catalog": catalog_schema, "report": report_schema,
+        "study": StudyFile.model_json_schema, "prediction": partial(record_schema, Prediction), "export": export_schema,
+        "machine": machine_schema, "identification": partial(record_schema, Identification),
+        "comparison": partial(record_schema, Comparison),
     }  # fmt: skip
     if of not in made:
         raise InputError(f"there is no schema of {quoted(of)}; expected {' or '.join(made)}")

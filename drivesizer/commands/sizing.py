@@ -182,11 +182,10 @@ def explain(
     from drivesizer.sizing import explained
 
     robot, found = common.load(spec, catalogs, axis, fields), {}
-    several = robot.is_several
     axes = {"": robot.axes[0].spec}
-    if several:
+    if robot.is_several:  # each has the best drives of the others on it
         axes = {one.name: one.result.problem.machine for one in common.sized(robot, 1).axes}
-    for name, one in axes.items():  # of several each has the best drives of the others on it
+    for name, one in axes.items():
         with common.working(f"examining the drive on {name}" if name else "examining the drive"):
             try:
                 sampling, catalog = sampling_of(one, samples=samples, seed=seed, loop=loop_samples), load_parts(one)
@@ -194,14 +193,12 @@ def explain(
             except InputError as error:
                 raise (InputError(f"{name}: {error}") if name else error) from None
     if json:
-        names = found if several else [robot.name]
-        each = [{"name": name, **one._asdict()} for name, one in zip(names, found.values(), strict=True)]
-        common.print_json({"axes": each})
-    elif several:
-        terminal.machine_explained(robot.name, found)
+        common.print_json({"axes": [{"name": name or robot.name, **one._asdict()} for name, one in found.items()]})
+    elif alone := found.get(""):
+        terminal.explained(alone, catalog)
+        common.print_notes(alone.warnings)
     else:
-        terminal.explained(found[""], catalog)
-        common.print_notes(found[""].warnings)
+        terminal.machine_explained(robot.name, found)
     raise typer.Exit(int(all(one.status == "fail" for pair in found.values() for one in pair.sets)))
 
 
@@ -229,14 +226,14 @@ def export(
 
     robot, drives = common.load_chosen(spec, chosen, catalogs, axis)
     exports.accept(form, output)
-    bodies, several = exports.FORMATS[form].bodies, robot.is_several
-    if wheel is not None and several:
+    bodies = exports.FORMATS[form].bodies
+    if wheel is not None and robot.is_several:
         raise InputError("--wheel: it is of a single axis; expected --axis beside it")
     if wheel is not None:
         exports.check_wheel(robot.axes[0].spec, wheel)  # before time is spent
     ((_, one, found), *_), result = common.with_drives(robot, drives)
     with common.working("designing the controller"):
-        if several and result:
+        if result and not result.alone:
             of = exports.machine_export(result, one_rate=form == "ros2_control", bodies=bodies)
         else:
             of = exports.drive_export(one, found, wheel=wheel, bodies=bodies)

@@ -182,7 +182,7 @@ def validate(
             raise InputError("--all: it takes the drives of the search; --set, --csv, --figures and --device are for "
                              "one of them")  # fmt: skip
         raise typer.Exit(_all_of(robot, case, profile, top, json))
-    axes, several = common.with_drives(robot, drives)[0], robot.is_several
+    axes = common.with_drives(robot, drives)[0]
     if device or firmware:
         made = with_device(axes, device, firmware, profile, case)
         proofs = {name: one.rounded for name, one in made.items()}
@@ -190,18 +190,18 @@ def validate(
         proofs = _proofs(axes, case, profile)
     for name, proof in proofs.items():
         if drawings:
-            folder = drawings.with_name(f"{drawings.name}_{name}") if several else drawings
+            folder = drawings.with_name(f"{drawings.name}_{name}") if name else drawings
             common.print_written(reports.write_loop_figures(proof, folder))
         if csv:
-            reports.write_series(proof, csv.with_name(f"{csv.stem}_{name}{csv.suffix}") if several else csv)
+            reports.write_series(proof, csv.with_name(f"{csv.stem}_{name}{csv.suffix}") if name else csv)
     if json:
         each = [{"name": name or robot.name, "validations": [proof]} for name, proof in proofs.items()]
         common.print_json({"axes": each})
-    elif several:
-        sizing.machine_proofs(robot.name, proofs)
+    elif alone := proofs.get(""):
+        sizing.validation(alone, checks=checks)
+        common.print_notes(alone.warnings)
     else:
-        sizing.validation(proofs[""], checks=checks)
-        common.print_notes(proofs[""].warnings)
+        sizing.machine_proofs(robot.name, proofs)
     if device or firmware:
         common.print_notes(tuple(dict.fromkeys(proof.assumptions[0] for proof in proofs.values())))
     raise typer.Exit(int(any(proof.status == "fail" for proof in proofs.values())))
@@ -244,18 +244,19 @@ def _all_of(machine: MachineSpec, case: str | None, profile: str | None, top: in
 
     result = common.with_drives(machine, None, top)[1]
     assert result is not None  # nothing is named
-    each, failing, several = [], False, machine.is_several
+    each, failing = [], False
     for axis in result.axes:
         with common.simulating("simulating the drives in closed loop"):
             own = case if case in _cases(axis.spec) else None
             proofs, notes = validate_all(axis.result, profile=profile, load_case=own)
         failing |= all(proof.status == "fail" for proof in proofs)
         each.append({"name": axis.name, "validations": proofs})
+        name = "" if result.alone else axis.name
         if not json:
-            if several:
-                typer.echo(f"\n{axis.name}\n")
+            if name:
+                typer.echo(f"\n{name}\n")
             terminal.validations(proofs, axis.result.objective)
-        common.print_notes(notes, axis.name if several else "")
+        common.print_notes(notes, name)
     if json:
         common.print_json({"axes": each})
     return int(failing)

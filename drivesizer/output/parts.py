@@ -125,12 +125,18 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
     known = origins(Hit("", catalog, section, catalog.table(section).rows[part.part]))
     notes, source = _remarks(catalog, part), known["part"]
     ordered = {"order_number": _number(catalog, part)} | price_for(part, quantity, catalog)
+    remarks = []
+    for note in notes:  # with the figures that it concerns, as far as they are for ordering
+        on = ", ".join(name.replace("_", " ") for name in note.fields if name in _OF_BUYING)
+        remarks.append(f"{on}: {note.text}" if on else note.text)
+    if (price := price_of(catalog, section, part.part, quantity)) and price.note:
+        remarks.append(f"price: {price.note}")
     return PartLine(
         role=role, maker=part.manufacturer, family=part.family, part=part.part,
         said=SAID[role](part), quantity=quantity, **mass, **ordered,
         ordered_with="motor" if role == "brake" and not part.mounting and part.manufacturer else "",
         document=source.document, date=source.date, confidence=source.confidence, url=source.url,
-        note="; ".join(dict.fromkeys(filter(None, [*map(_note_text, notes), *_remark(part, quantity, catalog)]))),
+        note="; ".join(dict.fromkeys(filter(None, remarks))),
     )  # fmt: skip
 
 
@@ -151,12 +157,6 @@ def price_for(part: Any, quantity: int, catalog: Catalog) -> dict[str, Any]:
                     "price_source": found.document, "price_confidence": found.confidence}  # fmt: skip
 
 
-def _remark(part: Any, quantity: int, catalog: Catalog) -> list[str]:
-    """The remark of a price list on the price."""
-    found = price_of(catalog, section_of(part), part.part, quantity)
-    return [f"price: {found.note}"] if found and found.note else []
-
-
 def _number(catalog: Catalog, part: Any) -> str:
     """The order number of a part; empty where the name in the catalogue is the catalogue's own."""
     known = not any(NO_NUMBER in note.text for note in _remarks(catalog, part))
@@ -167,12 +167,6 @@ def _remarks(catalog: Catalog, part: Any) -> list[Note]:
     """Notes on the part as a whole, or on figures for ordering."""
     notes = catalog.notes_on(section_of(part), part.part)
     return [note for note in notes if not note.fields or _OF_BUYING & set(note.fields)]
-
-
-def _note_text(note: Note) -> str:
-    """A note with the figures that it concerns, as far as they are for ordering."""
-    on = ", ".join(name.replace("_", " ") for name in note.fields if name in _OF_BUYING)
-    return f"{on}: {note.text}" if on else note.text
 
 
 # -- Totals of a parts list, mass and prices, and how they are printed.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from math import isinf, isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -14,18 +13,10 @@ from drivesizer.load_cases import load_cycle
 from drivesizer.load_cases.platform import dynamics_of, ground_of, trajectory_of
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.physics.load_cycle import end_times
+from drivesizer.platform import robot_figures
 from drivesizer.platform.dynamics import Dynamics, motion, wheel_torques
 from drivesizer.platform.equations import PLATFORM, Array, MatrixEquation, text
-from drivesizer.platform.robot_figures import (
-    Instant,
-    Numbers,
-    figures,
-    matrices,
-    mobility,
-    numbers_of,
-    robot_at_instant,
-    wheel_table,
-)
+from drivesizer.platform.robot_figures import Instant, Numbers
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.spec.robot import RobotSpec
 from drivesizer.units import label, show
@@ -88,22 +79,16 @@ def failed_motors_text(found: PermittedSpeeds) -> str:
     return f"without {', '.join(map(str, found.failed))}" if found.failed else "all motors"
 
 
-def speed_text(speed: float) -> str:
-    """A speed of the table; a dash where the wheels do not go there.
-
-    >>> speed_text(1.35), speed_text(float("nan")), speed_text(float("inf"))
-    ('1.35 m/s', '–', 'any')
-    """
-    return "any" if isinf(speed) else "–" if isnan(speed) else show(speed, "m/s", "speed", 3)
-
-
 def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
     """Directions in which a speed is not permitted, and assumptions of the table, as sentences."""
     required, every = found.required, len(found.direction)
     slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
     if required is not None and any(slow.values()):
         less = f", without a motor in up to {max(slow.values())}" if len(slow) > 1 else ""
-        yield f"{speed_text(required)}, as in the spec, is not permitted in {slow[0]} of {every} directions{less}."
+        said = (
+            f"{show(required, 'm/s', 'speed', 3)}, as in the spec, is not permitted in {slow[0]} of {every} directions"
+        )
+        yield f"{said}{less}."
     yield (
         "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
         "neither are supply and battery."
@@ -146,8 +131,9 @@ def platform_numbers(spec: RobotSpec, drive: DriveSet | None) -> PlatformNumbers
     """Tables of a platform."""
     at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
     d = at.dynamics
-    sentences = _rotors(drive), _moment(at)
-    return PlatformNumbers(*sentences, wheel_table(d), mobility(d), matrices(d), robot_at_instant(d, at.instant))
+    wheels, mobility = robot_figures.wheel_table(d), robot_figures.mobility(d)
+    at_instant = robot_figures.robot_at_instant(d, at.instant)
+    return PlatformNumbers(_rotors(drive), _moment(at), wheels, mobility, robot_figures.matrices(d), at_instant)
 
 
 class EquationNumbers(NamedTuple):
@@ -161,21 +147,16 @@ class EquationNumbers(NamedTuple):
 def equation_of(declared: MatrixEquation, spec: RobotSpec, drive: DriveSet | None, turning: bool) -> EquationNumbers:
     """An equation of the platform with the numbers of a spec."""
     at = hardest_instant(spec, drive.rotors_at_load if drive else 0.0)
+    eta = 0.3 * at.dynamics.kinematics.motions.sum(axis=1)  # a motion with something of each that the wheels allow
+    other = Instant(np.array([1.0, 2.0, 0.5]), eta, 2.0 * eta)
     try:
-        tables, others = (
-            numbers_of(declared, figures(at.dynamics, one)) for one in (at.instant, _other_instant(at.dynamics))
-        )
+        tables, others = (robot_figures.numbers_of(declared, robot_figures.figures(at.dynamics, one))
+                          for one in (at.instant, other))  # fmt: skip
     except InputError as error:
         raise InputError(f"{spec.where(('platform',))}: {error}") from None
     moves = any((one.values != other.values).any() for one, other in zip(tables, others, strict=True))
     remarks = [_moment(at)] if moves else []
     return EquationNumbers(spec.name, [*remarks, *([_rotors(drive)] if turning else [])], tables)
-
-
-def _other_instant(d: Dynamics) -> Instant:
-    """A motion that the wheels allow, with something of each that they do."""
-    eta = 0.3 * d.kinematics.motions.sum(axis=1)
-    return Instant(np.array([1.0, 2.0, 0.5]), eta, 2.0 * eta)
 
 
 def _rotors(drive: DriveSet | None) -> str:

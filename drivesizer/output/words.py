@@ -178,12 +178,15 @@ def visible(text: str, longest: int = LONGEST) -> str:
     ('a\\\\x00b\\nc', 'abc…')
     """
     ended = text.replace("\r\n", "\n").replace("\r", "\n")  # a lone carriage return ends the row for most readers
-    shown = ended if ended.isprintable() else "".join(repr(c)[1:-1] if _hides(c) else c for c in ended)
+    shown = (
+        ended
+        if ended.isprintable()
+        else "".join(
+            repr(c)[1:-1] if c not in "\n\t" and (unicodedata.category(c) in _HIDDEN or c in _TURNING) else c
+            for c in ended
+        )
+    )
     return shown if len(shown) <= longest else shown[: longest - 1] + "…"
-
-
-def _hides(letter: str) -> bool:
-    return letter not in "\n\t" and (unicodedata.category(letter) in _HIDDEN or letter in _TURNING)
 
 
 def csv_cell(value: Any) -> Any:

@@ -145,6 +145,7 @@ _SCHEMAS = {"size", "predict"}
 def _validator(of: str) -> Any:
     import jsonschema
 
-    from drivesizer.output.json.schema import prediction_schema, report_schema
+    from drivesizer.output.json.schema import record_schema, report_schema
+    from drivesizer.results.prediction import Prediction
 
-    return jsonschema.Draft202012Validator(report_schema() if of == "size" else prediction_schema())
+    return jsonschema.Draft202012Validator(report_schema() if of == "size" else record_schema(Prediction))

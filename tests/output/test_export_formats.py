@@ -21,7 +21,7 @@ from drivesizer.errors import InputError
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.export import FORMATS, accept, export_of, files, one_axis, write
 from drivesizer.output.export.common import torque_law
-from drivesizer.output.export.json_document import document, export_schema
+from drivesizer.output.export.machine import document, export_schema
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec, read_spec
 

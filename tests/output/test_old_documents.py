@@ -15,13 +15,14 @@ from typing import Any
 import jsonschema
 import pytest
 
-from drivesizer.output.export.json_document import export_schema
+from drivesizer.output.export.machine import export_schema
 from drivesizer.output.json.documents import SCHEMA
-from drivesizer.output.json.schema import prediction_schema, report_schema
+from drivesizer.output.json.schema import record_schema, report_schema
+from drivesizer.results.prediction import Prediction
 
 SAMPLES = Path(__file__).parent / f"documents_of_version_{SCHEMA}"
 REPORT = report_schema()
-SCHEMAS = {"report": REPORT, "machine": REPORT, "predict": prediction_schema(), "export": export_schema()}
+SCHEMAS = {"report": REPORT, "machine": REPORT, "predict": record_schema(Prediction), "export": export_schema()}
 
 
 def without_required(schema: Any) -> Any:

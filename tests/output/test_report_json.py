@@ -11,8 +11,7 @@ from drivesizer.files.yaml_source import YamlSource
 from drivesizer.output.document.content import Content
 from drivesizer.output.json.documents import MOST_SAMPLES, SCHEMA, as_text, plain, series
 from drivesizer.output.json.schema import report_schema
-from drivesizer.output.report import write
-from drivesizer.output.report.json import report_json
+from drivesizer.output.report import report_json, write
 from drivesizer.results.machine import of_one_axis
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate

@@ -24,6 +24,7 @@ from drivesizer.output.document.machine import followed, mass_blocks, permitted
 from drivesizer.output.document.records import Table
 from drivesizer.output.json.documents import plain
 from drivesizer.output.json.schema import report_schema
+from drivesizer.output.report import report_json
 from drivesizer.output.report.csv import report_csv
 from drivesizer.output.report.figures import cycle as motion
 from drivesizer.output.report.figures import cycle as wheels
@@ -31,7 +32,6 @@ from drivesizer.output.report.figures import machine
 from drivesizer.output.report.figures.all_figures import Behaviour
 from drivesizer.output.report.figures.style import COLOURS
 from drivesizer.output.report.html.page import report_html
-from drivesizer.output.report.json import report_json
 from drivesizer.output.report.pdf import report_pdf
 from drivesizer.results.sizing import SizingResult
 from drivesizer.simulate import validate

@@ -15,7 +15,7 @@ from drivesizer.machine.set_cycle import set_cycle
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import choice, cycle, field
 from drivesizer.output.report.figures.all_figures import report_drawings
-from drivesizer.output.report.figures.picture import scatter
+from drivesizer.output.report.figures.picture import barred, scatter
 from drivesizer.physics.thermal import resistance_25, resistance_at
 from drivesizer.results.check import Check
 from drivesizer.results.sizing import SizingResult
@@ -60,7 +60,7 @@ CHECKS = (
 
 
 def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas):
-    (axes,) = canvas(choice.margins, CHECKS).axes
+    (axes,) = canvas(barred, choice.margins(CHECKS)).axes
     bars = {axes.get_yticklabels()[round(bar.get_y() + bar.get_height() / 2)].get_text(): bar for bar in axes.patches}
     widths = [bars[c.title].get_width() for c in CHECKS]
     assert widths == pytest.approx([50.0, 80.0, 125.0, 125.0, 0.0, 125.0])
@@ -69,7 +69,7 @@ def test_bars_are_the_used_share_of_each_limit_and_status_needs_no_colour(canvas
     (needed,) = [line for line in axes.lines if len(set(line.get_xdata())) == 1 and line.get_xdata()[0] < 99.0]
     assert needed.get_xdata()[0] == pytest.approx(100.0 / 1.2)
     assert {text.get_text() for text in axes.texts} == {"+100 %", "+25 %", "−50 %", "unknown", "pass", "fail"}
-    assert "used share of the limit (%)" in labels(choice.margins(CHECKS))
+    assert "used share of the limit (%)" in labels(barred(choice.margins(CHECKS)))
 
 
 # -- energy
@@ -79,7 +79,7 @@ FLOW = EnergyFlow(drawn=100.0, supply=2.0, controller=3.0, copper=15.0, friction
 
 
 def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
-    (axes,) = canvas(cycle.energy_bars, FLOW).axes
+    (axes,) = canvas(barred, cycle.energy_bars(FLOW)).axes
     whole, *parts = axes.patches
     assert (whole.get_x(), whole.get_width()) == (0.0, 100.0)
     left = 100.0
@@ -89,7 +89,7 @@ def test_bars_of_energy_go_down_from_what_is_drawn_to_nothing(canvas):
         left -= value
     assert left == pytest.approx(0.0)
     assert len({*hatches(axes)}) == 3
-    said = labels(cycle.energy_bars(FLOW))
+    said = labels(barred(cycle.energy_bars(FLOW)))
     assert {"energy of a cycle (J)", "2 J, 2 %", "work on the load", "regenerated, kept by the supply"} <= said
 
 

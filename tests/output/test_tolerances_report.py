@@ -19,6 +19,7 @@ from drivesizer.output.report import csv as csv_tables
 from drivesizer.output.report import write
 from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.choice import swings, tornado
+from drivesizer.output.report.figures.picture import barred
 from drivesizer.output.terminal.sizing import DETAILS, sizing
 from drivesizer.output.words import moved, reported
 from drivesizer.results.sizing import SizingResult
@@ -61,7 +62,7 @@ def test_the_tornado_is_drawn_of_what_moves_the_margin(result: SizingResult) -> 
     assert 2 <= len(drawn) <= 10 and drawn[0].name == "load.rolling_resistance"
     widest = max(abs(one.high_margin - one.low_margin) for one in drawn)
     assert abs(drawn[0].high_margin - drawn[0].low_margin) == widest
-    assert tornado(best.reliability.drivers)() == tornado(best.reliability.drivers)()
+    assert barred(tornado(best.reliability.drivers))() == barred(tornado(best.reliability.drivers))()
     printed = [round(100.0 * one.share) for one in drawn]
     assert printed == sorted(printed, reverse=True)
     assert report_drawings(result, None)["tornado"]("png").startswith(b"\x89PNG")

@@ -9,7 +9,7 @@ from typing import Any
 
 from drivesizer.output.derivation import minus
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.content import Content, OfDrives, none_reaches
+from drivesizer.output.document.content import Content, OfDrives
 from drivesizer.output.document.rows import error_text, margin_quantity, margins
 from drivesizer.output.parts import unknown_of
 from drivesizer.output.words import confidence, likely, loop_text, meeting, moved, number_of, reported
@@ -294,7 +294,8 @@ def probabilities(content: Content) -> Iterator[doc.Block]:
         yield probability_table(caption, reach, "probabilities")
     if less:
         yield probability_table(below.capitalize() if reach else f"{caption}: {below}", less, "unsure")
-    yield sampled_words(sampled, none_reaches(result))
+    none = "" if result.sets or not result.unsure else f"no drive reaches the confidence of {required}"
+    yield sampled_words(sampled, none)
 
 
 def sampled_words(sampled: Uncertainty, none: str = "") -> doc.Bullets:

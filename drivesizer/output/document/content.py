@@ -13,10 +13,10 @@ from drivesizer.catalog import Catalog
 from drivesizer.load_cases.platform import WheelLoad, trajectory_of
 from drivesizer.loads.wheeled_vehicle import WheeledVehicle
 from drivesizer.output.parts import PartLine, machine_parts
-from drivesizer.output.words import confidence, first_wheel, number_of, outcome
+from drivesizer.output.words import first_wheel, number_of, outcome
 from drivesizer.physics.load_cycle import LoadCycle
-from drivesizer.results.check import Reliability, gravest
 from drivesizer.results.check import Status as CheckStatus
+from drivesizer.results.check import gravest
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.sizing import SizingResult
 from drivesizer.spec.robot import RobotSpec
@@ -197,20 +197,6 @@ def driven_over(v: Validation) -> str:
     """The reference of a closed loop in words: the profile, or the cycle of a wheel."""
     wheel = isinstance(v.spec.load, WheelLoad) and v.profile == v.spec.load.file
     return f"the cycle of {v.profile}" if wheel else v.over
-
-
-def none_reaches(result: SizingResult) -> str:
-    """Statement that no drive reaches the required confidence; empty where one does, or none meets all limits."""
-    if outcome(result) != "unsure" or result.uncertainty is None:
-        return ""
-    return f"no drive reaches the confidence of {confidence(result.uncertainty.confidence)}"
-
-
-def error_and_weakest(found: Reliability) -> str:
-    """The error of a probability, the weakest check and the unknown ones."""
-    number = "1 check is" if len(found.unknown) == 1 else f"{len(found.unknown)} checks are"
-    unknown = f"; {number} unknown: {'; '.join(found.unknown)}" if found.unknown else ""
-    return f"± {100 * found.error:.2g} %; weakest check: {found.weakest}{unknown}"
 
 
 def machine_words(spec: RobotSpec) -> str:

@@ -9,18 +9,10 @@ from typing import TYPE_CHECKING
 
 from drivesizer.load_cases.platform import Driving
 from drivesizer.machine.platform_budget import PermittedSpeeds
+from drivesizer.output import platform
 from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives
 from drivesizer.output.document.rows import check_table, consumers_table, figures_table, masses_table
-from drivesizer.output.platform import (
-    FOLLOWING,
-    SPEEDS,
-    failed_motors_text,
-    formula,
-    platform_numbers,
-    printed,
-    speed_remarks,
-)
 from drivesizer.physics.load_cycle import OwnLimit
 from drivesizer.platform.robot_figures import Numbers
 from drivesizer.results.drive_set import DriveSet
@@ -101,15 +93,15 @@ def permitted(content: Content) -> Iterator[doc.Block]:
     found = content.behaviour.permitted if content.behaviour else None
     if found is None:
         return
-    with_motors = failed_motors_text(found) if found.failed else "with all motors"
+    with_motors = platform.failed_motors_text(found) if found.failed else "with all motors"
     yield doc.picture("permitted", motors=with_motors)
     yield from permitted_blocks(found)
 
 
 def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
     """Speeds of a quarter turn, and what limits them."""
-    with_motors = failed_motors_text(found) if found.failed else "with all motors"
-    heads = [failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
+    with_motors = platform.failed_motors_text(found) if found.failed else "with all motors"
+    heads = [platform.failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
     columns = [*(doc.Column(re.sub(r"\W+", "_", head), head, "number") for head in heads),
                doc.Column("note", f"limited, {with_motors}, by", "small", media="paper")]  # fmt: skip
     rows = []
@@ -120,14 +112,14 @@ def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
         if not isnan(here[0][0]):
             cells = dict[str, doc.Cell](zip((c.key for c in columns), [*speeds, here[0][1]], strict=True))
             rows.append(doc.Row({"title": f"{degrees} °", **cells}, name=str(degrees)))
-    yield doc.table("permitted", SPEEDS, rows, more=columns)
-    yield doc.Bullets("In these speeds:", [*speed_remarks(found)])
+    yield doc.table("permitted", platform.SPEEDS, rows, more=columns)
+    yield doc.Bullets("In these speeds:", [*platform.speed_remarks(found)])
 
 
 def followed(content: Content) -> Iterator[doc.Block]:
     """Deviations from the path, simulated and measured."""
-    does, platform = content.behaviour, content.result.spec.platform
-    if does is None or does.path is None or platform is None:
+    does = content.behaviour
+    if does is None or does.path is None:
         return
     if not does.followed:
         yield doc.Words(f"Not simulated: {does.not_followed}", "alarm")
@@ -157,7 +149,7 @@ def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Fo
         }
         limited = doc.Quantity(float(run.limited.max()), "%", "dimensionless", 3)
         rows.append(doc.Row({"title": name, **cells, "limited": limited}, name=_slug(name)))
-    yield doc.table("followed", FOLLOWING, rows, heads={"title": head}, more=columns)
+    yield doc.table("followed", platform.FOLLOWING, rows, heads={"title": head}, more=columns)
     yield doc.Bullets("In this simulation:", [*assumed(path, drive)])
 
 
@@ -169,7 +161,7 @@ def kinematics_and_dynamics(content: Content) -> Iterator[doc.Block]:
     spec = content.result.spec
     if not spec.platform:
         return
-    found = platform_numbers(spec, content.drive)
+    found = platform.platform_numbers(spec, content.drive)
     yield doc.Words(doc.said("symbols"))
     yield doc.Heading("Kinematics")
     yield numbers_table(found.wheels)
@@ -197,7 +189,7 @@ _SI = {"deg": ("rad", radians(1.0)), "mm": ("m", 1e-3)}
 
 def numbers_table(numbers: Numbers) -> doc.Table:
     """A matrix or a table of the platform, each unit once."""
-    shown, rows = printed(numbers), []
+    shown, rows = platform.printed(numbers), []
     keys = [_slug(head) or f"n{n}" for n, head in enumerate(numbers.columns)]
     equation = str(next(iter(numbers.equations), ""))
     for name, texts, values, units in zip(
@@ -209,7 +201,7 @@ def numbers_table(numbers: Numbers) -> doc.Table:
             cells[key] = doc.Quantity(value * factor, unit if unit in _SI else si, _KIND.get(unit, "plain"), own=text)
         rows.append(doc.Row(cells, name=_slug(f"{numbers.name} {name}")))
     named = ", ".join(f"({number})" for number in numbers.equations)
-    caption = f"{numbers.meaning} {named}: {formula(numbers)}" if named else numbers.meaning
+    caption = f"{numbers.meaning} {named}: {platform.formula(numbers)}" if named else numbers.meaning
     caption += f", in {shown.unit}" if shown.unit else ""
     columns = [doc.Column(key, head, "number") for key, head in zip(keys, shown.heads, strict=True)]
     return doc.table("numbers", caption, rows, more=columns)

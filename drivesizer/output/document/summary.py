@@ -11,15 +11,8 @@ from typing import Any
 from drivesizer.machine.battery import lacking, pack_of
 from drivesizer.output.derivation import margin
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.content import Content, OfDrives, driven_over, error_and_weakest, machine_words
-from drivesizer.output.document.rows import (
-    changes_table,
-    check_table,
-    required_table,
-    requirements_table,
-    tight_of,
-    tightest_table,
-)  # fmt: skip
+from drivesizer.output.document import rows as tables
+from drivesizer.output.document.content import Content, OfDrives, driven_over, machine_words
 from drivesizer.output.parts import OWN_SUPPLY, PartLine, Total, part_figures, totals
 from drivesizer.output.words import about, confidence, likely, meeting, not_quoted, number_of, reported
 from drivesizer.results.check import GRAVEST, Check, sentence_case, verdict, worst
@@ -127,10 +120,10 @@ def summary(content: Content) -> Iterator[doc.Block]:
     yield from lacking_words(totals(content.bought))
     if content.outcome == "missed":
         failed = [c for c in best.deciding if c.status == "fail"] or [c for c in best.deciding if c.status != "pass"]
-        yield replace(check_table("The checks that it fails", failed, "failed"), media="shown")
+        yield replace(tables.check_table("The checks that it fails", failed, "failed"), media="shown")
     else:
         count = number_of(len(best.deciding), "check")
-        yield tightest_table(
+        yield tables.tightest_table(
             (f"The smallest margins of {count}", doc.TableLink("checks", "; all are in ")), best.deciding
         )
 
@@ -203,7 +196,7 @@ def glance(content: Content) -> Iterator[doc.Block]:
     if behaviour is None or best is None:
         return
     several = ", as specified" if len(content.result.problem.cases) > 1 else ""
-    tight, title = tight_of(best, content.validation)
+    tight, title = tables.tight_of(best, content.validation)
     yield doc.Tiles([
         ("Smallest margin", tight, title),
         summed_tile(totals(lines), "mass", content.drives),
@@ -228,7 +221,9 @@ def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, st
 def required(content: Content) -> Iterator[doc.Block]:
     """Requirements on the machine, and by what margin they are met."""
     if content.drive and (
-        table := required_table("Requirements on the machine, what is reached, and by what margin", content.drive)
+        table := tables.required_table(
+            "Requirements on the machine, what is reached, and by what margin", content.drive
+        )
     ):
         yield table
 
@@ -311,11 +306,11 @@ def changes(content: Content) -> Iterator[doc.Block]:
     if content.outcome != "missed":
         return
     if result.relaxations:
-        yield changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
+        yield tables.changes_table("Changes after which a drive passes, one figure at a time", result.relaxations)
     elif result.counts.considered:
         yield doc.Words(not_enough(result))
     if content.drive and content.drive.changes:
-        yield changes_table(
+        yield tables.changes_table(
             "Changes after which the closest rejected drive passes, one figure at a time", content.drive.changes
         )
 
@@ -353,9 +348,12 @@ def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, doc.Text]]
         yield "not quoted", f"{'; '.join(doubts)}: to be confirmed"
     one = reported(result)
     if result.uncertainty and one and one.reliability:
-        claim = "no check fails" if one.reliability.unknown else "all checks pass"
-        said = f"{claim} with a probability of {likely(one.reliability.probability)}"
-        yield "tolerances", f"{said} {error_and_weakest(one.reliability)}"
+        found = one.reliability
+        claim = "no check fails" if found.unknown else "all checks pass"
+        count = "1 check is" if len(found.unknown) == 1 else f"{len(found.unknown)} checks are"
+        unknown = f"; {count} unknown: {'; '.join(found.unknown)}" if found.unknown else ""
+        yield "tolerances", (f"{claim} with a probability of {likely(found.probability)} "
+                             f"± {100 * found.error:.2g} %; weakest check: {found.weakest}{unknown}")  # fmt: skip
     if result.method == "paper" and best.beside:
         status = verdict(best.beside)
         which = ", ".join(check.title for check in best.beside if check.status == status != "pass")
@@ -428,7 +426,7 @@ def drive(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     yield doc.table("drive", "", rows)
     yield _identity(drive)
     if any(r.declared for r in drive.requirements):
-        yield requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="wide")
+        yield tables.requirements_table(f"At the motor, for {drive.label}", drive.requirements, media="wide")
 
 
 def _identity(s: DriveSet) -> doc.Table:
@@ -469,7 +467,7 @@ def checks(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     worst = of.of_machine(
         "; each at its worst wheel", "; each in its worst load case, the one as specified where none is named"
     )
-    yield check_table(
+    yield tables.check_table(
         (f"All checks of {drive.label}{worst}",
          doc.Note(doc.said("bars"))),
         drive.checks, "checks", grouped=True,
@@ -498,7 +496,7 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     media: doc.Media = "all" if by_paper else "listed"
     if by_paper:
         yield doc.Words(doc.said("by_paper"))
-    checks = check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
+    checks = tables.check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
     yield replace(checks, media=media)
     rows = [
         doc.row("methods", pair, name=pair.paper.name,

@@ -35,7 +35,7 @@ FORMATS = {
     "sdf": Format("Gazebo", "urdf", (".sdf", ".xml"), "render_sdf"),
     "ros2_control": Format("ros2_control", "ros2_control", (".urdf", ".xacro", ".xml"), bodies=True),
     "fmu": Format("FMI 2.0 co-simulation", "fmu", (".fmu",)),
-    "json": Format("JSON", "json_document", (".json",)),
+    "json": Format("JSON", "machine", (".json",), "render_json"),
 }
 
 

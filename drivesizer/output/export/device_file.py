@@ -43,7 +43,19 @@ def files(device: Device, rows: Sequence[Written], remarks: Sequence[str], path:
             SubElement(root, row.parameter.name).text = row.text
         indent(root)
         return {path: tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"}
-    body = {"json": _json, "yaml": _yaml, "dcf": _dcf, "ini": _ini}.get(form, _lines)(device, rows)
+    match form:
+        case "json":
+            body = json.dumps(_tree(rows), indent=2) + "\n"
+        case "yaml":
+            body = yaml.safe_dump(_tree(rows), sort_keys=False)
+        case "dcf":
+            body = _dcf(rows)
+        case "ini":
+            body = _ini(rows)
+        case _:
+            line, after = device.words["line"] or "{name} = {value}", device.words["after"]
+            body = "".join(line.format(name=row.parameter.name, value=row.text) + "\n" for row in rows)
+            body += f"{after}\n" if after else ""
     if form == "json" or mark == "beside":
         said = "".join(f"{one}\n" for one in remarks)
         return {path: body.encode(), path.with_suffix(".read_back.txt"): said.encode()}
@@ -62,11 +74,7 @@ def _tree(rows: Sequence[Written]) -> dict[str, Any]:
     return found
 
 
-def _json(device: Device, rows: Sequence[Written]) -> str:
-    return json.dumps(_tree(rows), indent=2) + "\n"
-
-
-def _ini(device: Device, rows: Sequence[Written]) -> str:
+def _ini(rows: Sequence[Written]) -> str:
     """Sections of the names before the dot."""
     sections: dict[str, str] = {}
     for row in rows:
@@ -75,17 +83,7 @@ def _ini(device: Device, rows: Sequence[Written]) -> str:
     return "\n".join(sections.values())
 
 
-def _yaml(device: Device, rows: Sequence[Written]) -> str:
-    return yaml.safe_dump(_tree(rows), sort_keys=False)
-
-
-def _lines(device: Device, rows: Sequence[Written]) -> str:
-    line, after = device.words["line"] or "{name} = {value}", device.words["after"]
-    body = "".join(line.format(name=row.parameter.name, value=row.text) + "\n" for row in rows)
-    return body + (f"{after}\n" if after else "")
-
-
-def _dcf(device: Device, rows: Sequence[Written]) -> str:
+def _dcf(rows: Sequence[Written]) -> str:
     """Sections of a device configuration file, ``[30A0sub1]``."""
     body = ""
     for row in rows:

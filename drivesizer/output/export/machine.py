@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,9 +20,10 @@ from drivesizer.joints.trajectory import fixed_positions, motion_of
 from drivesizer.loads.stage_losses import FixedGear
 from drivesizer.machine.budgets import riding_mass, riding_unknown
 from drivesizer.output.export import common
-from drivesizer.output.export.common import PROGRAM, Export, behind_gear, brief, export_of, identifier, sentences
+from drivesizer.output.export.common import PROGRAM, Export, TorqueLaw, brief, identifier, sentences, torque_law
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.platform import PlatformExport, platform_export
+from drivesizer.output.json.documents import as_text, plain
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.results.machine import AxisSizing, MachineSizing
 from drivesizer.spec.description import Joint, Robot, about, read_description, rotation
@@ -113,7 +115,7 @@ def drive_export(spec: RobotSpec, found: DriveSet, *, wheel: int | None = None, 
     """The record of a drive alone; of a platform that with all its wheels, where there are bodies and none is named."""
     if wheel is None and spec.platform is not None and bodies:
         return platform_alone(platform_export(spec, found))
-    return one_axis(export_of(spec, found, wheel))
+    return one_axis(common.export_of(spec, found, wheel))
 
 
 def machine_export(sizing: MachineSizing, *, one_rate: bool = False, bodies: bool = True) -> MachineExport:
@@ -137,7 +139,7 @@ def machine_export(sizing: MachineSizing, *, one_rate: bool = False, bodies: boo
         for axis in sizing.axes:
             assert axis.best is not None
             spec = axis.spec if rate is None else axis.spec.changed(at_rate)
-            found[axis.name] = replace(export_of(spec, axis.best), name=axis.name)
+            found[axis.name] = replace(common.export_of(spec, axis.best), name=axis.name)
         return found
 
     exports = exported(None)
@@ -180,7 +182,7 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
         drives.append(JointDrive(
             joint=name,
             motor=f"{name}_motor",
-            of=replace(of, assumptions=tuple(line for line in of.assumptions if line not in behind_gear(axis.spec))),
+            of=replace(of, assumptions=tuple(x for x in of.assumptions if x not in common.behind_gear(axis.spec))),
             travel=radius_of(robot.joints[name], own.travel_per_turn) / stages.ratio,
             turns_by={other: share for other, share in zip(joints, row, strict=True) if share},
             mass=mass,
@@ -275,6 +277,43 @@ def in_urdf(robot: RobotExport) -> RobotExport:
         drives=tuple(replace(drive, place=shifted(drive.place)) for drive in robot.drives),
         payload=robot.payload and shifted(robot.payload),
     )
+
+
+# The record of a machine as JSON: its drives, and what each has at the driven shaft; SI, null is unknown.
+
+
+class AtShaft(NamedTuple):
+    """A drive seen at its driven shaft with gears that drive, and its controller as one law."""
+
+    inertia: float  # kg*m^2, of the load, and rotor with gearhead input reflected
+    reflected_inertia: float  # kg*m^2, of rotor with gearhead input
+    friction: float  # N*m, dry friction of load and motor
+    damping: float  # N*m*s/rad, viscous friction of the motor
+    weight: float  # N*m, of the load, at the start of the motion
+    torque_law: TorqueLaw | None  # at the motor; null: none is designed, for its inertia is unknown, or it is a stepper
+
+
+def render_json(of: MachineExport) -> bytes:
+    """The file of a machine: the drives of all its axes."""
+    found = {"name": of.name, "axes": [document(one) for _, one in of.exports]}
+    return (as_text(found) + "\n").encode("utf-8", "backslashreplace")
+
+
+def document(of: Export) -> dict[str, Any]:
+    """The figures of a drive as plain data."""
+    law = torque_law(of) if of.controller else None
+    shaft = AtShaft(of.inertia, of.reflected_inertia, of.friction, of.damping, of.weight, law)
+    return plain(of) | plain(shaft)  # type: ignore[no-any-return]
+
+
+def export_schema() -> dict[str, Any]:
+    """The JSON Schema of ``drivesizer export --format json``."""
+    from drivesizer.output.json.schema import Definitions, array_of, document_schema, properties
+
+    defs: Definitions = {}
+    drive = properties(Export, defs) | properties(AtShaft, defs)
+    of = {"name": {"type": "string"}, "axes": array_of("Drive", drive, defs)}
+    return document_schema("drivesizer export", of, defs)
 
 
 def free_name(wanted: str, taken: Collection[str]) -> str:

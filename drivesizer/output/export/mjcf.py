@@ -36,17 +36,7 @@ from drivesizer.control.drive_train import DriveTrain
 from drivesizer.errors import InputError
 from drivesizer.joints.inverse_dynamics import Array
 from drivesizer.output.export import common
-from drivesizer.output.export.common import (
-    Export,
-    TorqueLaw,
-    brief,
-    number,
-    remark,
-    sentences,
-    text,
-    torque_law,
-    vector,
-)
+from drivesizer.output.export.common import Export, brief, number, remark, sentences, torque_law, vector
 from drivesizer.output.export.joint_drive import JointDrive
 from drivesizer.output.export.machine import MachineExport, RobotExport, free_name, head
 from drivesizer.output.export.platform import BASE, PlatformExport, wheel_name
@@ -65,7 +55,7 @@ Sections = dict[str, Element]
 
 def render(of: MachineExport) -> bytes:
     """The file of a machine."""
-    root = Element("mujoco", model=text(of.name))
+    root = Element("mujoco", model=common.text(of.name))
     alone, robot, platform = of.alone, of.robot, of.platform
     step = min(one.period for _, one in of.exports) / PER_PERIOD
     gravity = (0.0, 0.0, -of.gravity)
@@ -143,7 +133,7 @@ def _current_scale(train: DriveTrain) -> float:
     return sqrt(train.torque_constant / train.back_emf_constant)
 
 
-def _motor_figures(of: Export, law: TorqueLaw) -> dict[str, str]:
+def _motor_figures(of: Export, law: common.TorqueLaw) -> dict[str, str]:
     """Attributes of the motor with its winding and its controller."""
     train = of.train
     s = _current_scale(train)
@@ -169,7 +159,7 @@ def _celsius(kelvin: float) -> float:
     return round(kelvin - _ZERO_CELSIUS, 9)
 
 
-def _feedforward(law: TorqueLaw) -> str:
+def _feedforward(law: common.TorqueLaw) -> str:
     """The law of the feedforward, in words."""
     terms = [(law.per_speed, "w"), (law.per_acceleration, "dw/dt"), (law.per_direction, "sign(w)")]
     return " + ".join(f"{number(gain)} {what}" for gain, what in terms if gain) or "0"

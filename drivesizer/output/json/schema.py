@@ -18,9 +18,7 @@ from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.json.documents import SCHEMA, Report, ReportedAxis, keys, made
 from drivesizer.output.platform import PlatformNumbers
 from drivesizer.results.check import sentence_case
-from drivesizer.results.identification import Comparison, Identification
 from drivesizer.results.machine import MachineSizing
-from drivesizer.results.prediction import Prediction
 from drivesizer.units import KINDS
 
 _PLAIN: dict[Any, dict[str, Any]] = {
@@ -44,22 +42,8 @@ def report_schema() -> dict[str, Any]:
     return document
 
 
-def prediction_schema() -> dict[str, Any]:
-    """The JSON Schema of ``drivesizer predict --json``."""
-    return _of_a_record(Prediction)
-
-
-def identification_schema() -> dict[str, Any]:
-    """The JSON Schema of ``drivesizer identify --json``."""
-    return _of_a_record(Identification)
-
-
-def comparison_schema() -> dict[str, Any]:
-    """The JSON Schema of ``drivesizer compare --json``."""
-    return _of_a_record(Comparison)
-
-
-def _of_a_record(record: type) -> dict[str, Any]:
+def record_schema(record: type) -> dict[str, Any]:
+    """The JSON Schema of a document that is one record, as of ``drivesizer predict --json``."""
     defs: Definitions = {}
     return document_schema(f"drivesizer {record.__name__.lower()}", properties(record, defs), defs)
 

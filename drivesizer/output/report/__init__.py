@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from drivesizer.control.path_following import Followed
     from drivesizer.control.validation import Validation
     from drivesizer.load_cases.platform import Driving
+    from drivesizer.output.document.axes import MachineContent
+    from drivesizer.output.document.content import Content
     from drivesizer.output.document.records import Document
     from drivesizer.results.machine import MachineSizing
     from drivesizer.results.sizing import SizingResult
@@ -109,8 +111,6 @@ def _files(content: Any, path: Path, paper: str, date: str | None) -> dict[Path,
 
         return {path: report_html(content, date=date)}
     if kind == ".json":
-        from drivesizer.output.report.json import report_json
-
         return {path: report_json(content)}
     if kind == ".csv":
         from drivesizer.output.report.csv import files_csv
@@ -119,6 +119,24 @@ def _files(content: Any, path: Path, paper: str, date: str | None) -> dict[Path,
     from drivesizer.output.report.workbook import report_xlsx
 
     return {path: report_xlsx(content)}
+
+
+def report_json(content: Content | MachineContent) -> bytes:
+    """A sizing with the closed loop of every axis as one JSON document, as the bytes of a file."""
+    from drivesizer.output.document.axes import MachineContent
+    from drivesizer.output.json.documents import OnPath, as_text, on_path, report
+    from drivesizer.results.machine import of_one_axis
+
+    if isinstance(content, MachineContent):
+        found = report(content.sizing, content.proofs)
+    else:
+        sizing, behaviour, paths = of_one_axis(content.result), content.behaviour, dict[str, OnPath]()
+        name = sizing.axes[0].name
+        if behaviour and content.result.spec.platform:
+            paths[name] = on_path(content.result.spec, behaviour.permitted, behaviour.followed)
+        found = report(sizing, {name: content.validation} if content.validation else {}, paths)
+    # a lone surrogate, which a spec may have, becomes \udxxx
+    return f"{as_text(found)}\n".encode("utf-8", "backslashreplace")
 
 
 def write_sets(result: SizingResult | MachineSizing, path: Path) -> list[Path]:

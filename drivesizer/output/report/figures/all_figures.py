@@ -21,7 +21,7 @@ from drivesizer.machine.platform_budget import PermittedSpeeds, permitted_speeds
 from drivesizer.machine.set_cycle import SetCycle, WarmUp, set_cycle, warm_up
 from drivesizer.machine.supply_power import EnergyFlow, energy_flow
 from drivesizer.output.report.figures import choice, cycle, field, loops, machine
-from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, abreast, on_paper, scatter
+from drivesizer.output.report.figures.picture import Bars, Pictured, Plot, abreast, barred, on_paper, scatter
 from drivesizer.output.report.figures.style import CASES, FILES, Drawing, Ready
 from drivesizer.output.sketch import SKETCHES, sketch
 from drivesizer.output.words import first_wheel, reported
@@ -131,7 +131,7 @@ class Behaviour:
             plots = cycle.temperatures(found, ambient, permitted)
             made["heat"] = Pictured(abreast(plots, 1.21, names=4), plots)
         if self.energy.known:
-            made["energy"] = Pictured(cycle.energy_bars(self.energy))
+            made["energy"] = _bars(cycle.energy_bars(self.energy))
         if self.permitted:
             made["permitted"] = Pictured(machine.speed_by_direction(self.permitted))
         if self.followed:
@@ -185,6 +185,10 @@ class Behaviour:
 # -- All figures of a report.
 
 
+def _bars(bars: Bars) -> Pictured:
+    return Pictured(barred(bars), [bars])
+
+
 IN_TABLES = {"margins"}  # of the figures: what the PDF shows in its tables
 _MOST_PANELS = 6  # of the motor's field that can be moved
 
@@ -209,9 +213,9 @@ def report_pictures(
     if front := choice.trade_off(result):
         made["front"] = Pictured(scatter(front), [front])
     if certain and certain.reliability and choice.swings(certain.reliability.drivers):
-        made["tornado"] = Pictured(choice.tornado(certain.reliability.drivers))
+        made["tornado"] = _bars(choice.tornado(certain.reliability.drivers))
     if best:
-        made["margins"] = Pictured(choice.margins(sorted_by_part(best.own_checks)))
+        made["margins"] = Pictured(barred(choice.margins(sorted_by_part(best.own_checks))))
         panels = field.panels(result.problem, best, result.requirements)
         if panels:
             each = [field.torque_speed(panel) for panel in panels[:_MOST_PANELS]]

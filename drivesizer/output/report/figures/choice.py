@@ -3,59 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, isnan
-from typing import TYPE_CHECKING, Any
+from math import isfinite, isnan, nan
 
 from drivesizer.output.derivation import clean, margin, minus, short, use
 from drivesizer.output.report.figures import picture
-from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
-from drivesizer.output.report.figures.style import COLOURS, bars, beside, figure, placed, width
+from drivesizer.output.report.figures.picture import Bar, Bars, Curve, Diagram, Plot
 from drivesizer.results.check import Check, Driver
 from drivesizer.results.sizing import SizingResult, objective_figure
 from drivesizer.units import from_si
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # -- The margins of all checks as bars: how much of each limit is used, and how much may be.
 
 
 FARTHEST = 125.0  # % of a limit where the axis ends; a bar that goes on ends in an arrow
-_ROW = 0.172  # in
-_LOOKS: dict[str, dict[str, Any]] = {  # distinct in grey as well: plain, hatched, empty and dotted
-    "pass": {"facecolor": COLOURS["sky"], "edgecolor": COLOURS["blue"]},
-    "fail": {"facecolor": COLOURS["vermillion"], "edgecolor": "black", "hatch": "/////"},
-    "unknown": {"facecolor": "white", "edgecolor": COLOURS["grey"], "hatch": "\\\\\\", "linestyle": (0, (2, 2))},
-}
-_AT_THE_RIGHT: Any = {"xycoords": ("axes fraction", "data"), "va": "center"}
 
 
-@figure
-def margins(figure: Figure, checks: Sequence[Check]) -> None:
-    """Every check with the used share of its limit; a line where the required margin begins."""
-    from matplotlib.lines import Line2D
-    from matplotlib.patches import Patch
-
-    shown = list(reversed(checks))  # the first one on top
-    ((axes,),) = placed(figure, _ROW * len(shown) + 0.72, left=2.35, right=0.62, top=0.24)
-    for place, check in enumerate(shown):
+def margins(checks: Sequence[Check]) -> Bars:
+    """Every check with the used share of its limit; a mark where the required margin begins."""
+    rows = []
+    for check in checks:
         used, allowed = use(check.margin), use(check.needed)
         share = 100.0 * used if used is not None else 0.0 if check.status == "pass" else FARTHEST
-        axes.barh(place, min(share, FARTHEST), height=0.62, linewidth=0.6, zorder=3, **_LOOKS[check.status])
-        if used is not None and allowed is not None and allowed != 1.0:
-            axes.plot([100.0 * allowed] * 2, [place - 0.42, place + 0.42], color="black", linewidth=0.9, zorder=5)
-        said = margin(check.margin) if not isnan(check.margin) else check.status
-        beside(axes, said, (1.0, place), (4, 0), **_AT_THE_RIGHT)
-    axes.axvline(100.0, color="black", linewidth=1.2, zorder=4)
-    bars(axes, [short(clean(check.title), 44) for check in shown], upwards=True)
-    axes.set(xlim=(0.0, FARTHEST), xlabel="used share of the limit (%)")
-    kinds = [kind for kind in _LOOKS if any(check.status == kind for check in shown)]
-    names: list[Any] = [Patch(label=kind, linewidth=0.6, **_LOOKS[kind]) for kind in kinds]
-    if any(check.needed for check in shown):
-        names.append(Line2D([], [], color="black", linewidth=0.9, marker="|", markersize=7, linestyle="none",
-                            label="up to here with the required margin"))  # fmt: skip
-    figure.legend(handles=names, loc="upper right", ncols=len(names), borderaxespad=0.2)
+        mark = nan if used is None or allowed is None or allowed == 1.0 else 100.0 * allowed
+        said = check.status if isnan(check.margin) else margin(check.margin)
+        rows.append(Bar(check.title, min(share, FARTHEST), look=check.status, said=said, mark=mark))
+    return Bars(rows=rows, across="used share of the limit", unit="%", ends=(0.0, FARTHEST), line=100.0,
+                sides=(2.35, 0.62), marks="up to here with the required margin")  # fmt: skip
 
 
 # -- A Pareto front as a figure: two figures of each drive, and the names where there is room for them.
@@ -99,11 +72,6 @@ def front(
 
 MOST = 10  # bars
 _LEAST = 0.005  # share of the variance, or of the widest bar, that is drawn
-_TORNADO_ROW = 0.24  # in
-_LETTERS = 44  # of a name
-_NAMES, _SHARES = 2.75, 0.5  # in, left and right of the axes
-_VALUE_SIZE = 6.2  # pt, of the values at the ends of the bars
-_VALUE_GAP = 6.0  # pt, from a bar to its value and from there to the axis
 
 
 def swings(drivers: Sequence[Driver]) -> list[Driver]:
@@ -118,33 +86,17 @@ def swings(drivers: Sequence[Driver]) -> list[Driver]:
     return sorted(drawn, key=lambda one: (-round(100.0 * one.share), -wide[one]))[:MOST]
 
 
-@figure
-def tornado(figure: Figure, drivers: Sequence[Driver]) -> None:
+def tornado(drivers: Sequence[Driver]) -> Bars:
     """Smallest margin with one assumption at its 5 % and at its 95 % quantile, all others nominal.
 
-    Each end of a bar has the value that makes it, and the axis room for them.
+    Each end of a bar has the value that makes it.
     """
-    shown = list(reversed(swings(drivers)))
-    ((axes,),) = placed(figure, _TORNADO_ROW * len(shown) + 0.75, left=_NAMES, right=_SHARES, top=0.26)
-    ends, sides = [0.0], []
-    for place, one in enumerate(shown):
+    rows = []
+    for one in swings(drivers):
         (left, at_left), (right, at_right) = sorted(
             ((100.0 * one.low_margin, minus(one.low)), (100.0 * one.high_margin, minus(one.high))),
             key=lambda end: end[0],
         )
-        ends += [left, right]
-        sides.append((at_left, at_right))
-        axes.barh(place, right - left, left=left, height=0.6, facecolor=COLOURS["sky"], edgecolor=COLOURS["blue"],
-                  linewidth=0.6, zorder=3)  # fmt: skip
-        for at, said, off, to in ((left, at_left, -3, "right"), (right, at_right, 3, "left")):
-            beside(axes, said, (at, place), (off, 0), va="center", ha=to, fontsize=_VALUE_SIZE, zorder=5,
-                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # fmt: skip
-        beside(axes, f"{100.0 * one.share:.0f} %", (1.0, place), (32, 0), ha="right", **_AT_THE_RIGHT)
-    axes.axvline(0.0, color="black", linewidth=1.2, zorder=2)
-    bars(axes, [short(clean(one.title), _LETTERS) for one in shown], upwards=True)
-    rooms = [_VALUE_GAP + width(max(texts, key=len), _VALUE_SIZE) for texts in zip(*sides, strict=True)]
-    across = 72.0 * (figure.get_figwidth() - _NAMES - _SHARES)
-    scale = (max(ends) - min(ends) or 1.0) / (across - sum(rooms))
-    axes.set_xlim(min(ends) - scale * rooms[0], max(ends) + scale * rooms[1])
-    axes.set_xlabel("smallest margin of all checks (%)")
-    beside(axes, "share of variance", (1.0, len(shown) - 0.4), (32, 3), xycoords=("axes fraction", "data"), ha="right")
+        rows.append(Bar(one.title, right, left, said=f"{100.0 * one.share:.0f} %", left=at_left, right=at_right))
+    return Bars(rows=rows, across="smallest margin of all checks", unit="%", head="share of\nvariance",
+                sides=(2.75, 0.6))  # fmt: skip

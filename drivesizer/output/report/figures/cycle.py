@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import accumulate
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from drivesizer.loads.motions import SPEED, Track, Trapezoid, Waypoints
 from drivesizer.machine.set_cycle import SetCycle, WarmUp
 from drivesizer.machine.supply_power import EnergyFlow
 from drivesizer.output.report.figures import picture, style
-from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
+from drivesizer.output.report.figures.picture import Bar, Bars, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import CASES, COLOURS, Drawing, Window, figure, placed, reads
 from drivesizer.physics.load_cycle import LoadCycle, end_times
 from drivesizer.results.identification import Trace
@@ -379,59 +378,34 @@ def _banded(along: Array, band: Band, unit: str, kind: str, name: str = "", **lo
 # -- Flow of the energy of a cycle, as bars that follow one another from the energy drawn down to nothing.
 
 
-_BAR_ROW = 0.17  # in
 _SMALLEST = 1e-6  # of what is drawn: less is none, or the rounding of a trajectory
-_BARS: dict[str, dict[str, Any]] = {  # distinct in grey as well
-    "drawn": {"facecolor": "#BBBBBB", "edgecolor": "black"},
-    "loss": {"facecolor": "#F4C9A8", "edgecolor": COLOURS["vermillion"], "hatch": "/////"},
-    "load": {"facecolor": COLOURS["sky"], "edgecolor": COLOURS["blue"]},
-    "back": {"facecolor": "white", "edgecolor": COLOURS["green"], "hatch": "\\\\\\"},
-}
+_INTO = (  # parts that the energy goes into, and their looks
+    ("resistance of the supply", "supply", "loss"), ("controllers", "controller", "loss"),
+    ("brake, released", "brake", "loss"), ("copper of the winding", "copper", "loss"),
+    ("friction and iron of the motor", "friction", "loss"), ("gearhead", "gearhead", "loss"), ("belt", "belt", "loss"),
+    ("work on the load", "load", "pass"), ("more in rotor and gear at the end", "rotor", "pass"),
+    ("regenerated, kept by the supply", "stored", "back"), ("regenerated, not kept", "burnt", "loss"),
+)  # fmt: skip
 
 
-class Share(NamedTuple):
-    """A part of the energy."""
-
-    name: str
-    value: float  # J
-    look: str
-
-
-def shares(flow: EnergyFlow) -> list[Share]:
-    """Energy drawn, and then all that it goes into; shares of zero are left out."""
-    into = [
-        Share("resistance of the supply", flow.supply, "loss"),
-        Share("controllers", flow.controller, "loss"),
-        Share("brake, released", flow.brake, "loss"),
-        Share("copper of the winding", flow.copper, "loss"),
-        Share("friction and iron of the motor", flow.friction, "loss"),
-        Share("gearhead", flow.gearhead, "loss"),
-        Share("belt", flow.belt, "loss"),
-        Share("work on the load", flow.load, "load"),
-        Share("more in rotor and gear at the end", flow.rotor, "load"),
-        Share("regenerated, kept by the supply", flow.stored, "back"),
-        Share("regenerated, not kept", flow.burnt, "loss"),
-    ]
-    size = max(flow.drawn, abs(flow.load))
-    return [Share("drawn from the supply", flow.drawn, "drawn"), *(x for x in into if abs(x.value) > _SMALLEST * size)]
-
-
-@figure
-def energy_bars(figure: Figure, flow: EnergyFlow) -> None:
+def energy_bars(flow: EnergyFlow) -> Bars:
     """The energy of a cycle: each bar begins where the one above it ends, the last one ends at nothing."""
-    shown = shares(flow)
-    largest = max(abs(share.value) for share in shown)
+    size, left = max(flow.drawn, abs(flow.load)), flow.drawn
+    parts = [(name, getattr(flow, of), look) for name, of, look in _INTO]
+    parts = [part for part in parts if abs(part[1]) > _SMALLEST * size]
+    largest = max(flow.drawn, *(abs(value) for _, value, _ in parts))
     unit = "J" if largest < 1e3 else "kJ" if largest < 1e6 else "MJ"
-    ((axes,),) = placed(figure, _BAR_ROW * len(shown) + 0.52, left=2.0, right=1.25, top=0.06)
-    left = [0.0, *accumulate((-share.value for share in shown[1:]), initial=flow.drawn)]
-    for place, (share, start) in enumerate(zip(shown, left, strict=False)):
-        first, width = (float(from_si(x, unit, "energy")) for x in (start, share.value))
-        down = share.look != "drawn"
-        axes.barh(place, -width if down else width, left=first, height=0.66, linewidth=0.6, zorder=3,
-                  **_BARS[share.look])  # fmt: skip
-        part = f", {100.0 * share.value / flow.drawn:.3g} %" if down and flow.drawn > 0.0 else ""
-        said = f"{width:.4g} {label(unit)}{part}".replace("-", "−")
-        style.beside(axes, said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center", fontsize=6.8)
-    style.bars(axes, [share.name for share in shown])
-    axes.axvline(0.0, color="black", linewidth=0.6)
-    axes.set_xlabel(reads("energy of a cycle", unit))
+
+    def shown(value: float) -> float:
+        return float(from_si(value, unit, "energy"))
+
+    rows = [
+        Bar("drawn from the supply", shown(flow.drawn), look="drawn", said=f"{shown(flow.drawn):.4g} {label(unit)}")
+    ]
+    for name, value, look in parts:
+        low, high = sorted((shown(left - value), shown(left)))
+        share = f", {100.0 * value / flow.drawn:.3g} %" if flow.drawn > 0.0 else ""
+        said = f"{shown(value):.4g} {label(unit)}{share}".replace("-", "−")
+        rows.append(Bar(name, high, low, look, said))
+        left -= value
+    return Bars(rows=rows, across="energy of a cycle", unit=unit, sides=(2.0, 1.25))

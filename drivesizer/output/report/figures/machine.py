@@ -16,17 +16,8 @@ from drivesizer.machine.battery import charge_over_mission
 from drivesizer.machine.platform_budget import PermittedSpeeds
 from drivesizer.output.platform import failed_motors_text
 from drivesizer.output.report.figures import picture, style
-from drivesizer.output.report.figures.picture import Bars, Curve, Diagram, Plot
-from drivesizer.output.report.figures.style import (
-    CASES,
-    COLOURS,
-    Window,
-    beside,
-    figure,
-    heading,
-    named,
-    placed,
-)
+from drivesizer.output.report.figures.picture import Bar, Bars, Curve, Diagram, Plot
+from drivesizer.output.report.figures.style import CASES, COLOURS, Window, figure, named
 from drivesizer.platform.envelope import Passage, Size
 from drivesizer.platform.trajectory import Trajectory
 from drivesizer.results.drive_set import EnergyBudget
@@ -91,7 +82,7 @@ def plan_view(figure: Figure, spec: RobotSpec) -> None:
     (left, below), (right, above) = ((low + high) / 2.0 + sign * scale / 2.0 * np.array([_WIDTH, height])
                                      for sign in (-1.0, 1.0))  # fmt: skip
     legend = 0.18 if len(ways) > 1 else 0.0
-    ((axes,),) = placed(figure, height + 0.52 + legend, top=0.1 + legend)
+    ((axes,),) = style.placed(figure, height + 0.52 + legend, top=0.1 + legend)
     axes.set(xlim=(left, right), ylim=(below, above), xlabel="x (m)", ylabel="y (m)")
     for passage in passages:
         _doorway(axes, passage)
@@ -99,7 +90,7 @@ def plan_view(figure: Figure, spec: RobotSpec) -> None:
         colour, dashes = ("blue", "solid") if len(ways) == 1 else CASES[number]
         _path(axes, way, COLOURS[colour], dashes, size, scale)
     if len(ways) > 1:
-        heading(figure, *axes.get_legend_handles_labels(), len(ways))
+        style.heading(figure, *axes.get_legend_handles_labels(), len(ways))
 
 
 def _path(axes: Axes, way: Way, colour: str, dashes: Any, size: Size | None, scale: float) -> None:
@@ -132,7 +123,7 @@ def _path(axes: Axes, way: Way, colour: str, dashes: Any, size: Size | None, sca
     for a, b, marker, name in ends[: 1 if one else 2]:
         axes.plot(a, b, marker=marker, markersize=5.5, markerfacecolor="white", markeredgewidth=1.2, color="black",
                   linestyle="none", zorder=5)  # fmt: skip
-        beside(axes, name, (a, b), (5, -5), va="top", fontsize=7, zorder=6)
+        style.beside(axes, name, (a, b), (5, -5), va="top", fontsize=7, zorder=6)
 
 
 def _doorway(axes: Axes, passage: Passage) -> None:
@@ -148,7 +139,7 @@ def _doorway(axes: Axes, passage: Passage) -> None:
                    place + outer + half * along, place + outer - half * along]  # fmt: skip
         axes.add_patch(Polygon(corners, facecolor=COLOURS["grey"], edgecolor=COLOURS["grey"], linewidth=1.2, zorder=2))
     top = place + passage.width * (0.5 + _JAMB) * (aside if aside[1] >= 0.0 else -aside)
-    beside(axes, named(passage.name), tuple(top), (0, 3), ha="center", va="bottom", fontsize=6.8, zorder=6)
+    style.beside(axes, named(passage.name), tuple(top), (0, 3), ha="center", va="bottom", fontsize=6.8, zorder=6)
 
 
 # -- A platform in the plane: its path, desired and driven, with errors along the way; speeds that its drives permit.
@@ -171,7 +162,7 @@ def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
     def some(count: int, most: int) -> NDArray[np.int64]:  # places, the first and the last among them
         return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
 
-    (plane,), (distance,), (turned,) = placed(
+    (plane,), (distance,), (turned,) = style.placed(
         figure, 6.4, 3, top=0.42, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False
     )
     wanted = next(iter(runs.values())).planned.posture
@@ -195,7 +186,7 @@ def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
         axes.axhline(0.0, color="black", linewidth=0.6)
         axes.set_ylabel(title)
     turned.set_xlabel("way along the desired path (m)")
-    heading(figure, *plane.get_legend_handles_labels(), 3)
+    style.heading(figure, *plane.get_legend_handles_labels(), 3)
 
 
 @figure
@@ -214,7 +205,7 @@ def speed_by_direction(figure: Figure, found: PermittedSpeeds) -> None:
 
     right = max(figure.get_figwidth() - _LEFT - (_PANEL + _GAP) * columns + _GAP, _RIGHT)
     height = _TOP + _BELOW + _PANEL * rows + _TITLE * (rows - 1)
-    grid = placed(figure, height, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
+    grid = style.placed(figure, height, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
     for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
         line(axes, np.append(found.speed[0], found.speed[0][0]), color=COLOURS["blue"], label=failed_motors_text(found))
         if wheel:
@@ -229,7 +220,7 @@ def speed_by_direction(figure: Figure, found: PermittedSpeeds) -> None:
         axes.set_xlabel("ahead (m/s)")
     for row in grid:
         row[0].set_ylabel("to the left (m/s)")
-    heading(figure, *grid[0][0].get_legend_handles_labels(), 3)
+    style.heading(figure, *grid[0][0].get_legend_handles_labels(), 3)
 
 
 # -- Power of several axes on one supply over time: what each draws, stacked, and below zero what each returns.
@@ -304,7 +295,12 @@ def is_known(budget: EnergyBudget) -> bool:
 
 def consumers(budget: EnergyBudget) -> Bars:
     """Mean power of each consumer."""
-    return Bars(rows=[(one.name, one.mean) for one in budget.consumers if one.mean], across="mean power", unit="W")
+    rows = []
+    for name, mean in [(one.name, one.mean) for one in budget.consumers if one.mean]:
+        low, high = (0.0, 0.0) if isnan(mean) else (min(mean, 0.0), max(mean, 0.0))
+        said = "unknown" if isnan(mean) else f"{mean:.3g}".replace("-", "−")
+        rows.append(Bar(style.named(name).strip(), high, low, "back" if mean < 0.0 else "pass", right=said))
+    return Bars(rows=rows, across="mean power", unit="W")
 
 
 def charge(budget: EnergyBudget) -> Plot:
@@ -328,7 +324,7 @@ def battery(figure: Figure, budget: EnergyBudget) -> None:
     """Mean power of each consumer at the left, the charge that is left over time at the right."""
     bars, plot = consumers(budget), charge(budget)
     height = max(_LEAST, _ROW * len(bars.rows) + 0.55)
-    ((mean, course),) = placed(figure, height + 0.12, 1, 2, left=1.75, top=0.2, gaps=(0.0, 0.75), shared=False)
+    ((mean, course),) = style.placed(figure, height + 0.12, 1, 2, left=1.75, top=0.2, gaps=(0.0, 0.75), shared=False)
     picture.draw_bars(mean, bars)
     picture.draw(course, plot.diagrams[0])
     course.set(xlim=plot.ends, xlabel="time (h)")

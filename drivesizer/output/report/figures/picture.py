@@ -10,7 +10,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import ceil, isfinite
+from math import ceil, isfinite, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -94,13 +94,38 @@ class Plot:
         return replace(self, title=title)
 
 
+class Bar(NamedTuple):
+    """A bar with its name, from its lower to its higher end, and the texts at it."""
+
+    name: str
+    end: float
+    start: float = 0.0
+    look: str = "pass"  # of ``LOOKS``
+    said: str = ""  # at the right of all bars
+    left: str = ""  # at its ends
+    right: str = ""
+    mark: float = nan  # a line across it
+
+
+LOOKS = {  # colour, that of the rim, and hatch: distinct in grey as well
+    "pass": ("sky", "blue", ""), "fail": ("vermillion", "ink", "/"), "open": ("page", "orange", "/"),
+    "unknown": ("page", "grey", "\\"), "drawn": ("#BBBBBB", "ink", ""), "loss": ("#F4C9A8", "vermillion", "/"),
+    "back": ("page", "green", "\\"),
+}  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bars:
-    """Bars with their names, the first on top; NaN is unknown."""
+    """Bars, the first on top."""
 
-    rows: Sequence[tuple[str, float]]
+    rows: Sequence[Bar]
     across: str
     unit: str
+    ends: tuple[float, float] | None = None  # of the axis; else what is drawn and 0, with room for the texts
+    line: float = 0.0  # an upright line
+    head: str = ""  # above the texts at the right
+    marks: str = ""  # in the legend, with the looks
+    sides: tuple[float, float] = (2.35, 0.2)  # in, for the names, and for the texts at the right
 
 
 class Pictured(NamedTuple):
@@ -292,20 +317,47 @@ def _decades(axes: Axes, ends: tuple[float, float] | None) -> None:
     axes.xaxis.set_minor_formatter(plain if ends[1] < 100.0 * ends[0] else NullFormatter())
 
 
+@style.figure
+def barred(figure: Figure, bars: Bars) -> None:
+    """Bars as paper has them; where they have marks, with a legend of these and of the looks."""
+    from matplotlib.lines import Line2D
+
+    left, right = bars.sides
+    ((axes,),) = style.placed(figure, 0.175 * len(bars.rows) + 0.72, left=left, right=right, top=0.24)
+    draw_bars(axes, bars)
+    style.beside(axes, bars.head, (1.0, 1.0), (5, 3), xycoords="axes fraction")
+    if bars.marks:
+        mark: Any = {"color": "black", "linewidth": 0.9, "marker": "|", "markersize": 7, "linestyle": "none"}
+        looks = {said: line for line, said in zip(*axes.get_legend_handles_labels(), strict=True)}
+        names: dict[str, Any] = looks | {bars.marks: Line2D([], [], **mark)}
+        figure.legend(names.values(), names, loc="upper right", ncols=len(names), borderaxespad=0.2)
+
+
 def draw_bars(axes: Axes, bars: Bars) -> None:
-    """Bars on their axes, each with its figure."""
-    figures = [value for _, value in bars.rows]
-    colours = ["white" if value < 0.0 else COLOURS["sky"] for value in figures]
-    axes.barh(range(len(figures)), figures, height=0.7, color=colours, edgecolor=COLOURS["blue"], linewidth=0.6,
-              zorder=3)  # fmt: skip
-    for place, value in enumerate(figures):
-        said = f"{value:.3g}".replace("-", "−") if isfinite(value) else "unknown"
-        at = max(value, 0.0) if isfinite(value) else 0.0
-        style.beside(axes, said, (at, place), (3, 0), va="center", fontsize=6.8)
-    style.bars(axes, [style.named(name) for name, _ in bars.rows])
-    axes.axvline(0.0, color="black", linewidth=0.6)
+    """Bars on their axes, with their texts, for which the axis has room."""
+    colours, rooms = {"ink": "black", "page": "white", **COLOURS}, []
+    for place, one in enumerate(bars.rows):
+        face, edge, hatch = LOOKS[one.look]
+        axes.barh(place, one.end - one.start, left=one.start, height=0.65, facecolor=colours.get(face, face), zorder=3,
+                  edgecolor=colours[edge], hatch=hatch * 4 or None, linewidth=0.6, label=one.look)  # fmt: skip
+        if isfinite(one.mark):
+            axes.plot([one.mark] * 2, [place - 0.42, place + 0.42], color="black", linewidth=0.9, zorder=5)
+        for at, said, off, to in ((one.start, one.left, -3, "right"), (one.end, one.right, 3, "left")):
+            style.beside(axes, said, (at, place), (off, 0), va="center", ha=to, fontsize=6.2, zorder=5,
+                         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # fmt: skip
+        style.beside(axes, one.said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
+        rooms.append([style.width(said, 6.2) + 6.0 if said else 0.0 for said in (one.left, one.right)])
+    style.bars(axes, [short(clean(one.name), _LONGEST) for one in bars.rows])
+    axes.axvline(bars.line, color="black", linewidth=1.2, zorder=4)
     axes.set_xlabel(style.reads(bars.across, bars.unit))
-    axes.set_xlim(right=1.18 * max(0.0, np.nanmax(figures)) or 1.0)
+    low, high = min(0.0, *(one.start for one in bars.rows)), max(0.0, *(one.end for one in bars.rows))
+    before, behind = np.max(rooms, axis=0)
+    wide = axes.get_window_extent().width * 72.0 / axes.figure.dpi
+    scale = (high - low or 1.0) / (wide - before - behind)
+    axes.set_xlim(bars.ends or (low - scale * before, high + scale * max(behind, 4.0)))
+
+
+_LONGEST = 44  # letters of the name of a bar
 
 
 # -- Texts beside the points of a diagram, where they cover neither one another, a point nor the edge.

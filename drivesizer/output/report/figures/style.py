@@ -160,8 +160,9 @@ def heading(figure: Figure, handles: Any, names: Any, columns: int) -> None:
 
 
 def beside(axes: Axes, text: str, place: tuple[float, float], off: tuple[float, float], **look: Any) -> None:
-    """A word some points off a place, which is in data unless ``xycoords`` says otherwise."""
-    axes.annotate(text, place, xytext=off, textcoords="offset points", **{"fontsize": 6.5, **look})
+    """A word, if there is one, some points off a place, which is in data unless ``xycoords`` says otherwise."""
+    if text:
+        axes.annotate(text, place, xytext=off, textcoords="offset points", **{"fontsize": 6.5, **look})
 
 
 def bars(axes: Axes, names: Sequence[str], *, upwards: bool = False) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from drivesizer.output.report.figures.picture import SIDES, Bars, Curve, Diagram, Plot
+from drivesizer.output.report.figures.picture import LOOKS, SIDES, Bars, Curve, Diagram, Plot
 from drivesizer.output.report.figures.style import Window, reads, thinned
 from drivesizer.units import label
 
@@ -185,16 +185,27 @@ def _entry(trace: Data) -> Data:
 
 
 def _bars(bars: Bars) -> Data:
-    known = [value if math.isfinite(value) else 0.0 for _, value in bars.rows]
-    said = [f"{value:.4g} {label(bars.unit)}".replace("-", "−") if math.isfinite(value) else "unknown"
-            for _, value in bars.rows]  # fmt: skip
-    trace = {
-        "type": "bar", "orientation": "h", "x": numbers(known), "y": [plain(name) for name, _ in bars.rows],
-        "customdata": said, "name": bars.across, "showlegend": False, "marker": {"color": "blue"},
-        "text": [text if text == "unknown" else "" for text in said], "textposition": "outside",
-        "hovertemplate": "%{y}: %{customdata}<extra></extra>",
-    }  # fmt: skip
-    layout = {"height": 90 + 26 * len(said), "hovermode": "closest",
-              "xaxis": {"title": {"text": reads(bars.across, bars.unit)}},
-              "yaxis": {"autorange": "reversed", "type": "category"}}  # fmt: skip
-    return {"data": [trace], "layout": layout, "legend": [], "views": [], "title": ""}
+    """Bars of a look as a trace each."""
+    data, names = list[Data](), [plain(one.name) for one in bars.rows]
+    for look in dict.fromkeys(one.look for one in bars.rows):
+        some, (face, edge, hatch) = [one for one in bars.rows if one.look == look], LOOKS[look]
+        marker: Data = {"color": face, "line": {"color": edge, "width": 0.8}}
+        if hatch:
+            marker["pattern"] = {"shape": hatch, "bgcolor": face, "fgcolor": edge, "size": 6, "solidity": 0.2}
+        ends = [(f"{one.start:.4g} {label(bars.unit)} at {one.left}, " if one.left else "")
+                + (f"{one.end:.4g} {label(bars.unit)} at {one.right}" if one.left else one.said or one.right)
+                for one in some]  # fmt: skip
+        data.append({
+            "type": "bar", "orientation": "h", "base": numbers(one.start for one in some),
+            "x": numbers(one.end - one.start for one in some), "y": [plain(one.name) for one in some], "name": look,
+            "showlegend": False, "marker": marker, "customdata": [plain(text.replace("-", "−")) for text in ends],
+            "text": [plain(one.said or one.right) for one in some], "textposition": "outside", "cliponaxis": False,
+            "hovertemplate": "%{y}: %{customdata}<extra></extra>",
+        })  # fmt: skip
+    low, high = min(0.0, *(one.start for one in bars.rows)), max(0.0, *(one.end for one in bars.rows))
+    layout = {"height": 90 + 26 * len(names), "hovermode": "closest", "barmode": "overlay",
+              "xaxis": {"title": {"text": reads(bars.across, bars.unit)},
+                        "range": numbers((1.05 * low, high + 0.3 * (high - low)))},
+              "yaxis": {"autorange": "reversed", "type": "category", "categoryarray": names},
+              "annotations": [], "shapes": []}  # fmt: skip
+    return {"data": data, "layout": layout, "legend": [], "views": [], "title": ""}
