@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from drivesizer.catalog import Catalog, columns_of, singular
 from drivesizer.catalog.query import Hit, origins
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.content import Content
+from drivesizer.output.document.content import Content, Reported
 from drivesizer.output.document.part import datasheets
 from drivesizer.results.drive_set import section_of
 from drivesizer.version import __version__
@@ -69,20 +69,18 @@ def _scalar(value: Any) -> str:
 _FEW = 4  # catalogues in the table; more are listed in a file of their own
 
 
-def repeat(content: Content) -> Iterator[doc.Block]:
-    """Versions and digests behind a result."""
-    result = content.result
-    yield from repeat_blocks(
-        result.catalog.digests, result.method, result.objective, content.file, result.spec.text, result.spec.entered
-    )
-
-
-def repeat_blocks(
-    catalogs: Mapping[str, str], method: str, objective: str, file: str, text: str, entered: Mapping[str, Any]
-) -> Iterator[doc.Block]:
+def repeat(content: Reported) -> Iterator[doc.Block]:
     """Versions, digests and the file that a result came from; without one the fields as they were entered."""
     import yaml
 
+    results, file = [one.result for one in content.contents.values()], content.file
+    text, entered = content.given.text, content.given.entered
+    if len(results) > 1:
+        yield doc.Words(("A report of one axis, with its candidates and its heat: ",
+                         doc.Code(f"drivesizer report {file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
+    catalogs = {name: digest for result in results for name, digest in result.catalog.digests.items()}
+    method, objective = (", ".join(dict.fromkeys(getattr(result, name) for result in results))
+                         for name in ("method", "objective"))  # fmt: skip
     few = catalogs.items() if len(catalogs) <= _FEW else ()
     made = {"drivesizer": __version__, "method": method, "objective": objective.replace("_", " ")}
     rows: dict[str, doc.Cell] = {**made}
@@ -104,21 +102,19 @@ def repeat_blocks(
 # -- data sheets
 
 
-def data_sheets(content: Content) -> Iterator[doc.Block]:
-    """Data sheets of the parts of the drive."""
-    if content.drive is not None:
-        yield from sheet_blocks(datasheets(content.drive, content.result.catalog))
-
-
-def sheet_blocks(sheets: Sequence[dict[str, Any]]) -> Iterator[doc.Block]:
-    """Data sheets of parts, below the meaning of their marks."""
+def data_sheets(content: Reported) -> Iterator[doc.Block]:
+    """Data sheets of the parts of all drives, each once, below the meaning of their marks."""
+    drives = [(one.drive, one.result.catalog) for one in content.contents.values() if one.drive]
+    if not drives:
+        return
+    sheets = [sheet for drive, catalog in drives for sheet in datasheets(drive, catalog)]
     yield doc.Words((
         "Figures without a mark are quoted from the maker's own document. Marked ones are not: ", doc.Mark("secondary"),
         " copied by others, ", doc.Mark("derived"), " computed or inferred, ", doc.Mark("recalled"),
         " from memory, to be checked before anything is built. Figures that the catalogue does not know are not "
         "listed.",
     ))  # fmt: skip
-    yield doc.Fragment("datasheets", sheets)
+    yield doc.Fragment("datasheets", [sheet for n, sheet in enumerate(sheets) if sheet not in sheets[:n]])
 
 
 def figures_of_parts(content: Content) -> Iterator[doc.Block]:

@@ -12,10 +12,8 @@ import numpy as np
 from drivesizer.control.validation import Validation
 from drivesizer.output.document import SECTIONS, Chapter, printed, summary
 from drivesizer.output.document import records as doc
-from drivesizer.output.document.appendix import repeat_blocks, sheet_blocks
 from drivesizer.output.document.candidates import percentiles_table, short_drive, spreads_table
 from drivesizer.output.document.content import Content, Reported, all_drives, driven_over
-from drivesizer.output.document.part import datasheets
 from drivesizer.output.document.rows import check_row, check_table, consumers_table, figures_table, smallest, tight_of
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
 from drivesizer.output.words import likely, moved, number_of
@@ -63,6 +61,11 @@ class MachineContent(Reported):
 
     sizing: MachineSizing
     proofs: Mapping[str, Validation] = field(default_factory=dict)  # closed loops, by the name of the axis
+
+    @property
+    def contents(self) -> dict[str, Content]:
+        """The content of each axis by its name."""
+        return {one.name: one.content for one in self.axes}
 
     @property
     def given(self) -> MachineSpec:
@@ -419,37 +422,6 @@ def _loop_row(one: AxisContent) -> doc.Row:
     cells: dict[str, doc.Cell] = dict(check_row(tight).cells) if tight else {}
     cells |= {"axis": one.name, "over": f"{v.loop}, {driven_over(v)}", "title": tight.title if tight else ""}
     return doc.Row(cells | {"status": (doc.Status(v.status),)}, name=one.name, data={"axis": one.name})
-
-
-def assumptions(content: MachineContent) -> Iterator[doc.Block]:
-    """Assumptions and warnings, those of all axes once."""
-    for intro, look, name in (("Assumptions of the sizing:", "", "assumptions"), ("Warnings:", "alarm", "warnings")):
-        found: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
-        for one in content.axes:
-            for text in getattr(one.content.result, name):
-                found.setdefault(text, []).append(one.name)
-        whole = len(content.axes)
-        texts = [text if len(names) == whole else f"{', '.join(names)}: {text}" for text, names in found.items()]
-        if texts:
-            yield doc.Bullets((doc.Strong(intro),) if look else intro, texts, look)
-
-
-def repeat(content: MachineContent) -> Iterator[doc.Block]:
-    """Versions and digests behind a result."""
-    machine, results = content.sizing.machine, [one.content.result for one in content.axes]
-    yield doc.Words(("A report of one axis, with its candidates and its heat: ",
-                     doc.Code(f"drivesizer report {content.file} --axis NAME -o axis.pdf"), "."))  # fmt: skip
-    catalogs = {name: digest for result in results for name, digest in result.catalog.digests.items()}
-    methods = ", ".join(dict.fromkeys(result.method for result in results))
-    yield from repeat_blocks(catalogs, methods, content.sizing.objective, content.file, machine.text, machine.entered)
-
-
-def sheets(content: MachineContent) -> Iterator[doc.Block]:
-    """Every part once, however many axes have it."""
-    sheets = [sheet for one in content.axes if one.content.drive
-              for sheet in datasheets(one.content.drive, one.content.result.catalog)]  # fmt: skip
-    if sheets:
-        yield from sheet_blocks([sheet for n, sheet in enumerate(sheets) if sheet not in sheets[:n]])
 
 
 # -- The chapter of one axis: its answer, then sections of a document of it alone, without what the machine has once.

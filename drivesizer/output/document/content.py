@@ -54,6 +54,11 @@ class Reported(ABC):
 
     @property
     @abstractmethod
+    def contents(self) -> dict[str, Content]:
+        """The content of each axis by its name."""
+
+    @property
+    @abstractmethod
     def given(self) -> RobotSpec | MachineSpec:
         """The spec, or the machine's file."""
 
@@ -80,6 +85,11 @@ class Content(Reported):
 
     result: SizingResult
     validation: Validation | None = None
+
+    @property
+    def contents(self) -> dict[str, Content]:
+        """It alone."""
+        return {self.name: self}
 
     @property
     def given(self) -> RobotSpec:
@@ -170,14 +180,9 @@ class Content(Reported):
         return "wheel" if self.result.spec.load.kind == "wheeled_vehicle" else "load's shaft"
 
     @property
-    def motors(self) -> int:
-        """Number of drives of this kind in the machine."""
-        return self.result.spec.load.motors
-
-    @property
     def drives(self) -> str:
-        """Those in words."""
-        return all_drives(self.motors)
+        """The drives of this kind in the machine, in words."""
+        return all_drives(self.result.spec.load.motors)
 
     @cached_property
     def bought(self) -> list[PartLine]:

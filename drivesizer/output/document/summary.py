@@ -12,7 +12,7 @@ from drivesizer.machine.battery import lacking, pack_of
 from drivesizer.output.derivation import margin
 from drivesizer.output.document import records as doc
 from drivesizer.output.document import rows as tables
-from drivesizer.output.document.content import Content, OfDrives, driven_over, machine_words
+from drivesizer.output.document.content import Content, OfDrives, Reported, driven_over, machine_words
 from drivesizer.output.parts import OWN_SUPPLY, PartLine, Total, part_figures, totals
 from drivesizer.output.words import about, confidence, likely, meeting, not_quoted, number_of, reported
 from drivesizer.results.check import GRAVEST, Check, sentence_case, verdict, worst
@@ -441,23 +441,12 @@ def _identity(s: DriveSet) -> doc.Table:
         for role, part in parts.items()
     ]  # fmt: skip
     guessed = f"; estimated: {', '.join(s.mass_estimated)}" if s.mass_estimated else ""
-    figures: list[tuple[str, str, doc.Quantity, str]] = [
-        ("gearhead_ratio", "Ratio of the gearhead", doc.Quantity(s.gearhead.ratio, "1", "plain"), ""),
-        ("belt_ratio", "Ratio of the belt", doc.Quantity(s.belt_ratio, "1", "plain"), ""),
-        ("total_ratio", "Total ratio", doc.Quantity(s.total_ratio, "1", "plain"), ""),
-        ("mass", "Mass", doc.Quantity(s.mass, "g", "mass"), f"sum of {', '.join(s.mass_of)}{guessed}"),
-        ("price", "Price", doc.Quantity(s.price, s.currency, "money"),
-         f"sum of {', '.join(s.price_of)}" if s.price_of else ""),
-        ("objective", "Objective", doc.Quantity(s.objective, "1", "plain"), f"of {', '.join(s.objective_of)}"),
-    ]  # fmt: skip
-    if belt := s.belt_drive:
-        figures += [
-            ("centre_distance", "Centre distance", doc.Quantity(belt.centre_distance, "mm", "length"), ""),
-            ("teeth_in_mesh", "Teeth in mesh", doc.Quantity(belt.teeth_in_mesh, "1", "plain"), ""),
-        ]
-    if screw := s.chosen_screw:
-        figures.append(("screw_length", "Length of the screw", doc.Quantity(screw.length, "mm", "length"), ""))
-    rows += [doc.Row({"title": title, "value": value, "note": note}, name=name) for name, title, value, note in figures]
+    notes = {"mass": f"sum of {', '.join(s.mass_of)}{guessed}", "objective": f"of {', '.join(s.objective_of)}",
+             "price": f"sum of {', '.join(s.price_of)}" if s.price_of else ""}  # fmt: skip
+    for name, title, figure, unit, kind in doc.texts("identity"):
+        if (value := doc.attribute(s, figure)) is not None:
+            shown = doc.Quantity(value, unit or s.currency, kind)
+            rows.append(doc.Row({"title": title, "value": shown, "note": notes.get(name, "")}, name=name))
     rows.append(doc.Row({"title": "All checks", "status": (doc.Status(s.status),)}, name="verdict"))
     return doc.table("identity", "Parts, ratios, mass and price", rows)
 
@@ -511,14 +500,19 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 # -- Assumptions and warnings, and the figures that are unknown or not from a document.
 
 
-def assumptions(content: Content) -> Iterator[doc.Block]:
+def assumptions(content: Reported) -> Iterator[doc.Block]:
     """Assumptions, warnings, and figures to be confirmed."""
-    result = content.result
-    if result.assumptions:
-        yield doc.Bullets("Assumptions of the sizing:", list(result.assumptions))
-    if result.warnings:
-        yield doc.Bullets((doc.Strong("Warnings:"),), list(result.warnings), "alarm")
-    yield from unknown_blocks(content)
+    every = content.contents
+    for intro, look, name in (("Assumptions of the sizing:", "", "assumptions"), ("Warnings:", "alarm", "warnings")):
+        found: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
+        for axis, one in every.items():
+            for text in getattr(one.result, name):
+                found.setdefault(text, []).append(axis)
+        texts = [f"{', '.join(names)}: {text}" if len(names) < len(every) else text for text, names in found.items()]
+        if texts:
+            yield doc.Bullets((doc.Strong(intro),) if look else intro, texts, look)
+    if isinstance(content, Content):
+        yield from unknown_blocks(content)
 
 
 def unknown_blocks(content: Content) -> Iterator[doc.Block]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from math import isclose, isnan
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from drivesizer.files.text import listed
 from drivesizer.machine.set_cycle import turned
 from drivesizer.output.derivation import value_of, worked
 from drivesizer.output.document import records as doc
@@ -39,47 +40,24 @@ class Moment(NamedTuple):
         return "+" if self.way > 0.0 else "-" if self.way < 0.0 else ""
 
 
-def _summed(parts: str, terms: Terms, at: Moment | None = None) -> str:
-    """Parts between bars as a sum, without what is 0 or not given; ± is against the motion, and nothing at rest."""
+def _summed(parts: Iterable[str], terms: Terms, at: Moment | None = None) -> str:
+    """A sum of parts, without what is 0 or not given; ± is against the motion, and nothing at rest."""
     sign, kept = at.sign if at else "", []
-    for part in parts.split(" | "):
+    for part in parts:
         of, text = part[0].replace("±", sign), part[2:]
-        if of and all(name in terms for name in _symbols(text)) and value_of(text, terms):
+        names = set(re.findall(r"[A-Za-z]\w*", text)) - {"sin", "cos"}
+        if of and names <= terms.keys() and value_of(text, terms):
             kept.append(f"{of} {text}")
     return " ".join(kept).removeprefix("+ ") or "0"
-
-
-def _symbols(text: str) -> list[str]:
-    return [name for name in re.findall(r"[A-Za-z]\w*", text) if name not in ("sin", "cos")]
 
 
 # -- The force on what moves along a line, and the torque of what turns: formulas of ``loads``, each at a moment.
 
 
-_ALONG = "+ m * g * sin(beta) | ± mu * m * g * cos(beta) | ± F_f | + F_0 | + m * a"
-_FORCES = {
-    "belt_axis": _ALONG.replace("m * a", "(m + m_b + J_i / r_i**2) * a"),  # belt and idlers do not rub
-    "conveyor": _ALONG.replace("mu * m", "mu * (m + m_b)").replace("m * a", "(m + m_b) * a"),
-    "rack_pinion": _ALONG, "ball_screw": _ALONG, "lead_screw": _ALONG,
-    "hoist": "+ (m - m_c) * g | + (m + m_c) * a | ± F_f",
-    "wheeled_vehicle": "± C_rr * m * g * cos(theta) | + m * g * sin(theta) | + m * a",
-}  # fmt: skip
-_TORQUES = {
-    "fan": "+ J * alpha | ± T_f | ± T_r * (omega / omega_r)**n",
-    "flywheel": "+ J * alpha | ± T_f | ± T_r * (omega / omega_r)**n",
-    "arm": "+ m * g * l * cos(tau) * cos(phi) | + J * alpha | ± T_f",
-    "rotary_table": "+ J * alpha | ± T_f | + T_0",
-}
-_SYMBOLS = {  # field of the load and its unit
-    "m": ("mass", "kg"), "beta": ("incline", "rad"), "mu": ("friction_coefficient", "1"), "F_0": ("force", "N"),
-    "F_f": ("friction_force", "N"), "m_b": ("belt_mass", "kg"), "J_i": ("idler_inertia", "kg*m^2"),
-    "m_c": ("counterweight", "kg"), "C_rr": ("rolling_resistance", "1"), "theta": ("slope", "rad"),
-    "J": ("inertia", "kg*m^2"), "T_f": ("friction_torque", "N*m"), "T_r": ("rated_torque", "N*m"),
-    "omega_r": ("rated_speed", "rad/s"), "n": ("exponent", "1"), "l": ("length", "m"), "tau": ("tilt", "rad"),
-    "T_0": ("torque", "N*m"),
-}  # fmt: skip
-_DRAG = {"ball_screw": "preload_torque", "lead_screw": "preload_torque", "belt_axis": "friction_torque",
-         "hoist": "friction_torque"}  # fmt: skip
+_FORCES, _TORQUES, _SYMBOLS, _DRAG = (
+    {name: cells for head, (name, *cells) in listed(__package__, "worked.txt") if head == wanted}
+    for wanted in ("force", "torque", "symbol", "drag")
+)
 
 
 def _terms_of(load: Any, at: Moment) -> Terms:
@@ -98,13 +76,14 @@ def _terms_of(load: Any, at: Moment) -> Terms:
                     if value is not None and (value or symbol != "omega_r")}  # fmt: skip
 
 
-def _plain(parts: str, terms: Terms) -> str:
-    """A formula without masses, idlers and a tilt that are 0."""
+def _plain(parts: Sequence[str], terms: Terms) -> list[str]:
+    """Parts of a formula without masses, idlers and a tilt that are 0."""
+    formula = "|".join(parts)
     for symbol, texts in {"m_b": [" + m_b"], "m_c": [" - m_c", " + m_c"], "J_i": [" + J_i / r_i**2"],
                           "tau": [" * cos(tau)"]}.items():  # fmt: skip
         for text in texts if not terms.get(symbol, (0.0, ""))[0] else ():
-            parts = parts.replace(text, "")
-    return parts.replace("(m)", "m")
+            formula = formula.replace(text, "")
+    return formula.replace("(m)", "m").split("|")
 
 
 def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
@@ -129,9 +108,9 @@ def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
             back = (2.0 - 1.0 / loss if back is None else back) if kind in ("ball_screw", "lead_screw") else loss
             through = "F * r" if drives == 0.0 or loss == 1.0 else "F * r / eta" if drives > 0.0 else "F * r * eta"
             terms |= {"F": (force, "N"), "eta": (loss if drives > 0.0 else back, "1"),
-                      "T_d": (getattr(load, _DRAG.get(kind, ""), 0.0), "N*m")}  # fmt: skip
+                      "T_d": (getattr(load, *_DRAG.get(kind, [""]), 0.0), "N*m")}  # fmt: skip
             through = ("F * r / N" if motors > 1 else "F * r") if wheel else through
-            inner = _summed(f"+ {through} | + J * alpha" + ("" if wheel else " | ± T_d"), terms, at)
+            inner = _summed([f"+ {through}", "+ J * alpha", *([] if wheel else ["± T_d"])], terms, at)
         if motors > 1 and not wheel:
             inner = f"({inner}) / N"
     except (TypeError, ArithmeticError):  # a figure that this kind of spec does not give
@@ -181,7 +160,7 @@ def with_numbers(content: Content) -> Iterator[doc.Block]:
                     "tau_f": (float(c[DIRECTION] * f[DIRECTION] + c[SPEED] * f[SPEED]), "N*m")}  # fmt: skip
     way = f"{T} / ({i} * eta_g)" if f[DRIVING] else f"{T} * eta_g / {i}" if f[BRAKING] else f"{T} / {i}"
     way, turning = (T, f"J_m * {alpha}") if ratio == lost == 1.0 else (way, f"J_m * {i} * {alpha}")
-    expression = _summed(f"+ {way} | + {turning} | + tau_f", terms)
+    expression = _summed([f"+ {way}", f"+ {turning}", "+ tau_f"], terms)
     note = "J_m of rotor and gearhead at the motor, τ_f of its friction and iron"
     step, tau = worked("motor_torque", "Torque of the motor", "tau", expression, terms, "mN*m", "torque", note)
     steps.append(step)
@@ -192,7 +171,7 @@ def with_numbers(content: Content) -> Iterator[doc.Block]:
                     "R": (motor.resistance, "ohm"), "I": (current, "A")}  # fmt: skip
     if not any(isnan(value) for value, _ in volts.values()):
         note = "At the temperature of the data sheet; the check has the winding as warm as it then is."
-        steps.append(worked("motor_voltage", "Its voltage", "U", _summed("+ k_e * omega | + R * I", volts),
+        steps.append(worked("motor_voltage", "Its voltage", "U", _summed(["+ k_e * omega", "+ R * I"], volts),
                             volts, "V", "voltage", note)[0])  # fmt: skip
     steps += _over_the_cycle([one for one in drive.pieces if one.case == case.name], k_t)
     yield from map(doc.Equation, steps)

@@ -24,6 +24,7 @@ from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement, fromstring, tostring
 
 from drivesizer.errors import InputError
+from drivesizer.files.text import listed
 from drivesizer.kernel import heat
 from drivesizer.output.export import fmu_motor
 from drivesizer.output.export.common import Export, document, text
@@ -33,26 +34,7 @@ _1980 = 315_619_200.0  # s since 1970, the second day of that year in every time
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip file can hold
 _DIGITS = 16  # of the digest in a name: 64 bits
 _SPACE = uuid.UUID("9c4b7d1e-1a44-5d0e-8a1b-2f0f3a6f5b10")  # of GUIDs of this program
-_UNITS: dict[str, dict[str, str]] = {
-    "1": {},
-    "ohm": {"kg": "1", "m": "2", "s": "-3", "A": "-2"},
-    "H": {"kg": "1", "m": "2", "s": "-2", "A": "-2"},
-    "N.m/A": {"kg": "1", "m": "2", "s": "-2", "A": "-1"},
-    "V.s/rad": {"kg": "1", "m": "2", "s": "-2", "A": "-1", "rad": "-1"},
-    "V.s/(A.rad)": {"kg": "1", "m": "2", "s": "-2", "A": "-2", "rad": "-1"},
-    "kg.m2": {"kg": "1", "m": "2"},
-    "N.m": {"kg": "1", "m": "2", "s": "-2"},
-    "N.m.s/rad": {"kg": "1", "m": "2", "s": "-1", "rad": "-1"},
-    "m": {"m": "1"},
-    "K": {"K": "1"},
-    "K/W": {"kg": "-1", "m": "-2", "s": "3", "K": "1"},
-    "J/K": {"kg": "1", "m": "2", "s": "-2", "K": "-1"},
-    "A": {"A": "1"},
-    "V": {"kg": "1", "m": "2", "s": "-3", "A": "-1"},
-    "rad/s": {"rad": "1", "s": "-1"},
-    "rad": {"rad": "1"},
-    "m/s": {"m": "1", "s": "-1"},
-}
+_UNITS = {unit: dict(one.split() for one in base) for _, (unit, *base) in listed(__package__, "fmi_units.txt")}
 
 
 def parameters(of: Export) -> dict[str, float]:
@@ -60,19 +42,15 @@ def parameters(of: Export) -> dict[str, float]:
     train, two = of.train, of.heat
     thermal = (two.R_th1, two.R_th2, two.capacity_w, two.capacity_h) if two else (0.0,) * 4
     names = ("winding_to_housing", "housing_to_ambient", "winding_capacity", "housing_capacity")
-    return {
-        "resistance": train.resistance, "inductance": train.inductance if of.inductance_known else 0.0,
-        "torque_constant": train.torque_constant, "back_emf_constant": train.back_emf_constant,
+    made = {name: getattr(train, name, 0.0) for name in fmu_motor.FIGURES} | {
+        "inductance": train.inductance if of.inductance_known else 0.0,
         "commutation": train.commutation if of.inductance_known else 0.0,
-        "motor_inertia": train.motor_inertia, "motor_friction": train.friction, "motor_viscous": train.viscous,
-        "ratio": train.ratio,
-        "efficiency": train.efficiency, "load_inertia": train.load_inertia, "forward_torque": train.forward_torque,
-        "backward_torque": train.backward_torque, "rest_torque": train.rest_torque,
-        "lever_torque": of.moment, "lever_angle": of.lever.start if of.lever else 0.0, "radius": train.radius,
-        "ambient": of.ambient, **{name: float(x) for name, x in zip(names, thermal, strict=True)},
+        "motor_friction": train.friction, "motor_viscous": train.viscous, "ambient": of.ambient,
+        "lever_torque": of.moment, "lever_angle": of.lever.start if of.lever else 0.0,
         "housing_loss": of.rotor_loss[0], "housing_loss_viscous": of.rotor_loss[1],
         "most_current": of.peak_current if of.peak_current == of.peak_current else 0.0,
     }  # fmt: skip
+    return made | {name: float(x) for name, x in zip(names, thermal, strict=True)}
 
 
 def render(machine: MachineExport) -> bytes:
