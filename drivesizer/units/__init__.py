@@ -407,7 +407,8 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     value
         Figure [SI]; NaN where unknown.
     unit, kind
-        As for :func:`from_si`; from a thousand on the unit with the next prefix is taken, as far as it is usual.
+        As for :func:`from_si`; from a thousand on the unit with the next prefix is taken, as far as it is usual, and
+        below a thousandth, of an inertia, a smaller one.
     digits
         Significant digits.
 
@@ -420,6 +421,8 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     --------
     >>> show(0.0263, "mN*m", "torque"), show(5.8, "g", "mass"), show(50790.0, "J", "energy")
     ('26.3 mN·m', '5.8 kg', '50.79 kJ')
+    >>> show(1.278e-6, "kg*m^2", "inertia"), show(9.422e-4, "kg*m^2", "inertia"), show(0.0263, "kg*m^2", "inertia")
+    ('12.78 g·cm²', '9.422 kg·cm²', '0.0263 kg·m²')
     """
     if math.isnan(value):
         return "unknown"
@@ -429,6 +432,10 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
     while abs(number) >= _THOUSAND and unit in _LARGER:
         unit = _LARGER[unit]
         number = float(from_si(value, unit, kind)) + 0.0
+    if abs(number) < _THOUSANDTH:
+        while 0.0 < abs(number) < 1.0 and unit in _SMALLER:
+            unit = _SMALLER[unit]
+            number = float(from_si(value, unit, kind)) + 0.0
     return f"{digits_of(number, digits)} {label(unit)}".rstrip()
 
 
@@ -452,4 +459,5 @@ def show_band(low: float, high: float, unit: str, kind: str) -> str:
 
 
 _LARGER = {"g": "kg", "J": "kJ", "kJ": "MJ", "W": "kW", "mN*m": "N*m", "mA": "A", "mV": "V", "N": "kN"}  # next prefix
-_THOUSAND = 999.95  # what four digits show as 1000
+_SMALLER = {"kg*m^2": "kg*cm^2", "kg*cm^2": "g*cm^2"}
+_THOUSAND, _THOUSANDTH = 999.95, 1e-3  # the former is what four digits show as 1000

@@ -303,7 +303,7 @@ def document(of: Export) -> dict[str, Any]:
     """The figures of a drive as plain data."""
     law = torque_law(of) if of.controller else None
     shaft = AtShaft(of.inertia, of.reflected_inertia, of.friction, of.damping, of.weight, law)
-    return plain(of) | plain(shaft)  # type: ignore[no-any-return]
+    return plain(of) | plain(shaft)
 
 
 def export_schema() -> dict[str, Any]:
