@@ -288,18 +288,29 @@ def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], said: str) -> Non
                 edgecolor=colour, linewidth=0.4, label=said or None)  # fmt: skip
 
 
+class Limit(NamedTuple):
+    """A limit with its name in words, which stands below its line where another one is close above it."""
+
+    said: str
+    value: float
+    below: bool
+
+
+def limits(one: Diagram, top: float) -> tuple[list[Limit], list[str]]:
+    """Limits of a diagram up to the end of its axis; and those beyond, in words."""
+    said = [(f"{name} {value:.4g} {label(one.unit)}", value) for name, value in one.levels]
+    inside = [value for _, value in said if value <= top]
+    near = _HEIGHT_OF_A_NAME * top
+    found = [Limit(text, value, any(value < other < value + near for other in inside))
+             for text, value in said if value <= top]  # fmt: skip
+    return found, [text for text, value in said if not value <= top]
+
+
 def _limits(axes: Axes, one: Diagram) -> None:
     """Limits in sight as lines, those beyond the end of the axis in words."""
-    top = (one.ends or axes.get_ylim())[1]
-    inside = [level for level in one.levels if level[1] <= top]
-
-    def said(name: str, value: float) -> str:
-        return f"{name} {value:.4g} {label(one.unit)}"
-
-    for look, (name, value) in enumerate(inside):
-        below = any(value < other < value + _HEIGHT_OF_A_NAME * top for _, other in inside)
-        style.limit(axes, value, said(name, value), look, below=below)
-    beyond = [said(*level) for level in one.levels if level not in inside]
+    inside, beyond = limits(one, (one.ends or axes.get_ylim())[1])
+    for look, (said, value, below) in enumerate(inside):
+        style.limit(axes, value, said, look, below=below)
     if beyond:
         style.beside(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
 

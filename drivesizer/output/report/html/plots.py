@@ -8,11 +8,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from html import escape
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
-from drivesizer.output.report.figures.picture import LOOKS, SIDES, Bars, Curve, Diagram, Plot
+from drivesizer.output.report.figures.picture import LOOKS, SIDES, Bars, Curve, Diagram, Plot, limits
 from drivesizer.output.report.figures.style import Window, reads, thinned
 from drivesizer.units import label
 
@@ -24,6 +25,7 @@ _SPOTS = {side: side if " " in side else f"{side} center" if side in ("top", "bo
 _ABOVE, _BELOW = 26, 46  # px: the name above a diagram; numbers and name of the lowest axis
 _PER_INCH = 160  # px of a diagram's height on paper
 _ALONE, _FEW = 340, 60  # px of a diagram alone; points that are marked each
+_SHORT = 20  # letters of a line of the name of a bar
 
 
 def numbers(values: Iterable[float], digits: int = 6) -> list[float | None]:
@@ -143,10 +145,11 @@ def _layout(plot: Plot) -> Data:
             "xanchor": "left", "yanchor": "bottom", "showarrow": False,
         })  # fmt: skip
         layout["shapes"] += _shapes(one, name.replace("axis", ""))
+        highest = one.ends[1] if one.ends else max((level for _, level in one.levels), default=0.0)
         layout["annotations"] += [
-            {"text": plain(f"{said} {value:.4g} {label(one.unit)}"), "x": 1, "y": value, "xref": "paper",
-             "yref": name.replace("axis", ""), "xanchor": "right", "yanchor": "bottom", "showarrow": False}
-            for said, value in one.levels if not one.ends or value <= one.ends[1]
+            {"text": plain(said), "x": 1, "y": value, "xref": "paper", "yref": name.replace("axis", ""),
+             "xanchor": "right", "yanchor": "top" if below else "bottom", "showarrow": False}
+            for said, value, below in limits(one, highest)[0]
         ]  # fmt: skip
         top = axis["domain"][0]
     lowest = "y" if len(heights) == 1 else f"y{len(heights)}"
@@ -164,8 +167,8 @@ def _shapes(one: Diagram, axis: str) -> list[Data]:
         return {"type": "line", "line": {"color": colour, "width": 0.8, "dash": "dash"}, **ends}
 
     across = {"xref": "paper", "x0": 0, "x1": 1, "yref": axis}
-    limits = [value for _, value in one.levels if not one.ends or value <= one.ends[1]]
-    found = [line({**across, "y0": y, "y1": y}, "ink") for y in (*one.dashed, *limits)]
+    inside = [value for _, value in one.levels if not one.ends or value <= one.ends[1]]
+    found = [line({**across, "y0": y, "y1": y}, "ink") for y in (*one.dashed, *inside)]
     found += [line({"xref": "x", "x0": x, "x1": x, "yref": f"{axis} domain", "y0": 0, "y1": 1}, "grey")
               for x in one.upright]  # fmt: skip
     if one.band:
@@ -186,7 +189,8 @@ def _entry(trace: Data) -> Data:
 
 def _bars(bars: Bars) -> Data:
     """Bars of a look as a trace each."""
-    data, names = list[Data](), [plain(one.name) for one in bars.rows]
+    data = list[Data]()
+    names = {one.name: "<br>".join(wrap(plain(one.name), _SHORT, break_long_words=False)) for one in bars.rows}
     for look in dict.fromkeys(one.look for one in bars.rows):
         some, (face, edge, hatch) = [one for one in bars.rows if one.look == look], LOOKS[look]
         marker: Data = {"color": face, "line": {"color": edge, "width": 0.8}}
@@ -197,15 +201,15 @@ def _bars(bars: Bars) -> Data:
                 for one in some]  # fmt: skip
         data.append({
             "type": "bar", "orientation": "h", "base": numbers(one.start for one in some),
-            "x": numbers(one.end - one.start for one in some), "y": [plain(one.name) for one in some], "name": look,
+            "x": numbers(one.end - one.start for one in some), "y": [names[one.name] for one in some], "name": look,
             "showlegend": False, "marker": marker, "customdata": [plain(text.replace("-", "−")) for text in ends],
-            "text": [plain(one.said or one.right) for one in some], "textposition": "outside", "cliponaxis": False,
-            "hovertemplate": "%{y}: %{customdata}<extra></extra>",
+            "text": [plain(one.said or one.right).replace(", ", "<br>") for one in some], "textposition": "outside",
+            "cliponaxis": False, "hovertemplate": "%{y}: %{customdata}<extra></extra>",
         })  # fmt: skip
     low, high = min(0.0, *(one.start for one in bars.rows)), max(0.0, *(one.end for one in bars.rows))
-    layout = {"height": 90 + 26 * len(names), "hovermode": "closest", "barmode": "overlay",
+    layout = {"height": 90 + 34 * len(names), "hovermode": "closest", "barmode": "overlay",
               "xaxis": {"title": {"text": reads(bars.across, bars.unit)},
                         "range": numbers((1.05 * low, high + 0.3 * (high - low)))},
-              "yaxis": {"autorange": "reversed", "type": "category", "categoryarray": names},
+              "yaxis": {"autorange": "reversed", "type": "category", "categoryarray": [*names.values()]},
               "annotations": [], "shapes": []}  # fmt: skip
     return {"data": data, "layout": layout, "legend": [], "views": [], "title": ""}
