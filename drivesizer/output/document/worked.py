@@ -108,7 +108,7 @@ def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
             back = (2.0 - 1.0 / loss if back is None else back) if kind in ("ball_screw", "lead_screw") else loss
             through = "F * r" if drives == 0.0 or loss == 1.0 else "F * r / eta" if drives > 0.0 else "F * r * eta"
             terms |= {"F": (force, "N"), "eta": (loss if drives > 0.0 else back, "1"),
-                      "T_d": (getattr(load, *_DRAG.get(kind, [""]), 0.0), "N*m")}  # fmt: skip
+                      "T_d": (getattr(load, _DRAG.get(kind, [""])[0], 0.0), "N*m")}  # fmt: skip
             through = ("F * r / N" if motors > 1 else "F * r") if wheel else through
             inner = _summed([f"+ {through}", "+ J * alpha", *([] if wheel else ["± T_d"])], terms, at)
         if motors > 1 and not wheel:
