@@ -342,15 +342,20 @@ def short(text: str, longest: int = 60) -> str:
 def margin(value: float) -> str:
     """A margin as it is printed, empty where there is none.
 
-    >>> margin(0.2095), margin(-0.05), margin(10.1)
-    ('+21 %', '−5.0 %', '+1010 %')
+    >>> margin(0.2095), margin(-0.05), margin(10.1), margin(1.28e6)
+    ('+21 %', '−5.0 %', '+1010 %', '> 9999 %')
     """
     if math.isnan(value):
         return ""
     percent = 100.0 * value
+    if percent >= _MOST_PERCENT:
+        return f"> {_MOST_PERCENT} %"
     digits = f"{abs(percent):.1f}" if abs(percent) < 9.95 else f"{abs(percent):.0f}"
     sign = "" if float(digits) == 0.0 else "−" if percent < 0 else "+"
     return f"{sign}{digits} %"
+
+
+_MOST_PERCENT = 9999  # of a margin; beyond it is no figure, but a limit that does not matter
 
 
 def minus(figure: str) -> str:

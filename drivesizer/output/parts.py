@@ -13,7 +13,7 @@ from drivesizer.catalog.prices import price_of
 from drivesizer.catalog.query import Hit, origins
 from drivesizer.files.text import listed
 from drivesizer.machine.budgets import drive_rows
-from drivesizer.output.words import LESS, confidences, not_quoted
+from drivesizer.output.words import LESS, confidences, figure, not_quoted
 from drivesizer.results.drive_set import DriveSet, section_of
 from drivesizer.results.problem import Problem
 from drivesizer.spec.drive import GearStage
@@ -378,7 +378,7 @@ def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tup
     for name, _, word in (one.partition(" ") for one in _BRIEF[role]):
         column = columns[name]._replace(kind="price", unit=catalog.currency) if name == "price" else columns[name]
         if not isnan(value := getattr(part, name)):
-            shown.append(f"{show(value, column.unit, column.kind)} {word}".strip())
+            shown.append(f"{figure(value, column, digits=4)} {word}".strip())
     if role == "encoder":
         shown = [part.resolution]
     if role == "motor" and part.controller:

@@ -408,7 +408,7 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
         Figure [SI]; NaN where unknown.
     unit, kind
         As for :func:`from_si`; from a thousand on the unit with the next prefix is taken, as far as it is usual, and
-        below a thousandth, of an inertia, a smaller one.
+        below a thousandth, of an inertia, a smaller one; less than a thousandth of a per cent is 0.
     digits
         Significant digits.
 
@@ -433,6 +433,7 @@ def show(value: float, unit: str, kind: str, digits: int = 4) -> str:
         unit = _LARGER[unit]
         number = float(from_si(value, unit, kind)) + 0.0
     if abs(number) < _THOUSANDTH:
+        number = 0.0 if unit == "%" else number
         while 0.0 < abs(number) < 1.0 and unit in _SMALLER:
             unit = _SMALLER[unit]
             number = float(from_si(value, unit, kind)) + 0.0

@@ -138,7 +138,7 @@ def with_numbers(content: Content) -> Iterator[doc.Block]:
     at, f = _moment(cycle.load_cycle, row, end, case.spec.environment.gravity), cycle.functions[row, end]
     named = f" of load case {case.name}" if case.name not in ("", AS_SPECIFIED) else ""
     yield doc.Words(f"The moment{named} at which the motor's torque is largest, {show(at.time, 's', 'time')}, "
-                "and then the whole cycle. Numbers are put in in SI units.")  # fmt: skip
+                "and then the whole cycle. The numbers put in are in SI units.")  # fmt: skip
     steps = _load_steps(case.spec.load, at)
     if not steps:
         yield doc.Words(f"The load cycle has {show(at.torque, 'N*m', 'torque')} at the driven shaft there.")
