@@ -109,7 +109,7 @@ class Bar(NamedTuple):
 
 LOOKS = {  # colour, that of the rim, and hatch: distinct in grey as well
     "pass": ("sky", "blue", ""), "fail": ("vermillion", "ink", "/"), "open": ("page", "orange", "/"),
-    "unknown": ("page", "grey", "\\"), "drawn": ("#BBBBBB", "ink", ""), "loss": ("#F4C9A8", "vermillion", "/"),
+    "unknown": ("page", "grey", "\\"), "drawn": ("grey", "ink", ""), "loss": ("orange", "vermillion", "/"),
     "back": ("page", "green", "\\"),
 }  # fmt: skip
 
@@ -349,7 +349,7 @@ def draw_bars(axes: Axes, bars: Bars) -> None:
     colours, rooms = {"ink": "black", "page": "white", **COLOURS}, []
     for place, one in enumerate(bars.rows):
         face, edge, hatch = LOOKS[one.look]
-        axes.barh(place, one.end - one.start, left=one.start, height=0.65, facecolor=colours.get(face, face), zorder=3,
+        axes.barh(place, one.end - one.start, left=one.start, height=0.65, facecolor=colours[face], zorder=3,
                   edgecolor=colours[edge], hatch=hatch * 4 or None, linewidth=0.6, label=one.look)  # fmt: skip
         if isfinite(one.mark):
             axes.plot([one.mark] * 2, [place - 0.42, place + 0.42], color="black", linewidth=0.9, zorder=5)
