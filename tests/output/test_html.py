@@ -164,8 +164,8 @@ def test_every_formula_is_mathematics_of_the_browser(page):
 
 def test_every_figure_has_its_place_and_every_place_its_figure(page):
     found = figures_of(page)
-    assert sorted(found) == ["battery-1", "battery-2", "bode", "cycle", "demand", "energy", "field", "heat-1", "heat-2", "loop",
-                             "profile", "sets-margin", "sets-price", "step-1", "step-2", "step-3"]  # fmt: skip
+    assert sorted(found) == ["battery-1", "battery-2", "bode", "cycle", "demand", "energy", "field", "heat-1", "heat-2",
+                             "loop", "profile", "sets-margin", "sets-price", "step-1", "step-2", "step-3"]  # fmt: skip
     assert sorted(d.get("data-plot") for d in page.xpath("//div[@class='drawing']")) == sorted(found)
     names = {*COLOURS, "ink", "page"}
     for plot in found.values():
