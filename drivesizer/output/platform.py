@@ -84,11 +84,9 @@ def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
     required, every = found.required, len(found.direction)
     slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
     if required is not None and any(slow.values()):
-        less = f", without a motor in up to {max(slow.values())}" if len(slow) > 1 else ""
-        said = (
-            f"{show(required, 'm/s', 'speed', 3)}, as in the spec, is not permitted in {slow[0]} of {every} directions"
-        )
-        yield f"{said}{less}."
+        kept = f"not permitted in {slow[0]} of {every}" if slow[0] else f"permitted in all {every}"
+        less = f", without a motor {'' if slow[0] else 'not '}in up to {max(slow.values())}" if len(slow) > 1 else ""
+        yield f"{show(required, 'm/s', 'speed', 3)}, as in the spec, is {kept} directions{less}."
     yield (
         "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
         "neither are supply and battery."

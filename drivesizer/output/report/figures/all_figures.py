@@ -242,7 +242,8 @@ def loop_pictures(validation: Validation) -> dict[str, Pictured]:
     if validation.loops:
         response = loops.bode(validation.loops)
         made["bode"] = Pictured(on_paper(response), [response])
-        made["step"] = Pictured(abreast(loops.steps(validation.loops), 0.76), loops.answers(validation.loops))
+        steps = loops.steps(validation.loops)
+        made["step"] = Pictured(abreast(steps, 0.76), [one for one in steps if one.diagrams[0].curves])
     return made
 
 

@@ -291,14 +291,17 @@ def _legend(loop: Loop) -> str:
     return f"{loop_name(loop)}: crossover {said['crossover']}, phase margin {margin}, bandwidth {bandwidth}"
 
 
-def answers(loops: Sequence[Loop]) -> list[Plot]:
-    """The answer of each stable loop to a step of its reference, over its own time.
+def steps(loops: Sequence[Loop]) -> list[Plot]:
+    """The answer of each loop to a step of its reference, over its own time; of an unstable one that it has none.
 
     With the band of 2 % around the end, and the moment from which the samples stay in it.
     """
     made = []
     for loop in loops:
         if not len(loop.step):
+            none = Diagram(name="answer to a step", unit="%", curves=[])
+            title = f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}"
+            made.append(Plot(diagrams=[none], across="time", unit="ms", title=title))
             continue
         values = loop.step[: settled(loop)]
         kept = curve_points((values,), _MOST)
@@ -312,13 +315,3 @@ def answers(loops: Sequence[Loop]) -> list[Plot]:
         made.append(Plot(diagrams=[diagram], across="time", unit=unit, title=loop_name(loop),
                          ends=(0.0, per * loop.period * (len(values) - 1))))  # fmt: skip
     return made
-
-
-def steps(loops: Sequence[Loop]) -> list[Plot]:
-    """The answers; of an unstable loop that it has none."""
-    stable = iter(answers(loops))
-    none = Diagram(name="answer to a step", unit="%", curves=[])
-    return [next(stable) if len(loop.step) else Plot(
-        diagrams=[none], across="time", unit="ms",
-        title=f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}",
-    ) for loop in loops]  # fmt: skip
