@@ -289,7 +289,7 @@ def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], said: str) -> Non
 
 
 class Limit(NamedTuple):
-    """A limit with its name in words, which stands below its line where another one is close above it."""
+    """A limit with its name in words, below its line where another one is close above it."""
 
     said: str
     value: float
