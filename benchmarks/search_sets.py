@@ -23,7 +23,7 @@ from goals import line
 
 from drivesizer.catalog import load
 from drivesizer.catalog.view import search_view
-from drivesizer.files import csv_columns
+from drivesizer.files import sheets
 from drivesizer.load_cases import load_cycle
 from drivesizer.machine.problem import problem
 from drivesizer.search.columns.candidates import Rows, pairs
@@ -81,7 +81,7 @@ def reading(folder: Path, spec: RobotSpec, runs: int) -> float:
     recording(spec, path, 1_000_000)
     for _ in range(runs):
         start = time.process_time()
-        csv_columns.columns(path, {"time": "time", "speed": "rotary_speed", "torque": "torque"})
+        sheets.columns(path, {"time": "time", "speed": "rotary_speed", "torque": "torque"})
         best = min(best, time.process_time() - start)
     return float(best)
 

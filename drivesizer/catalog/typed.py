@@ -19,8 +19,7 @@ from drivesizer.catalog import catalog_of_text
 from drivesizer.catalog.parts import DIRECT, PARTS, RELATIONS, singular
 from drivesizer.catalog.tables import Catalog, joined, with_pairs
 from drivesizer.errors import CatalogError, quoted
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import Path_, YamlSource, value_at, written
+from drivesizer.files.yaml_source import Edit, Path_, YamlSource, edited, value_at, written
 
 Named = Mapping[str, Mapping[str, Sequence[str]]]  # by section: names or patterns by column
 

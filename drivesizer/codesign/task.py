@@ -13,8 +13,7 @@ from pydantic import ValidationError
 
 from drivesizer.errors import InputError, nearest, quoted
 from drivesizer.files.arithmetic import Expression, Limit, names_in
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import Path_, YamlSource, changed, field_name, value_at
+from drivesizer.files.yaml_source import Edit, Path_, YamlSource, changed, edited, field_name, value_at
 from drivesizer.results.drive_set import DriveSet
 from drivesizer.search.ranking import COUNTED
 from drivesizer.spec.drive import OBJECTIVES, Select

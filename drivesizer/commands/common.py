@@ -140,8 +140,7 @@ def fields_and_drives(words: list[str] | None) -> tuple[list[str], list[str]]:
 
 def with_fields(source: YamlSource, words: list[str]) -> YamlSource:
     """A spec's text with other values in some of its fields."""
-    from drivesizer.files.yaml_edit import Edit, edited
-    from drivesizer.files.yaml_source import YamlSource
+    from drivesizer.files.yaml_source import Edit, YamlSource, edited
     from drivesizer.study.figures import path_of, unknown_field
 
     edits, axes = [], source.data.get("axes") if isinstance(source.data, dict) else None

@@ -19,8 +19,7 @@ from drivesizer.control.drive_train import drive_train
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError, quoted
 from drivesizer.files.fields import Quantity
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import YamlOverlay
+from drivesizer.files.yaml_source import Edit, YamlOverlay, edited
 from drivesizer.identification.identify import at_motor, log_findings, of_drive
 from drivesizer.identification.log import Log
 from drivesizer.load_cases.platform import motion_of, remaining_torque

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import columns, path_from_spec
+from drivesizer.files.sheets import columns, path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion, Torques, force_torques, torques_of
 from drivesizer.joints.trajectory import Field, check_link, fixed_positions, joint_of, motion_of, static_poses, unit_of
 from drivesizer.loads.recorded import ComputedLoad

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import FieldError, InputError, nearest, quoted
-from drivesizer.files.csv_columns import CsvFile, path_from_spec
+from drivesizer.files.sheets import CsvFile, path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, JointMotion
 from drivesizer.loads.motions import LAWS
 from drivesizer.physics.load_cycle import places

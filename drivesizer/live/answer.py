@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drivesizer.errors import DrivesizerError, InputError, quoted
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import YamlSource, field_name
+from drivesizer.files.yaml_source import Edit, YamlSource, edited, field_name
 from drivesizer.live.engine import EngineMemory, Piece, StoppedError
 from drivesizer.multi_axis.sizing import size_machine
 from drivesizer.output.derivation import margin

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from drivesizer.errors import FieldError, InputError, quoted
-from drivesizer.files.csv_columns import path_from_spec
+from drivesizer.files.sheets import path_from_spec
 from drivesizer.loads import LAWS, MODULES, motions
 from drivesizer.loads.course import Course, Profile, course
 from drivesizer.loads.screw import screw_life

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivesizer.errors import InputError
-from drivesizer.files.csv_columns import path_from_spec
+from drivesizer.files.sheets import path_from_spec
 from drivesizer.files.text import missing
 from drivesizer.load_cases import cycle_of_course, driven_shaft_cycle, load_cycle, located, profile_of, requirements
 from drivesizer.loads.course import Course, Profile

@@ -18,7 +18,7 @@ from pydantic import BeforeValidator, Field
 
 from drivesizer.errors import FieldError, InputError
 from drivesizer.files import fields
-from drivesizer.files.csv_columns import columns
+from drivesizer.files.sheets import columns
 from drivesizer.loads.course import Profile, columns_of
 from drivesizer.physics.figures import Alike
 from drivesizer.physics.motion_curves import fastest_ramp, periodic_parabola
@@ -489,7 +489,7 @@ class Csv(fields.Section):
 
 
 def from_csv(path: str | Path, kind: str = "speed") -> Profile:
-    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.csv_columns.columns`.
+    """A recorded profile: a file with the columns time and speed, see :func:`drivesizer.files.sheets.columns`.
 
     Parameters
     ----------

@@ -33,8 +33,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from drivesizer.errors import FieldError, InputError
-from drivesizer.files.csv_columns import columns
 from drivesizer.files.fields import Axis, Inertia, Pause, default
+from drivesizer.files.sheets import columns
 from drivesizer.loads.model import SharedLoad
 from drivesizer.physics.load_cycle import LoadCycle
 from drivesizer.physics.motion_curves import local_parabola

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError, quoted
-from drivesizer.files.csv_columns import CsvFile
+from drivesizer.files.sheets import CsvFile
 from drivesizer.physics.motion_curves import fastest_ramp
 from drivesizer.platform.equations import Array
 from drivesizer.platform.trajectory import (

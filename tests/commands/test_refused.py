@@ -96,7 +96,7 @@ def test_a_catalogue_with_an_impossible_figure_is_refused_with_its_line(was, put
 
 
 def test_a_recording_with_an_impossible_figure_is_refused_with_its_line(tmp_path):
-    from drivesizer.files.csv_columns import columns
+    from drivesizer.files.sheets import columns
 
     (tmp_path / "c.csv").write_text("time,speed\ns,rpm\n0,0\n1,1e300\n2,0\n")
     with pytest.raises(InputError, match=r'c.csv:4: speed: "1e\+300" is no rotary speed of a machine'):

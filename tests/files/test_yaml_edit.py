@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from drivesizer.errors import InputError
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import Edit, YamlSource, edited
 
 TEXT = """\
 # the machine

@@ -12,8 +12,7 @@ from lxml import html
 from own_catalogue import RIGHT
 
 from drivesizer.files.text import hand_over
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import Edit, YamlSource, edited
 from drivesizer.live.engine import EngineMemory, done, take_over
 from drivesizer.live.requests import REQUESTS, request_of
 

@@ -16,8 +16,7 @@ from live_server import serving
 from playwright.sync_api import expect
 
 from drivesizer.errors import InputError
-from drivesizer.files.yaml_edit import Edit, edited
-from drivesizer.files.yaml_source import YamlSource
+from drivesizer.files.yaml_source import Edit, YamlSource, edited
 from drivesizer.output.document.candidates import numbers_of, short_name
 from drivesizer.sizing import size
 from drivesizer.spec.robot import load_spec, read_spec

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from drivesizer.errors import InputError
-from drivesizer.files.csv_columns import path_from_spec
+from drivesizer.files.sheets import path_from_spec
 from drivesizer.joints.inverse_dynamics import Array, Attached, JointMotion
 from drivesizer.joints.mass_columns import coupling, drive_places, payload_place, radius_of
 from drivesizer.joints.trajectory import fixed_positions, motion_of
