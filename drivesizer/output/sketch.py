@@ -180,7 +180,7 @@ class Pen:
         self.force((x - 2, y - 6), (x - 26, y - 6), "μ, F_f", *friction, shift=(-36.0, 4.0))
 
     def springs(self, x: float, y: float) -> None:
-        """What is beside the drive, between load and frame: a mark each, from a place to the left."""
+        """Springs and counterweights between load and frame: a mark each, from a place to the left."""
         given = (self.entered or {}).get("springs")
         every = [one for one in given if isinstance(one, Mapping)] if isinstance(given, list) else []
         for number, one in enumerate(every, 1):
