@@ -168,4 +168,6 @@ def test_friction_of_a_gear_without_load_is_said_where_it_decides(shop):
     (shop.folder / "slow.csv").write_text("time,speed,torque\ns,rpm,N*m\n0,800,0.45\n10,800,0.45\n", encoding="utf-8")
     shop.drive("G", LEVEL.replace("level", "slow"))
     (said,) = (text for text in size(load_spec(shop.folder / "robot.yaml")).warnings if "gearhead" in text)
-    assert said.endswith("current is 2.73 A to 3.14 A, 2.83 A in the middle, of permitted 3 A")
+    assert "3.3 mN·m to 30 mN·m at its input" in said  # s 2 N*m / 4
+    assert "Motor nominal current (RMS) 2.73 A to 3.14 A of 3 A; Winding temperature, peak 126 °C" in said
+    assert "passes with 0 %" in said  # of a winding of 125 degC
