@@ -26,27 +26,7 @@ from drivesizer.simulate import validate, validate_all, with_remedies
 from drivesizer.sizing import explained
 
 RPM = math.pi / 30.0
-PARTS = """\
-catalog: 1
-manufacturer: Steps
-sources: {sheet: {document: "sheet", confidence: quoted}}
-steppers:
-- family: A
-  source: sheet
-  common: {full_steps: 200}
-  columns: [part, phase_current (A), holding_torque (N*m), resistance (ohm), inductance (mH), rotor_inertia (g*cm^2),
-    start_speed (rpm)]
-  rows: [[A1, 1.5, 0.42, 2.3, 4.0, 57, 420], [A2, 2, 0.59, 1.6, 3.0, 82, 400]]
-pull_outs:
-- {stepper: A2, source: sheet, voltage: 24 V, columns: [speed (rpm), torque (N*m)],
-   rows: [[60, 0.42], [400, 0.43], [700, 0.32], [1200, 0.17]]}
-controllers:
-- family: D
-  source: sheet
-  common: {drives: stepper, buses: step and direction}
-  columns: [part, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), microsteps]
-  rows: [[D2, 12, 30, 2.2, 3.1, 16]]
-"""
+PARTS = Path(__file__).with_name("simulate_stepper.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")

@@ -21,26 +21,7 @@ from drivesizer.catalog import PARTS, CacheWarning, Catalog, columns_of, load
 from drivesizer.catalog.tables import recall
 from drivesizer.errors import InputError
 
-TEXT = """\
-catalog: 1
-manufacturer: Acme
-sources:
-  sheet: {document: "Acme Motoren GmbH, Blatt für M40", confidence: quoted}
-motors:
-- family: M40
-  source: sheet
-  columns: [part, bearing, nominal_voltage (V), mass (g)]
-  rows:
-  - [M1, kugelgelagert ø, 24, 480]
-  - [M2, ~, 48, ~]
-  notes:
-  - {parts: [M2], fields: [nominal_voltage], text: a remark, confidence: derived, exclude: true}
-gearheads:
-- {family: G, source: sheet, columns: [part, ratio], rows: [[G1, 26/7]]}
-compatibility:
-  motor_gearhead:
-  - {source: sheet, motors: [M40], gearheads: [G]}
-"""
+TEXT = Path(__file__).with_name("catalog_cache.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import isnan, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -38,30 +39,7 @@ actuators:
       - [XA70-10, "10:1", 10, 90, 24, 228, 0.4, 190, 8.1, 9.4, 24, 28, 0.9, 0.3, 0.0075, 0.2, 520, 310]
 """
 OWN_CONTROLLER = "controller: integrated, buses: CAN, supply_min: 18 V, supply_max: 52 V, steps_per_turn: 32768"
-PIECES = """
-catalog: 1
-manufacturer: Example Parts
-sources: {sheet: {document: "sheet XM", confidence: quoted}}
-motors:
-  - family: XM
-    source: sheet
-    common: {kind: brushless, pole_pairs: 14, thermal_resistance_winding: 1.2 K/W, thermal_resistance_housing: 3 K/W,
-      max_winding_temperature: 120 degC, winding_time_constant: 30 s, motor_time_constant: 900 s,
-      ambient_min: -20 degC, ambient_max: 60 degC}
-    columns: [part, nominal_voltage (V), no_load_speed (rpm), no_load_current (A), nominal_speed (rpm),
-      nominal_torque (N*m), nominal_current (A), max_speed (rpm), torque_constant (N*m/A), resistance (ohm),
-      rotor_inertia (g*cm^2), mass (g), price (EUR)]
-    rows: [[XM-1, 24, 2280, 0.4, 1900, 0.9, 9.4, 2280, 0.1, 0.3, 750, 500, 300]]
-gearheads:
-  - family: XG
-    source: sheet
-    common: {kind: planetary, efficiency: 90 %, continuous_torque: 8.1 N*m, intermittent_torque: 24 N*m,
-      continuous_input_speed: 2280 rpm, intermittent_input_speed: 2280 rpm, backlash: 0.2 deg, inertia: 1e-6 g*cm^2,
-      continuous_power: 1e6 W, intermittent_power: 1e6 W, temperature_min: -20 degC, temperature_max: 60 degC}
-    columns: [part, reduction, ratio, mass (g), price (EUR)]
-    rows: [[XG-10, "10:1", 10, 20, 10]]
-compatibility: {motor_gearhead: [{source: sheet, motors: [XM], gearheads: [XG]}]}
-"""
+PIECES = Path(__file__).with_name("inside.yaml").read_text(encoding="utf-8")
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ import os
 import re
 
 import pytest
-from docs_pages import ROOT, Loads, blocks, page, rows
+from docs_pages import ROOT, Loads, bare, blocks, page, rows, signs
 
 from drivesizer import size, validate
 from drivesizer.equations import nominal_speed
@@ -21,6 +21,7 @@ from drivesizer.output import derivation
 from drivesizer.physics.equation import COMPANIONS, EQUATIONS
 from drivesizer.platform import robot_figures
 from drivesizer.platform.equations import PLATFORM
+from drivesizer.platform.equations import text as form_text
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.spec.robot import RobotSpec, read_spec
 
@@ -268,3 +269,67 @@ def test_the_commands_of_the_table_end_as_it_says(run, monkeypatch, tmp_path):
     }
     assert len({command for command, _ in every}) == len(every)
     assert {command: run(*command.split())[0] for command, _ in every} == dict(every)
+
+
+# --- pages of platform, battery and machine
+
+pytest.importorskip("mathematics", reason="the documentation's own packages are not installed")
+
+
+def test_the_page_of_the_paper_names_what_fails_of_the_platform():
+    told = rows(page("paper"), "### The platform's printed form")
+    numbers = [int(n) for row in told for n in re.findall(r"\(#?(\d+)\)\]", row[0])]
+    assert numbers == [e.number for e in MATRICES if any(robot_figures.finding(e))]
+    assert not any(robot_figures.finding(e).units for e in MATRICES)
+
+
+def test_every_budget_check_is_on_its_page():
+    told = {row[0] for name in ("battery", "budgets") for row in rows(page(name), "## Checks")}
+    assert told == {declared.title for declared in CHECKS["budget"].values()}
+
+
+def test_what_a_radius_comes_to_straight_ahead():
+    lever = 0.27406 * (math.cos(math.radians(29.5)) + math.sin(math.radians(29.5)))
+    assert f"{math.degrees(0.001 / (4 * lever) * 90):.1f}°" == "3.5°"
+    assert "90 m straight ahead would make it 3.5°" in page("platform")
+
+
+# --- equations as at the terminal
+
+latex = pytest.importorskip("latex")
+
+
+@pytest.mark.parametrize("declared", EVERY, ids=lambda e: e.name)
+def test_an_equation_on_the_page_is_the_one_at_the_terminal(declared):
+    """Another notation of the same syntax tree: what is read from left to right and from top to bottom is the same."""
+    for form, paper in ((declared.computed, False), (declared.printed, True)):
+        if form:
+            made = mathematics.mathml(latex.expression(form, paper=paper), "block")
+            assert signs(made) == signs(derivation.text(form, paper=paper))
+            assert made.count("<mfrac>") >= (1 if "/" in form and "1 / 2" not in form else 0)
+            assert made.count("<msqrt>") == form.count("sqrt(") + form.count("(1 / 2)")
+
+
+@pytest.mark.parametrize("declared", MATRICES, ids=lambda e: str(e.number))
+def test_an_equation_of_the_platform_on_the_page_is_the_one_at_the_terminal(declared):
+    import matrices
+
+    left = declared.printed_symbol or declared.symbol
+    for side, form in ((left, declared.printed), (declared.symbol, declared.computed)):
+        made = mathematics.mathml(matrices.equation(side, form), "block")
+        side, _, vector = side.partition("] / ")  # what stands on the left as divided by a vector is multiplied by it
+        right = form_text(form)
+        if form.startswith("array") and " / " in form.rsplit(")", 1)[-1]:  # and a matrix by one over what divides it
+            whole, _, below = right.rpartition(" / ")
+            right = f"1 / {below} {whole}"
+        assert bare(made) == bare(f"{side} = {right} {vector}")
+        rows = 1 + right.count("; ") if "[" in right.replace("[T]", "") else 0
+        assert made.count("<mtr>") >= rows and "merror" not in made
+
+
+def test_a_vector_is_a_column_and_what_a_vector_is_multiplied_with_a_row():
+    import matrices
+
+    column, row = (mathematics.mathml(matrices.expression(form)) for form in ("array([a, b])", "array([a, b]) @ c"))
+    assert (column.count("<mtr>"), row.count("<mtr>"), row.count("<mtd>")) == (2, 1, 2)
+    assert mathematics.mathml(matrices.expression("array([[a, b, c], [a, b, c]])")).count("<mtr>") == 2

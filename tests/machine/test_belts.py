@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -125,25 +126,7 @@ def test_a_belt_that_is_too_short_holds_no_pulleys():
 
 # -- which ratios there are
 
-SHOP = """
-catalog: 1
-manufacturer: Near
-sources: {sheet: {document: "sheet N", confidence: quoted}}
-belts:
-  - {family: B, source: sheet, common: {profile: HTD, pitch: 5 mm, width: 9 mm}, columns: [part, teeth],
-     rows: [[B60, 60], [B64, 64], [B64A, 64], [B70, 70], [B90, 90], [B0, ~]],
-     notes: [{parts: [B64], text: withdrawn, exclude: true}]}
-  - {family: W, source: sheet, common: {profile: HTD, pitch: 5 mm, width: 15 mm}, columns: [part, teeth],
-     rows: [[W65, 65]]}
-  - {family: G, source: sheet, common: {profile: GT2, pitch: 3 mm, width: 9 mm}, columns: [part, teeth],
-     rows: [[G65, 65]]}
-pulleys:
-  - {family: P, source: sheet, common: {profile: HTD, pitch: 5 mm}, columns: [part, teeth, width (mm), bore], rows: [
-      [P12, 12, 9, 5 mm], [P15, 15, 9, 5 mm], [P16W, 16, 15, 5 mm], [P16, 16, 9, 5 mm], [P18, 18, 15, 5 mm],
-      [P20S, 20, 6, 5 mm], [P24, 24, 9, 8 mm], [P30, 30, 9, 8 mm], [P40, 40, ~, 8 mm]]}
-  - {family: PG, source: sheet, common: {profile: GT2, pitch: 3 mm, width: 9 mm}, columns: [part, teeth],
-     rows: [[G20, 20]]}
-"""
+SHOP = Path(__file__).with_name("belts.yaml").read_text(encoding="utf-8")
 FAR = """
 catalog: 1
 manufacturer: Far

@@ -5,6 +5,7 @@ found one at 5821 rpm; the CIM's sheet (12 V: 343.4 oz in at 133 A, 5310 rpm at 
 """
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,26 +25,7 @@ pytestmark = pytest.mark.usefixtures("no_further_searches")
 RPM = np.pi / 30
 # No sheet tells how warm the NEO gets; that its winding may not exceed 125 degC is assumed. Of an inductance so small
 # commutation takes nothing: what decides are the two constants.
-NEO = """catalog: 1
-manufacturer: REV Robotics
-sources: {sheet: {document: "NEO data sheet", confidence: quoted}}
-motors:
-- family: NEO
-  source: sheet
-  common: {kind: brushless, rotor_inertia: 397 g*cm^2, pole_pairs: 7, nominal_voltage: 12 V,
-    max_winding_temperature: 125 degC, inductance: 0.000001 mH}
-  columns: [part, no_load_speed (rpm), no_load_current (A), stall_torque (N*m), stall_current (A), resistance (ohm),
-    torque_constant (mN*m/A), back_emf_constant (mV/rpm)]
-  rows: [[NEO, 5676, 1.8, 2.6, 105, 0.1143, 24.76, ~], [NEO-K, 5676, 1.8, 2.6, 105, 0.1143, 24.76, 2.075]]
-controllers:
-- family: MAX
-  source: sheet
-  columns: [part, drives, supply_min (V), supply_max (V), continuous_current (A), peak_current (A), peak_time (s),
-    max_duty (%), voltage_drop (V), max_speed_sine (rpm)]
-  rows: [[MAX, brushless, 6, 24, 60, 100, 2, 100, 0, 100000]]
-compatibility:
-  motor_gearhead: [{source: sheet, motors: [NEO], gearheads: [direct]}]
-"""
+NEO = Path(__file__).with_name("back_emf.yaml").read_text(encoding="utf-8")
 FAN = """name: NEO at 12 V
 load: {kind: fan, inertia: 2 kg*cm^2, rated_torque: 0.03 N*m, rated_speed: 5500 rpm, exponent: 2}
 motion: {profile: trapezoid, speed: 5500 rpm, acceleration_time: 10 s, cruise_time: 60 s, rest_time: 10 s}

@@ -17,6 +17,8 @@ from drivesizer.kernel import records
 from drivesizer.kernel.cycle import ENERGY
 from drivesizer.kernel.evaluate import evaluate
 from drivesizer.physics.power_stage import Feed, PowerStage, of_the_source, power_stage
+from drivesizer.results.drive_set import voltage_assumption
+from drivesizer.spec.robot import load_spec
 from drivesizer.spec.sections import PowerStage as Given
 
 
@@ -156,3 +158,27 @@ def test_a_drop_that_is_not_printed_decides_where_both_its_ends_agree(duty, drop
     least, most = map(float, feed.usable_range)
     found = least if required <= least else most if required > most else math.nan
     assert found == pytest.approx(usable, nan_ok=True) or least == most == pytest.approx(usable)
+
+
+# --- what is left of the supply
+
+DROP = "the controller's voltage drop is not printed: 0.5 V to 1.1 V assumed"
+DUTY = "the controller's largest duty is not printed: the supply's voltage is the bound"
+
+
+@pytest.mark.parametrize(
+    ("duty", "drop", "given", "said"),
+    [
+        (0.9, math.nan, {}, DROP),
+        (0.9, 1.0, {}, ""),
+        (0.9, math.nan, {"voltage_drop": "1 V"}, ""),
+        (math.nan, 1.0, {}, DUTY),
+        (math.nan, math.nan, {}, DUTY),
+    ],
+)
+def test_the_usable_voltage(duty, drop, given, said):
+    spec = load_spec({
+        "name": "x", "load": {"kind": "flywheel", "inertia": "1 kg*m^2"}, "supply": {"nominal": "24 V"},
+        "motion": {"speed": "60 rpm", "acceleration_time": "1 s", "cruise_time": "1 s"}, "power_stage": given,
+    })  # fmt: skip
+    assert voltage_assumption(spec, Controller(max_duty=duty, voltage_drop=drop)) == said

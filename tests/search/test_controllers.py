@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, replace
 from math import nan
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -92,30 +93,7 @@ X1 = {
     "reduced_power": float("nan"),
     "reduced_power_voltage": float("nan"),
 }
-CATALOG = """catalog: 1
-manufacturer: Anymaker
-sources: {sheet: {document: sheet, confidence: quoted}}
-motors:
-- family: M
-  source: sheet
-  common: {kind: brushless, nominal_voltage: 24 V, max_winding_temperature: 125 degC, pole_pairs: 7}
-  columns: [part, no_load_speed (rpm), no_load_current (A), nominal_speed (rpm), nominal_torque (N*m),
-    nominal_current (A), resistance (ohm), inductance (mH), torque_constant (mN*m/A), rotor_inertia (g*cm^2),
-    max_speed (rpm), ambient_min (degC), ambient_max (degC), mass (g), thermal_resistance_winding (K/W),
-    thermal_resistance_housing (K/W), winding_time_constant (s), motor_time_constant (s)]
-  rows: [[M1, 4500, 0.5, 3500, 1.0, 20, 0.01, 0.1, 50, 400, 12000, -20, 100, 500, 0.5, 2, 30, 900]]
-controllers:
-- family: C
-  source: sheet
-  common: {drives: brushless, supply_min: 10 V, supply_max: 60 V, max_duty: 95 %, voltage_drop: 0.5 V,
-    continuous_current: 40 A, peak_current: 100 A, peak_time: 10 s}
-  columns: [part, max_power (W), max_power_voltage (V), reduced_power (W), reduced_power_voltage (V)]
-  rows:
-  - [free,      ~,  ~,   ~,  ~]
-  - [limited, 900, 30, 400, 38]
-compatibility:
-  motor_gearhead: [{source: sheet, motors: [M], gearheads: [direct]}]
-"""
+CATALOG = Path(__file__).with_name("controllers.yaml").read_text(encoding="utf-8")
 DISC = {
     "name": "disc", "load": {"kind": "rotary_table", "inertia": "0.01 kg*m^2", "torque": "0.9 N*m"},
     "transmission": [{"kind": "direct"}],

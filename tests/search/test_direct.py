@@ -2,6 +2,7 @@
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 
@@ -13,25 +14,7 @@ from drivesizer.spec.robot import read_spec
 
 pytestmark = pytest.mark.usefixtures("no_further_searches")
 
-MOTORS = """
-catalog: 1
-manufacturer: NAME
-sources: {sheet: {document: a sheet, confidence: quoted}}
-motors:
-  - family: D
-    source: sheet
-    common: {kind: brushless, nominal_voltage: 24 V, pole_pairs: 7, max_winding_temperature: 155 degC,
-      ambient_min: -20 degC, ambient_max: 100 degC, max_speed: 3000 rpm}
-    columns: [part, no_load_speed (rpm), no_load_current (mA), nominal_speed (rpm), nominal_current (A),
-      resistance (ohm), torque_constant (mN*m/A), rotor_inertia (g*cm^2), thermal_resistance_winding (K/W),
-      thermal_resistance_housing (K/W), winding_time_constant (s), motor_time_constant (s), mass (g),
-      assigned_power (W)]
-    rows:
-      - [PART, 2200, 300, 1500, 6, 0.35, 98, 900, 1.1, 2.3, 25, 700, 420, 90]
-compatibility:
-  motor_gearhead:
-    - {source: sheet, motors: [D], gearheads: [direct]}
-"""
+MOTORS = Path(__file__).with_name("direct.yaml").read_text(encoding="utf-8")
 FAN = """
 name: a fan on the shaft
 load: {kind: fan, inertia: 20 kg*cm^2, rated_torque: 0.3 N*m, rated_speed: 1500 rpm}

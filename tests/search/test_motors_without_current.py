@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,23 +13,7 @@ from drivesizer.results.ratings import nominal_torque_limit
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import load_spec
 
-TEXT = """catalog: 1
-manufacturer: Anymaker
-sources: {sheet: {document: sheet, confidence: quoted}}
-motors:
-- family: S
-  source: sheet
-  common: {kind: brushless, rated_ambient: 40 degC, max_winding_temperature: 155 degC, friction_torque: 0.02 N*m,
-    viscous_friction: 1e-6 N*m*s/rad}
-  columns: [part, nominal_torque (N*m), peak_torque (N*m), max_speed (rpm), rotor_inertia (kg*cm^2), mass (kg)]
-  rows:
-  - [S-1, 0.64, 1.91, 6000, 0.3, 0.8]
-  - [S-2, 1.27, 3.8, 6000, 0.5, 1.2]
-  - [S-4, 2.39, 7.2, 6000, 1.6, 2.3]
-compatibility:
-  motor_gearhead:
-  - {name: direct drive, source: sheet, motors: [S], gearheads: [direct]}
-"""
+TEXT = Path(__file__).with_name("motors_without_current.yaml").read_text(encoding="utf-8")
 SPEC = {
     "name": "table", "load": {"kind": "flywheel", "inertia": "0.012 kg*m^2"}, "transmission": [{"kind": "direct"}],
     "motion": {"speed": "600 rpm", "acceleration_time": "0.5 s", "cruise_time": "0.5 s", "rest_time": "0.1 s"},

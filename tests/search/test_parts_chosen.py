@@ -185,24 +185,7 @@ def test_a_mass_that_nobody_knows_is_not_nothing(fan):
     assert [one["objective"] for one in plain(size(fan(catalog=unknown), objective="price"))["sets"]] == [None, None]
 
 
-SERVO = """
-catalog: 1
-manufacturer: maker
-sources: {sheet: {document: a sheet, confidence: quoted}}
-actuators:
-  - family: S
-    source: sheet
-    common: {kind: brushed, gearing: spur, ratio: 200, reduction: "200:1", efficiency: 70 %, controller: integrated,
-      supply_min: 9 V, supply_max: 16 V, mass: 80 g, ambient_min: 0 degC, ambient_max: 60 degC}
-    columns: [part, order_number, also_called, nominal_voltage (V), no_load_speed (rpm), no_load_current (A),
-      nominal_torque (N*m), nominal_current (A), stall_torque (N*m), stall_current (A), peak_torque (N*m),
-      peak_current (A), motor_torque_constant (mN*m/A), resistance (ohm)]
-    rows:
-      - [S-7 9 V,  S-7, "SX7-A; SX7-B", 9,  45, 0.1, 1.5, 0.7, 7,    3.4, 7,    3.4, 9, 2.65]
-      - [S-7 12 V, S-7, "SX7-A; SX7-B", 12, 60, 0.1, 2,   0.9, 9.4,  4.5, 9.4,  4.5, 9, 2.65]
-      - [S-7 15 V, S-7, "SX7-A; SX7-B", 15, 75, 0.1, 2.5, 1.1, 11.8, 5.6, 11.8, 5.6, 9, 2.65]
-      - [S-8,      ~,   ~,              12, 60, 0.1, 2.6, 0.9, 9.4,  4.5, 9.4,  4.5, 9, 2.65]
-"""
+SERVO = Path(__file__).with_name("parts_chosen_servo.yaml").read_text(encoding="utf-8")
 ELBOW = """
 name: elbow
 load: {kind: arm, mass: 0.8 kg, length: 0.25 m}

@@ -132,25 +132,7 @@ def test_a_maker_that_takes_its_figures_as_printed_has_no_class() -> None:
 
 # --- gearheads, actuators, families ----------------------------------------------------------------------------------
 
-WHOLE = """\
-catalog: 1
-manufacturer: Whole
-sources:
-  sheet: {document: "Whole data sheet", confidence: quoted}
-gearheads:
-- {family: G, source: sheet, columns: [part, ratio, efficiency (%)], rows: [[G10, 10, 80]]}
-- {family: H, source: sheet, columns: [part, ratio, efficiency (%)], rows: [[H10, 10, 80]]}
-actuators:
-- family: A
-  source: sheet
-  common: {kind: brushless, gearing: planetary, efficiency: 90 %}
-  columns: [part, ratio, nominal_voltage (V), nominal_torque (N*m), torque_constant (N*m/A), resistance (ohm)]
-  rows: [[A10, 10, 48, 8, 0.9, 0.3], [A20, 20, 48, 16, 1.8, 0.3]]
-tolerances:
-- {source: sheet, gearhead: {efficiency: -5 %..20 %, inertia: +- 8 %}}
-- {source: sheet, families: [H], gearhead: {efficiency: none}, text: "each is measured"}
-- {source: sheet, families: [A], motor: {resistance: +- 3 %}, gearhead: {efficiency: +- 30 %}}
-"""
+WHOLE = Path(__file__).with_name("tolerances_makers_whole.yaml").read_text(encoding="utf-8")
 
 
 def _held(catalog: Catalog, part: str, number: str) -> dict[str, str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import random
 from math import isnan, nan, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +15,12 @@ from drivesizer.catalog.expressions import solved
 from drivesizer.catalog.laws import DERIVED, IDENTITIES, derived
 from drivesizer.catalog.query import Hit
 from drivesizer.catalog.tables import Table, empty
+from drivesizer.catalog.view import search_view
 from drivesizer.physics.drive_train import friction
 from drivesizer.prediction.predict import completed, predict
+from drivesizer.prediction.set_at_voltage import sampled_parts
 from drivesizer.results.prediction import Conditions
+from drivesizer.search.uncertainty.uncertain_figures import holding
 
 VEX = """catalog: 1
 manufacturer: VEX EDR
@@ -31,46 +35,8 @@ actuators:
     rows:
       - [VEX393, 7.2, 100, 0.37, 1.67, 4.8, 87]
 """
-M550 = """catalog: 1
-manufacturer: Anymaker
-sources:
-  shop: {document: "shop page", date: "2015-01", confidence: secondary}
-motors:
-  - family: "550"
-    source: shop
-    common: {kind: brushed}
-    columns: [part, nominal_voltage (V), no_load_speed (rpm), no_load_current (A), stall_torque (N*m),
-      stall_current (A), mass (g)]
-    rows:
-      - [M550, 12, 19300, 1.4, 0.498, 85, 218]
-compatibility:
-  motor_gearhead:
-    - {source: shop, motors: ["550"], gearheads: [direct]}
-"""
-FEW = """catalog: 1
-manufacturer: Anymaker
-sources: {shop: {document: "shop page", confidence: secondary}}
-motors:
-- family: K
-  source: shop
-  common: {kind: brushed}
-  columns: [part, torque_constant (mN*m/A), resistance (ohm), no_load_current (A)]
-  rows: [[KRI, 20, 0.5, 0.3]]
-- family: B
-  source: shop
-  common: {kind: brushless}
-  columns: [part, torque_constant (mN*m/A), resistance (ohm), no_load_current (A)]
-  rows: [[KRI brushless, 20, 0.5, 0.3]]
-gearheads:
-- family: G
-  source: shop
-  common: {kind: planetary}
-  columns: [part, ratio]
-  rows: [[G9, 9]]
-compatibility:
-  motor_gearhead:
-  - {source: shop, motors: [K, B], gearheads: [G, direct]}
-"""
+M550 = Path(__file__).with_name("verdicts_hobby_m550.yaml").read_text(encoding="utf-8")
+FEW = Path(__file__).with_name("verdicts_hobby_few.yaml").read_text(encoding="utf-8")
 RPM = 2 * pi / 60
 BENCH = Conditions(
     voltage=nan, ambient=298.15, load=nan, hold=nan, inertia=0.0, duration=60.0, warm=nan, resistance=0.0
@@ -221,3 +187,64 @@ def test_whatever_lacks_is_named(here):
         one = Hit("maxon", catalog.with_tables({"motors": table}, {}), "motors", 0)
         for figure in of(one).figures:
             assert isnan(figure.band.nominal) == bool(figure.missing), figure
+
+
+# --- classes of what follows from stall
+
+GIVEN = Conditions(nan, 298.15, nan, nan, 0.0, 3600.0, nan, 0.0)
+LIFTED = [(2.53, 0.175), (3.69, 0.239), (5.79, 0.368), (6.94, 0.371)]  # V, N*m
+FREE = [(3.0, 1.70456), (12.0, 7.00109), (15.0, 8.77406)]  # MX-64: V, rad/s
+
+
+def classes_of(catalogue, part, given=None):
+    view = search_view(load([catalogue]))
+    row = view.motors.rows[part]
+    (gearhead,) = np.flatnonzero(view.gearheads["inside"] == part) if view.motors["inside"][row] else (-1,)
+    held = holding(view, given or {}, "motor", row) + holding(view, given or {}, "gearhead", int(gearhead))
+    return {f"{one.part}.{one.figure}": one.text for one in held}
+
+
+def hit_of(catalogue, section, part):
+    found = load((catalogue,))
+    return Hit(", ".join(found.digests), found, section, found.table(section).rows[part])
+
+
+def test_what_follows_from_stall_has_classes_of_its_own():
+    found = classes_of("robotis", "MX-64 12 V")
+    assert found["motor.resistance"] == "0.72..0.9..1.22 times"
+    assert found["gearhead.peak_torque"] == "0.5..1.1 times"
+    # 200:1 is four stages: 0.87^4 = 57 %, against what the sheet has without the friction
+    view = search_view(load(["robotis"])).actuators
+    sheet = view["efficiency"][view.rows["MX-64 12 V"]]
+    low, high = (float(x) for x in found["gearhead.efficiency"].removesuffix(" times").split(".."))
+    assert (low, high) == pytest.approx((0.35, (0.87**-4 - 1) / (1 / sheet - 1)), rel=0.1)
+
+
+@pytest.mark.parametrize(("catalogue", "part"), [("maxon", "118752"), ("faulhaber", "2232S024BX4")])
+def test_printed_figures_keep_the_class_of_printed_figures(catalogue, part):
+    found = classes_of(catalogue, part)
+    assert (found["motor.resistance"], found["motor.torque_constant"]) == ("+- 10 %", "+- 10 %")
+    assert ("motor.dry_friction" in found) == (catalogue == "maxon") and "gearhead.peak_torque" not in found
+
+
+def test_a_motor_of_a_printed_no_load_current_keeps_the_class_of_its_constant():
+    found = classes_of("rev", "NEO V1.1")
+    assert (found["motor.resistance"], found["motor.torque_constant"]) == ("0.72..0.9..1.22 times", "+- 10 %")
+    assert found["motor.dry_friction"] == "-75 %..65 %"
+
+
+def test_measured_servos_are_within_the_bands():
+    def band_at(hit_of, volts, figure):
+        at = completed(GIVEN._replace(voltage=volts), hit_of, None)
+        return predict(hit_of, None, None, at, warming=False).figure(figure).band
+
+    mx = hit_of("robotis", "actuators", "MX-64 12 V")
+    for volts, speed in FREE:
+        band = band_at(mx, volts, "free_speed")
+        assert band.p5 < speed < band.p95
+    xl = hit_of("robotis", "actuators", "XL330-M288-T 6 V")
+    for volts, torque in LIFTED:
+        band = band_at(xl, volts, "stall_torque")
+        assert band.p5 < torque < band.p95
+    R = sampled_parts(hit_of("robotis", "actuators", "MX-106 12 V"), None, None, 9).motor["resistance"][1:]
+    assert np.quantile(R, 0.05) < 2.09 < 2.32 < np.quantile(R, 0.95) * 1.01  # ohm, locked and lifting
