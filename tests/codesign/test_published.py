@@ -180,14 +180,25 @@ KRAKEN = {"nominal_voltage": "12 V", "torque_constant": "19.4 mN*m/A", "resistan
          {"speed": "3000 rpm", "acceleration_time": {"free": "0.2 s .. 0.6 s"}, "cruise_time": "1 s"}, [],
          {"supply": {"nominal": "12 V", "accepts": "all"}, "power_stage": {"motor_current": "60 A"}},
          "motion.acceleration_time", 0.391, 0.005),
+        # of its arm the speed at the end alone, which is that at which the motor takes all of the voltage:
+        # k_e = (12 V - 2 A R) / 5800 rpm
+        ({"kind": "flywheel", "inertia": "2.926e-3 kg*m^2"},
+         {"speed": {"free": "5 rad/s .. 8 rad/s"}, "acceleration_time": "1000 s", "cruise_time": "1 s"},
+         [{"kind": "gear", "ratio": 100, "efficiency": 1}],
+         {"supply": {"nominal": "12 V", "accepts": "all"}}, "-motion.speed", -6.1017, 0.005),
     ],
-    ids=["linear", "flywheel"],
+    ids=["linear", "flywheel", "arm"],
 )  # fmt: skip
-def test_recalc_elevator_and_flywheel(tmp_path, monkeypatch, load, motion, stages, limits, goal, printed, off):
+def test_recalc_elevator_flywheel_and_arm(tmp_path, monkeypatch, load, motion, stages, limits, goal, printed, off):
     """ReCalc's tests (tervay/recalc, 03511cb): an elevator at 10 A of the battery, a flywheel of two motors at 60 A."""
     monkeypatch.chdir(tmp_path)
     own = motors([("Kraken", 9.37, 1e-9, 0.6, 5000.0)])
     own["motors"][0]["common"] |= KRAKEN
+    if printed == -6.1017:
+        constant = (12 - 2 * 12 / 483) / (5800 * math.pi / 30)
+        own["motors"][0]["common"] |= {
+            "torque_constant": f"{constant} N*m/A", "no_load_speed": f"{12 / constant} rad/s",
+        }  # fmt: skip
     (tmp_path / "motors.yaml").write_text(yaml.safe_dump(own, width=10_000), encoding="utf-8")
     spec = {"name": "kraken", "load": load, "motion": motion, "transmission": [{"kind": "direct"}, *stages],
             "select": {"catalogs": ["motors.yaml"], "estimates": "off"}, **limits}  # fmt: skip
