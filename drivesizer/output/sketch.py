@@ -10,7 +10,7 @@ from typing import Any
 from drivesizer.files.yaml_source import shipped_data
 
 _WIDTH, _HEIGHT = 460, 204
-_LONGEST = 40  # letters beside a symbol
+_LONGEST = 34  # letters beside a symbol, as wide as their column
 _INKS = {"black": "#000000", "soft": "#555555", "force": "#D55E00", "motion": "#0072B2"}
 _FONT = "font-family: 'DejaVu Sans', sans-serif"
 
@@ -188,7 +188,8 @@ class Pen:
             if kind not in _MARKS:
                 continue
             symbol, left = f"{_SPRINGS[kind]}_{number if len(every) > 1 else 's'}", x - 62 * number
-            self.of_springs[symbol] = ", ".join(str(value) for value in one.values() if not isinstance(value, Mapping))
+            first = next((f", {value}" for key, value in one.items() if key != "kind" and isinstance(value, str)), "")
+            self.of_springs[symbol] = f"{kind}{first}"
             self.legend.append((symbol, "springs"))
             if left < 0:  # the words below name it
                 continue
