@@ -207,7 +207,8 @@ def draw(figure: Figure, shown: Map, panels: dict[str, list[dict[str, Any]]], ov
     lines, listed = ceil(len(panels) / count), len(numbers) + (others > 0)
     columns = 1 if listed <= _SHORT else 2
     figure.set_layout_engine("constrained")
-    figure.set_figheight(0.9 + lines * (_TALL if len(panels) > 1 else 2.7) + 0.15 * ceil(listed / columns))
+    below = 0.15 * ceil(listed / columns)
+    figure.set_figheight(0.9 + lines * (_TALL if len(panels) > 1 else 2.7) + below)
     figure.suptitle(shown.title, x=0.01, ha="left", fontsize=8, fontweight="bold")
     grid = figure.subplots(lines, count, squeeze=False, sharex=True, sharey=True)
     for n, axes in enumerate(grid.flat):
@@ -229,7 +230,8 @@ def draw(figure: Figure, shown: Map, panels: dict[str, list[dict[str, Any]]], ov
         if over.up is not None:
             _ticks(axes.yaxis, over.up, over.grid, inf)
     upright = over.up.head if over.up else shown.title
-    figure.supylabel(short(clean(upright), 40), fontsize=7.5)
+    beside = 0.5 + 0.5 * below / figure.get_figheight()  # the panels, not the list below them
+    figure.supylabel(short(clean(upright), 40), fontsize=7.5, y=beside)
     if known and same is None and over.up is not None:
         bar: Any = figure.colorbar(ScalarMappable(scale[1], scale[0]), ax=list(grid.flat), pad=0.02)
         bar.outline.set_linewidth(0.5)
