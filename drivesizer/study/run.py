@@ -224,13 +224,13 @@ def _compute(plan: Plan, store: folders.Store, on: Workers | None, progress: Pro
     """Compute the points that are missing, several in a task, and store each task when it is complete."""
     missing, largest = store.missing(plan.every_point), _LARGEST
     compute: Callable[[Job, Sequence[Variant]], Part] = rows_of
+    ends = np.zeros(0, np.int64)
     if isinstance(store, folders.Chunks):
         place, columns = str(store.path.absolute()), columns_of(plan)
         compute = partial(folders.into_chunk, folder=place, columns=columns, made_of=store.made_of)
-        largest = _OF_CHUNK
+        largest, ends = _OF_CHUNK, np.flatnonzero(np.diff(missing) > 1) + 1  # a chunk has points one after the other
     several = min(max(plan.points * plan.of_each // _TASKS, 1), largest)
     each = max(several // plan.of_each, 1)
-    ends = np.flatnonzero(np.diff(missing) > 1) + 1  # a task has points one after the other
     tasks = (
         [variant for point in some[n : n + each] for variant in plan.point(point)]
         for some in (part.tolist() for part in np.split(np.array(missing, np.int64), ends))

@@ -71,9 +71,9 @@ def test_order_and_interruption_change_nothing(coarse, tmp_path, monkeypatch):
     """Tasks in any order, stopped several times within and between halvings."""
     chance = Random(1)
 
-    def stopped(job, tasks, on):
+    def stopped(job, tasks, on, compute):
         every = list(tasks)
-        for n, part in enumerate(computed(job, chance.sample(every, len(every)), on)):
+        for n, part in enumerate(computed(job, chance.sample(every, len(every)), on, compute)):
             if n == 30:
                 raise KeyboardInterrupt
             yield part
