@@ -438,8 +438,7 @@ def _discharges(reader: Reader, given: Any, batteries: dict[str, int]) -> parts.
                     raise reader.fail(here, "this end voltage and time are given twice for the battery")
                 pair = (draw, np.nan) if held == "current" else (np.nan, draw)
                 rows.append((battery, source, cutoff, time, *pair))
-    found: parts.Discharges = parts.entries(parts.Discharges, rows)
-    return found
+    return parts.entries(parts.Discharges, rows)
 
 
 def _row(reader: Reader, entry: dict[str, Any], what: str, rows: dict[str, int], path: Path_) -> int:
@@ -492,8 +491,7 @@ def _pull_outs(reader: Reader, given: Any, steppers: dict[str, int]) -> parts.Pu
         driver = reader.plain_text(entry["driver"], (*path, "driver")) if "driver" in entry else ""
         head = (stepper, source, number, at_head["voltage"], at_head["current"])
         points += [(*head, *point, driver) for point in _points(reader, entry, path)]
-    found: parts.PullOuts = parts.entries(parts.PullOuts, points)
-    return found
+    return parts.entries(parts.PullOuts, points)
 
 
 def _points(reader: Reader, entry: dict[str, Any], path: Path_) -> list[list[float]]:

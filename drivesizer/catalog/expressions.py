@@ -23,8 +23,7 @@ Numbers = NDArray[np.float64]
 
 
 def _sizes() -> dict[str, Any]:
-    found: dict[str, Any] = shipped_data("drivesizer.catalog", "laws.yaml")["sizes"]
-    return found
+    return shipped_data("drivesizer.catalog", "laws.yaml")["sizes"]
 
 
 def _nearest(values: Numbers, made: Sequence[float]) -> Numbers:

@@ -187,8 +187,7 @@ def _head(cell: str, unit: str, line: int, units: Mapping[str, str]) -> Head:
 
 
 def _words() -> dict[str, Any]:
-    found: dict[str, Any] = shipped_data("drivesizer.catalog", "headers.yaml")
-    return found
+    return shipped_data("drivesizer.catalog", "headers.yaml")
 
 
 @cache
@@ -625,8 +624,7 @@ def map_text(imported: Imported, given: Plan) -> str:
 
 def on_shop_pages(section: str) -> list[str]:
     """Figures by which one begins: those of a shop's page."""
-    found: list[str] = _words()["on_shop_pages"].get(section, ["mass"])
-    return found
+    return _words()["on_shop_pages"].get(section, ["mass"])
 
 
 def lacking(catalog: Catalog, section: str) -> list[tuple[str, str, int]]:

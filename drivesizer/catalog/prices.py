@@ -250,8 +250,7 @@ def priced(catalog: Catalog, limit: str = "", rates: Mapping[str, str] | None = 
 
     if catalog.unpriced:  # it is priced, and may be a view without some of the parts
         return catalog
-    found: Catalog = catalog.once(("priced", limit, str(rates), pieces), make)
-    return found
+    return catalog.once(("priced", limit, str(rates), pieces), make)
 
 
 def _priced(catalog: Catalog, section: str, pieces: int) -> Table[Any]:

@@ -58,8 +58,7 @@ def table(section: str) -> dict[str, Any]:
 
 def _figure(column: Column) -> dict[str, Any]:
     if column.kind == "text":
-        found: dict[str, Any] = _GROUPS["text"]
-        return found
+        return _GROUPS["text"]
     if column.kind in ("ratio", "dimensionless"):
         return {"type": ["number", "string", "null"]}
     return {"type": ["string", "null"], "description": f"{noun(column.kind)}, e.g. {KINDS[column.kind].example}"}

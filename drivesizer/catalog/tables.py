@@ -192,8 +192,7 @@ class Table(Generic[Part]):
     def matching(self, column: str, name: str) -> list[str]:
         """Makers, families or part numbers that a name means: * stands for any text."""
         if column == "part" and (rows := self.called(name)):
-            found: list[str] = self["part"][rows].tolist()
-            return found
+            return self["part"][rows].tolist()
         known = set(self[column].tolist())
         if column == "manufacturer":
             return sorted(one for one in known if fnmatch.fnmatchcase(one.casefold(), name.casefold()))
@@ -306,8 +305,7 @@ class Catalog:
 
     def table(self, section: str) -> Table[Any]:
         """The table of a section, such as ``motors``."""
-        found: Table[Any] = getattr(self, section)
-        return found
+        return getattr(self, section)
 
     @cached_property
     def _kept(self) -> dict[Hashable, Any]:

@@ -51,8 +51,7 @@ def deviations_at(share: Array) -> Array:
     """
     from scipy.special import ndtri
 
-    found: Array = ndtri(np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL))
-    return found
+    return ndtri(np.clip(_TAIL + share * (1.0 - 2.0 * _TAIL), _TAIL, 1.0 - _TAIL))
 
 
 class Distribution(NamedTuple):

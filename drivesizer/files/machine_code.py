@@ -74,8 +74,7 @@ def machine_code(kernel: Kernel) -> Callable[..., int]:
         return _callable(kernel)
     except (ImportError, OSError, subprocess.CalledProcessError):
         warnings.warn(f"{kernel.slow}, for there is no machine code here; install it anew", SlowWarning, stacklevel=3)
-        plain: Callable[..., int] = kernel.functions[-1]
-        return plain
+        return kernel.functions[-1]
 
 
 def _callable(kernel: Kernel) -> Callable[..., int]:

@@ -221,8 +221,7 @@ def about(axis: Array, angle: float) -> Array:
     """Rotation matrix about an axis by an angle, by Rodrigues' formula."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turned: Array = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
-    return turned
+    return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
 
 
 def read_description(path: Path) -> Robot:
@@ -332,8 +331,7 @@ def _direction(node: Node, axis: Array, of: str) -> Array:
     length = float(np.linalg.norm(axis))
     if not length > 0.0:
         raise node.fault("an axis of length 0 has no direction", of)
-    along: Array = axis / length
-    return along
+    return axis / length
 
 
 def _origin(node: Node) -> tuple[Array, Array]:
@@ -456,8 +454,7 @@ def _turned(kind: str, values: Array, settings: Settings) -> Array:
         if kind == "quat":
             w, v = values[0] / np.linalg.norm(values), values[1:] / np.linalg.norm(values)
             cross = np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
-            by_quaternion: Array = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
-            return by_quaternion
+            return np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
         if kind == "axisangle":
             return about(values[:3] / np.linalg.norm(values[:3]), float(values[3]) * settings.degrees)
         if kind == "zaxis":

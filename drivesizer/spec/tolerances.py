@@ -254,8 +254,7 @@ def _section(part: str, doc: str) -> type[fields.Section]:
     """Section on the figures of a part that ``tolerances.txt`` declares."""
     own: dict[str, Any] = {one.figure: (Factor | None, fields.optional(one.help or None, "+- 7 %"))
            for one in CLASSES.values() if one.part == part}  # fmt: skip
-    made: type[fields.Section] = create_model(f"{part.title()}Tolerances", __base__=fields.Section, __doc__=doc, **own)
-    return made
+    return create_model(f"{part.title()}Tolerances", __base__=fields.Section, __doc__=doc, **own)
 
 
 if TYPE_CHECKING:
