@@ -53,10 +53,10 @@ class Expression:
     def value(self, figure: Callable[[str], float]) -> float:
         """Its value with the figures that a function gives; NaN where it has none."""
         try:
-            found = _value(self.tree, figure)
+            number = _value(self.tree, figure)
         except (ArithmeticError, ValueError):  # a root of what is negative, a division by zero
             return math.nan
-        return float(found)
+        return float(number)
 
 
 @lru_cache(maxsize=256)
@@ -83,12 +83,12 @@ def _names(node: ast.expr) -> list[str]:
             return []
         case ast.Name() | ast.Attribute() | ast.Subscript():
             return [_name(node)]
-        case ast.UnaryOp(op=op, operand=one) if type(op) in _OPERATORS:
-            return _names(one)
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in _OPERATORS:
+            return _names(operand)
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
             return _names(left) + _names(right)
-        case ast.Call(func=ast.Name(id=name), args=[_, *_] as some, keywords=[]) if name in FUNCTIONS:
-            return [found for one in some for found in _names(one)]
+        case ast.Call(func=ast.Name(id=name), args=[_, *_] as args, keywords=[]) if name in FUNCTIONS:
+            return [figure for arg in args for figure in _names(arg)]
     raise ValueError
 
 
@@ -97,10 +97,10 @@ def _name(node: ast.expr) -> str:
     match node:
         case ast.Name(id=name):
             return name
-        case ast.Attribute(value=one, attr=name):
-            return f"{_name(one)}.{name}"
-        case ast.Subscript(value=one, slice=ast.Constant(value=int() as place)):
-            return f"{_name(one)}[{place}]"
+        case ast.Attribute(value=owner, attr=name):
+            return f"{_name(owner)}.{name}"
+        case ast.Subscript(value=owner, slice=ast.Constant(value=int() as place)):
+            return f"{_name(owner)}[{place}]"
     raise ValueError
 
 
@@ -110,12 +110,12 @@ def _value(node: Any, figure: Callable[[str], float]) -> float:
             return float(value)
         case ast.Name(id="pi"):
             return math.pi
-        case ast.UnaryOp(op=op, operand=one):
-            return _OPERATORS[type(op)](_value(one, figure))
+        case ast.UnaryOp(op=op, operand=operand):
+            return _OPERATORS[type(op)](_value(operand, figure))
         case ast.BinOp(left=left, op=op, right=right):
             return _OPERATORS[type(op)](_value(left, figure), _value(right, figure))
-        case ast.Call(func=ast.Name(id=name), args=some):
-            values = [_value(one, figure) for one in some]
+        case ast.Call(func=ast.Name(id=name), args=args):
+            values = [_value(arg, figure) for arg in args]
             if any(map(math.isnan, values)):  # which the least and the greatest of several would pass over
                 return math.nan
             try:
@@ -147,7 +147,7 @@ class Limit:
 
 def names_in(several: Iterable[Expression | Limit]) -> list[str]:
     """Names of the figures in some expressions and limits."""
-    return [name for one in several for name in one.names]
+    return [name for expression in several for name in expression.names]
 
 
 _LIMIT = re.compile(r"\s*(?P<of>[^<>=]+?)\s*(?P<sign><=|>=)\s*(?P<bound>[^<>=]+?)\s*")

@@ -21,8 +21,8 @@ class CacheWarning(UserWarning):
 
 def folder() -> Path:
     """The cache folder: ``$DRIVESIZER_CACHE``, or drivesizer's in the user's cache folder."""
-    if chosen := os.environ.get("DRIVESIZER_CACHE"):
-        return Path(chosen)
+    if path := os.environ.get("DRIVESIZER_CACHE"):
+        return Path(path)
     from platformdirs import user_cache_path
 
     return user_cache_path("drivesizer", appauthor=False)
@@ -39,12 +39,12 @@ def digest_of(*parts: bytes) -> str:
 def kept(name: str, make: Callable[[], bytes]) -> bytes:
     """Bytes out of the cache folder, by a name with their digest; made where it has none, and kept if it can be."""
     path = folder() / name
-    found = cached_bytes(path)
-    if found is None:
-        found = make()
+    content = cached_bytes(path)
+    if content is None:
+        content = make()
         with contextlib.suppress(OSError):  # a folder without write access was reported with the catalogue
-            keep(path, found)
-    return found
+            keep(path, content)
+    return content
 
 
 def cached_bytes(path: Path) -> bytes | None:

@@ -49,10 +49,10 @@ def money(text: object) -> Money:
     >>> money("300 EUR"), money("300 EUR").currency
     (300.0, 'EUR')
     """
-    found = Money(to_si(text, "price"))
+    amount = Money(to_si(text, "price"))
     unit = number(str(text))[1]
-    found.currency = next(code for code, others in KINDS["price"].units.items() if unit in (code, *others.split()))
-    return found
+    amount.currency = next(code for code, others in KINDS["price"].units.items() if unit in (code, *others.split()))
+    return amount
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,25 +231,25 @@ class Section(BaseModel):
     def _agreeing(cls, value: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         if isinstance(value, cls):  # read before
             return value
-        made = handler(value)
-        for said in made._contradictions():
-            raise ValueError(said)
-        return made
+        section = handler(value)
+        for fault in section._contradictions():
+            raise ValueError(fault)
+        return section
 
 
 def exactly_one(section: BaseModel, *names: str) -> Iterator[str]:
     """Fault of a section that gives none or several of some fields."""
-    given = [name for name in names if getattr(section, name) is not None]
-    if len(given) != 1:
-        found = "neither is given" if not given and len(names) == 2 else "none is given" if not given else (
-            "both are given" if len(names) == 2 else f"{'both ' * (len(given) == 2)}{' and '.join(given)} are given"
+    present = [name for name in names if getattr(section, name) is not None]
+    if len(present) != 1:
+        fault = "neither is given" if not present and len(names) == 2 else "none is given" if not present else (
+            "both are given" if len(names) == 2 else f"{'both ' * (len(present) == 2)}{' and '.join(present)} are given"
         )  # fmt: skip
-        yield f"give {' or '.join(names)}, exactly one of them; {found}"
+        yield f"give {' or '.join(names)}, exactly one of them; {fault}"
 
 
 def apart(named: Iterable[Any], what: str) -> Iterator[str]:
     """Fault of sections of which two have the same name."""
-    names = [one.name for one in named]
+    names = [section.name for section in named]
     if len(set(names)) != len(names):
         yield f"expected {what} with names of their own"
 
@@ -347,28 +347,28 @@ class OfSolids(float):
 
     def __new__(cls, solids: Solid | list[Any]) -> Self:
         """The inertia of one body, or of several and figures together."""
-        made = super().__new__(cls, moment(solids))
-        made.solids = solids
-        return made
+        inertia = super().__new__(cls, moment(solids))
+        inertia.solids = solids
+        return inertia
 
     def __getnewargs__(self) -> tuple[Any]:
         return (self.solids,)
 
 
-def moment(given: Any) -> Any:
+def moment(inertia: Any) -> Any:
     """Inertia of a figure, a body, or several together [kg*m^2].
 
     >>> moment([Solid(diameter="40 mm", length="1 m", density="7800 kg/m^3"), 1e-4])
     0.0020603
     """
-    if isinstance(given, list):
-        return sum(moment(one) for one in given)
-    return given.moment if isinstance(given, Solid) else given
+    if isinstance(inertia, list):
+        return sum(moment(part) for part in inertia)
+    return inertia.moment if isinstance(inertia, Solid) else inertia
 
 
-def _form(given: Any) -> str:
+def _form(inertia: Any) -> str:
     """The form in which an inertia is given."""
-    return "a body" if isinstance(given, dict | Solid) else "bodies" if isinstance(given, list) else "a figure"
+    return "a body" if isinstance(inertia, dict | Solid) else "bodies" if isinstance(inertia, list) else "a figure"
 
 
 def _inertia(**limits: float) -> Any:
@@ -376,7 +376,7 @@ def _inertia(**limits: float) -> Any:
     figure = Annotated[float, Quantity("inertia", **limits), Tag("a figure")]
     either = Annotated[
         figure | Annotated[Solid, Tag("a body")],
-        Discriminator(lambda given: "a body" if _form(given) == "a body" else "a figure"),
+        Discriminator(lambda inertia: "a body" if _form(inertia) == "a body" else "a figure"),
     ]
     several = Annotated[list[either], Field(min_length=1, max_length=100), AfterValidator(OfSolids), Tag("bodies")]
     return Annotated[

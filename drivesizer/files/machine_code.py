@@ -80,14 +80,14 @@ def machine_code(kernel: Kernel) -> Callable[..., int]:
 def _callable(kernel: Kernel) -> Callable[..., int]:
     """A function of arrays and floats out of a library."""
     native = getattr(ctypes.CDLL(str(kernel.library)), kernel.functions[-1].__name__)
-    wanted = [(_ELEMENTS[word[0]], int(word[1])) for word in kernel.arguments.split()]
+    signature = [(_ELEMENTS[word[0]], int(word[1])) for word in kernel.arguments.split()]
     native.argtypes = [ctypes.c_void_p] * 2
-    for _, dimensions in wanted:
+    for _, dimensions in signature:
         native.argtypes += [ctypes.c_int64] * (5 + 2 * dimensions) if dimensions else [ctypes.c_double]
 
-    def call(*given: Any) -> int:
+    def call(*values: Any) -> int:
         slots: list[Any] = []
-        for (kind, dimensions), value in zip(wanted, given, strict=True):
+        for (kind, dimensions), value in zip(signature, values, strict=True):
             if not dimensions:
                 slots.append(value)
             elif value.dtype == kind and value.ndim == dimensions and value.flags.c_contiguous:
@@ -95,10 +95,10 @@ def _callable(kernel: Kernel) -> Callable[..., int]:
                 slots += (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
             else:
                 raise TypeError(f"an array of {value.dtype.name}, {value.shape}; expected {kind} and {dimensions}")
-        found, raised = ctypes.c_int64(), ctypes.c_void_p()
-        if native(ctypes.byref(found), ctypes.byref(raised), *slots):
+        answer, raised = ctypes.c_int64(), ctypes.c_void_p()
+        if native(ctypes.byref(answer), ctypes.byref(raised), *slots):
             raise RuntimeError("the machine code raised an exception")
-        return found.value
+        return answer.value
 
     return call
 
@@ -113,12 +113,12 @@ def translate(kernel: Kernel) -> None:
     target = llvm.Target.from_default_triple().create_target_machine(cpu="", opt=3, reloc="pic", codemodel="default")
     linker = ["cc"] if sys.platform == "linux" and shutil.which("cc") else [sys.executable, "-m", "ziglang", "cc"]
     with tempfile.TemporaryDirectory(dir=library.parent) as place:
-        item, made = Path(place) / "kernel.o", Path(place) / "kernel.so"
+        item, shared_object = Path(place) / "kernel.o", Path(place) / "kernel.so"
         item.write_bytes(target.emit_object(module))
-        subprocess.run([*linker, "-shared", item, "-lm", "-o", made], check=True, capture_output=True)  # noqa: S603
+        subprocess.run([*linker, "-shared", item, "-lm", "-o", shared_object], check=True, capture_output=True)  # noqa: S603
         for old in library.parent.glob(f"{kernel.functions[-1].__name__}-*.so"):
             old.unlink(missing_ok=True)
-        made.replace(library)
+        shared_object.replace(library)
 
 
 def _compiled(kernel: Kernel) -> Any:
@@ -151,7 +151,7 @@ def all_kernels() -> list[Kernel]:
     package = Path(__file__).parent.parent
     paths = sorted(path.relative_to(package.parent).with_suffix("") for path in package.rglob("kernel.py"))
     modules = [importlib.import_module(".".join(path.parts)) for path in paths]
-    return [one for module in modules for one in vars(module).values() if isinstance(one, Kernel)]
+    return [kernel for module in modules for kernel in vars(module).values() if isinstance(kernel, Kernel)]
 
 
 def translate_all() -> None:

@@ -82,9 +82,9 @@ def as_text(raw: bytes, path: Path) -> str:
     code = next((code for mark, code in _MARKS if raw.startswith(mark)), "")
     if not code and b"\0" in raw[:400]:
         code = "utf-16-le" if raw[1:400:2].count(0) > raw[0:400:2].count(0) else "utf-16-be"
-    for one in (code,) if code else ("utf-8", "cp1252"):
+    for encoding in (code,) if code else ("utf-8", "cp1252"):
         try:
-            text = raw.decode(one)
+            text = raw.decode(encoding)
         except UnicodeDecodeError:
             continue
         if "\0" not in text:
@@ -99,7 +99,7 @@ def _separated(text: str, path: Path) -> Sheet:
         return Sheet("", _csv("\n" + "\n".join(lines[1:]), stated.group(1), path), stated.group(1))
     for separator in _SEPARATORS:
         widths = Counter(len(cells) for cells in csv.reader(lines[:500], delimiter=separator) if any(cells))
-        width, count = max(widths.items(), key=lambda one: (one[0] > 1, one[1], one[0]), default=(1, 0))
+        width, count = max(widths.items(), key=lambda pair: (pair[0] > 1, pair[1], pair[0]), default=(1, 0))
         if width > 1 and count / widths.total() > best[1]:
             best = separator, count / widths.total()
     if best[1] >= 0.5:
@@ -156,7 +156,7 @@ def _library(name: str, path: Path) -> Any:
 
 
 def _workbook(raw: bytes, path: Path) -> list[Sheet]:
-    openpyxl, found, cells = _library("openpyxl", path), [], 0
+    openpyxl, tables, cells = _library("openpyxl", path), [], 0
     try:
         book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
         for sheet in book.worksheets:
@@ -167,12 +167,12 @@ def _workbook(raw: bytes, path: Path) -> list[Sheet]:
                     raise InputError(f"{path}: more than {_MOST_CELLS} cells; keep the table of parts alone")
                 if any(cell is not None for cell in row):
                     rows.append((at, ["" if cell is None else _printed(cell) for cell in row]))
-            found.append(Sheet(sheet.title, rows))
+            tables.append(Sheet(sheet.title, rows))
     except InputError:
         raise
     except Exception as error:  # whatever a damaged archive raises
         raise InputError(f"{path}: cannot be read as a workbook ({type(error).__name__}); save it as CSV") from None
-    return found
+    return tables
 
 
 def _printed(value: Any) -> str:
@@ -191,11 +191,11 @@ def _pages(raw: bytes, path: Path) -> list[Sheet]:
         raise InputError(f"{path}: cannot be read as PDF ({type(error).__name__})") from None
     if not any(text.strip() for text in texts):
         raise InputError(f"{path}: the PDF has pictures and no text; type the figures into a table")
-    found = []
+    tables = []
     for page, text in enumerate(texts, 1):
         rows = [(at, line_cells(line)) for at, line in enumerate(text.splitlines(), 1) if line.strip()]
-        found.append(Sheet(f"page {page}", rows, " "))
-    return found
+        tables.append(Sheet(f"page {page}", rows, " "))
+    return tables
 
 
 def _records(text: str, path: Path) -> list[Sheet]:
@@ -204,15 +204,15 @@ def _records(text: str, path: Path) -> list[Sheet]:
         data = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({error})") from None
-    if isinstance(data, dict) and not any(isinstance(one, dict) for one in data.values()):
-        lists = [one for one in data.values() if isinstance(one, list) and one and isinstance(one[0], dict)]
+    if isinstance(data, dict) and not any(isinstance(value, dict) for value in data.values()):
+        lists = [value for value in data.values() if isinstance(value, list) and value and isinstance(value[0], dict)]
         data = lists[0] if lists else [data]
-    objects = [{"name": name} | one for name, one in data.items() if isinstance(one, dict)] \
+    objects = [{"name": name} | record for name, record in data.items() if isinstance(record, dict)] \
         if isinstance(data, dict) else data  # fmt: skip
-    if not isinstance(objects, list) or not objects or not all(isinstance(one, dict) for one in objects):
+    if not isinstance(objects, list) or not objects or not all(isinstance(record, dict) for record in objects):
         raise InputError(f"{path}: expected a list of objects, one for each part")
-    heads = list(dict.fromkeys(str(head) for one in objects for head in one))
-    rows = [(at, [_figure(one.get(head)) for head in heads]) for at, one in enumerate(objects, 1)]
+    heads = list(dict.fromkeys(str(head) for record in objects for head in record))
+    rows = [(at, [_figure(record.get(head)) for head in heads]) for at, record in enumerate(objects, 1)]
     return [
         Sheet(
             "",
@@ -230,11 +230,11 @@ def _figure(value: Any) -> str:
 
 
 def _table(parts: Iterator[tuple[int, dict[str, str]]], units: dict[str, str], path: Path, what: str) -> list[Sheet]:
-    found = list(parts)
-    heads = list(dict.fromkeys(head for _, one in found for head in one))
-    if not found:
+    records = list(parts)
+    heads = list(dict.fromkeys(head for _, record in records for head in record))
+    if not records:
         raise InputError(f"{path}: {what} found")
-    rows = [(at, [one.get(head, "") for head in heads]) for at, one in found]
+    rows = [(at, [record.get(head, "") for head in heads]) for at, record in records]
     return [Sheet("", [(0, heads), (0, [units.get(head, "") for head in heads]), *rows])]
 
 
@@ -256,8 +256,8 @@ def _mjcf(text: str, path: Path) -> list[Sheet]:
         root = ElementTree.fromstring(text)  # noqa: S314  expat bounds what entities may grow to
     except ElementTree.ParseError as error:
         raise InputError(f"{path}: is not XML ({error})") from None
-    parts = ((0, {"part": one.get("name", f"motor {at}"), **{k: v for k, v in one.attrib.items() if k in _MJCF}})
-             for at, one in enumerate(root.iter("dcmotor"), 1))  # fmt: skip
+    parts = ((0, {"part": motor.get("name", f"motor {at}"), **{k: v for k, v in motor.attrib.items() if k in _MJCF}})
+             for at, motor in enumerate(root.iter("dcmotor"), 1))  # fmt: skip
     return _table(parts, _MJCF, path, "no <dcmotor>")
 
 
@@ -282,9 +282,9 @@ def split_head(head: str) -> tuple[str, str]:
 def unit_of(text: str, small: bool = False) -> str:
     """A unit in the reader's spelling, empty where it is none; letters of a name such as ``torque_nm`` are small."""
     text = text.strip()
-    for one in (text, _SPELLINGS.get(text, ""), re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", text)):
-        if one and (kind_of_unit(one) is not None or currency_of(one)):
-            return one
+    for spelling in (text, _SPELLINGS.get(text, ""), re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", text)):
+        if spelling and (kind_of_unit(spelling) is not None or currency_of(spelling)):
+            return spelling
     return {"nm": "N*m", "v": "V", "a": "A", "w": "W", "ma": "mA"}.get(text, "") if small else ""
 
 
@@ -428,17 +428,17 @@ class CsvFile:
             yield from self.text[at:end].splitlines()
             at = end
 
-    def fault(self, line: int, what: str, said: str) -> InputError:
+    def fault(self, line: int, what: str, text: str) -> InputError:
         """Fault of a line, as a user reads it."""
-        return InputError(f"{self.path}:{line}: {what}: {said}")
+        return InputError(f"{self.path}:{line}: {what}: {text}")
 
     def factors(self, names: Sequence[str], form: Form) -> list[float]:
         """Factors that convert the columns to SI, from the row of units."""
         example = ",".join(KINDS[form[name]].si for name in names)
         line, cells = next(self.rows, (2, []))
         if len(cells) != len(names):
-            found = quoted(",".join(cells))
-            raise self.fault(line, "units", f"{found}; expected a unit per column, e.g. {example}")
+            row = quoted(",".join(cells))
+            raise self.fault(line, "units", f"{row}; expected a unit per column, e.g. {example}")
         factors = []
         for name, cell in zip(names, cells, strict=True):
             try:
@@ -449,17 +449,17 @@ class CsvFile:
 
     def values(self, names: Sequence[str], form: Form, factors: Sequence[float], rising: str = "time") -> list[Array]:
         """Columns of numbers in SI, one of them rising."""
-        found = self._plain(factors, names.index(rising))
-        if found is None:
-            found = [column.copy() for column in np.array(self._numbers(names, factors, rising)).T]
+        columns = self._plain(factors, names.index(rising))
+        if columns is None:
+            columns = [column.copy() for column in np.array(self._numbers(names, factors, rising)).T]
         most = [RANGES[form[name]][1] for name in names]  # small ones are steps towards 0
-        beyond = [k for k, column in enumerate(found) if np.abs(column).max(initial=0.0) > most[k]]
+        beyond = [k for k, column in enumerate(columns) if np.abs(column).max(initial=0.0) > most[k]]
         if beyond:
-            row, k = min((int((np.abs(found[k]) > most[k]).argmax()), k) for k in beyond)
-            kind, shown = form[names[k]], found[k][row] / factors[k]
-            said = f'"{shown:g}" is no {noun(kind)} of a machine; {possible(kind)}'
-            raise self.fault(row + _ABOVE, names[k], said)
-        return found
+            row, k = min((int((np.abs(columns[k]) > most[k]).argmax()), k) for k in beyond)
+            kind, value = form[names[k]], columns[k][row] / factors[k]
+            text = f'"{value:g}" is no {noun(kind)} of a machine; {possible(kind)}'
+            raise self.fault(row + _ABOVE, names[k], text)
+        return columns
 
     def _plain(self, factors: Sequence[float], rising: int) -> list[Array] | None:
         """The numbers where all rows are plain ones, with the same bits; None where anything needs a closer look."""
@@ -470,32 +470,32 @@ class CsvFile:
         if odd or not 2 <= lines <= self.most or not body.strip() or body.translate(_PLAIN):
             return None
         try:
-            found = np.loadtxt(StringIO(body), delimiter=",", comments=None, ndmin=2)
+            numbers = np.loadtxt(StringIO(body), delimiter=",", comments=None, ndmin=2)
         except ValueError:
             return None
-        if found.shape != (lines, len(factors)):  # a blank line was left out
+        if numbers.shape != (lines, len(factors)):  # a blank line was left out
             return None
         with np.errstate(over="ignore"):  # beyond all numbers is not finite: looked at more closely
-            columns = [column * factor for column, factor in zip(found.T, factors, strict=True)]
+            columns = [column * factor for column, factor in zip(numbers.T, factors, strict=True)]
         right = all(np.isfinite(column).all() for column in columns) and np.diff(columns[rising]).min() > 0.0
         return columns if right else None
 
     def _numbers(self, names: Sequence[str], factors: Sequence[float], rising: str) -> list[list[float]]:
         """Rows of numbers in SI, each looked at."""
-        time, found, before = names.index(rising), list[list[float]](), -math.inf
+        time, rows, before = names.index(rising), list[list[float]](), -math.inf
         for line, cells in self.rows:
             self.refuse_miscount(line, cells, names, f", {self.example}")
-            found.append([self.number(line, *cell) for cell in zip(names, cells, factors, strict=True)])
-            if not found[-1][time] > before:
-                said = f"{quoted(cells[time])} is not after the row before; expected rising {rising}s"
-                raise self.fault(line, rising, said)
-            if len(found) > self.most:
+            rows.append([self.number(line, *cell) for cell in zip(names, cells, factors, strict=True)])
+            if not rows[-1][time] > before:
+                text = f"{quoted(cells[time])} is not after the row before; expected rising {rising}s"
+                raise self.fault(line, rising, text)
+            if len(rows) > self.most:
                 raise self.fault(line, "row", f"more than {self.most} rows; expected a thinned recording")
-            before = found[-1][time]
-        if len(found) < 2:
-            few = f"{len(found)} found; expected at least 2 below the units, {self.example}"
+            before = rows[-1][time]
+        if len(rows) < 2:
+            few = f"{len(rows)} found; expected at least 2 below the units, {self.example}"
             raise InputError(f"{self.path}: rows: {few}")
-        return found
+        return rows
 
     def number(self, line: int, column: str, cell: str, factor: float) -> float:
         """The finite number in a cell, in SI."""
@@ -508,11 +508,11 @@ class CsvFile:
         """Refuse a row that has more or fewer cells than the header."""
         if len(cells) == len(names):
             return
-        found = f"has {len(cells)} of {len(names)} columns"
+        text = f"has {len(cells)} of {len(names)} columns"
         if len(cells) > len(names) or (len(cells) == 1 and ";" in cells[0]):
             comma = "a decimal comma or a semicolon does not separate numbers here"
-            found = f"has {len(cells)} columns; {comma}"
-        raise self.fault(line, "row", f"{quoted(','.join(cells))} {found}; expected {','.join(names)}{example}")
+            text = f"has {len(cells)} columns; {comma}"
+        raise self.fault(line, "row", f"{quoted(','.join(cells))} {text}; expected {','.join(names)}{example}")
 
 
 def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Array]:
@@ -523,8 +523,8 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Arra
         names = [name.lower() for name in sheet.names]
         form = next((form for form in forms if sorted(form) == sorted(names)), None)
         if form is None:
-            shown = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
-            expected = f"{shown}; expected {' or '.join(','.join(form) for form in forms)}"
+            header = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
+            expected = f"{header}; expected {' or '.join(','.join(form) for form in forms)}"
             raise sheet.fault(sheet.line, "header", expected)
     except InputError as error:
         logged = _logged(path, forms, most)
@@ -535,14 +535,14 @@ def columns(path: Path, *forms: Form, most: int | None = None) -> dict[str, Arra
     else:
         factors = sheet.factors(names, form)
     rising = "time" if "time" in form else next(iter(form))
-    found = sheet.values(names, form, factors, rising)
-    return {name: found[names.index(name)] for name in form}
+    values = sheet.values(names, form, factors, rising)
+    return {name: values[names.index(name)] for name in form}
 
 
 def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[CsvFile, Form, list[float]] | None:
     """A recording as loggers and spreadsheets write it, as a sheet of plain numbers; None where it is none."""
     try:
-        table = max(sheets(path, most * _ROW), key=lambda one: len(one.rows))
+        table = max(sheets(path, most * _ROW), key=lambda sheet: len(sheet.rows))
     except InputError:
         return None
     rows = [(line, cells) for line, cells in table.rows if any(cells)]
@@ -561,14 +561,14 @@ def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[CsvFile, Form
         try:
             factors.append(scale(unit, form[name])[0])
         except InputError as error:
-            shown = f"{error}" if unit else "has no unit"
+            fault = f"{error}" if unit else "has no unit"
             example = f"expected e.g. {name} [{KINDS[form[name]].si}], or a row of units below the header"
-            raise InputError(f"{path}:{line}: {cells[at[name]]}: {shown}; {example}") from None
+            raise InputError(f"{path}:{line}: {cells[at[name]]}: {fault}; {example}") from None
     left_out = [cell for k, cell in enumerate(cells) if cell and k not in {at[name] for name in form}]
     if left_out:
         warnings.warn(f"{path}: columns left out: {', '.join(left_out)}", LeftOutWarning, stacklevel=2)
     numbers = rows[head + 1 + has_units :]
-    decimal = decimal_sign([cell for _, some in numbers[:500] for cell in some], table.separator)
+    decimal = decimal_sign([cell for _, cells in numbers[:500] for cell in cells], table.separator)
     places = {name: at[name] for name in form}
     plain = ((number, _plain_cells(path, number, cells, places, decimal)) for number, cells in numbers)
     return CsvFile(path, len(form), most, chain([(line, list(form))], plain)), form, factors
@@ -576,12 +576,12 @@ def _logged(path: Path, forms: Sequence[Form], most: int) -> tuple[CsvFile, Form
 
 def _meant(cells: Sequence[str], forms: Sequence[Form]) -> list[tuple[Form, dict[str, int]]]:
     """The form that heads mean, with the place of each column; empty where none or more than one is meant."""
-    heads, found = [plain_head(split_head(cell)[0]) for cell in cells], list[tuple[Form, dict[str, int]]]()
+    heads, matches = [plain_head(split_head(cell)[0]) for cell in cells], list[tuple[Form, dict[str, int]]]()
     for form in forms:
         at = {name: k for name in form for k, head in enumerate(heads) if head in (name, *_MEANINGS.get(name, ()))}
         if len(at) == len(form) == len(set(at.values())):
-            found.append((form, at))
-    return found if len({frozenset(at.values()) for _, at in found}) == 1 else []
+            matches.append((form, at))
+    return matches if len({frozenset(at.values()) for _, at in matches}) == 1 else []
 
 
 def _plain_cells(path: Path, line: int, cells: Sequence[str], places: Mapping[str, int], decimal: str) -> list[str]:

@@ -62,12 +62,12 @@ def read_bytes(path: Path, largest: int = 64_000_000) -> bytes:
 
 def _bytes(path: Path, largest: int) -> bytes:
     """At most one byte more than `largest`: a device has no size."""
-    found = path.stat()
-    if stat.S_ISSOCK(found.st_mode) or stat.S_ISBLK(found.st_mode):
+    status = path.stat()
+    if stat.S_ISSOCK(status.st_mode) or stat.S_ISBLK(status.st_mode):
         raise InputError(f"{path}: cannot be read; expected a file")
-    if found.st_size > largest:
+    if status.st_size > largest:
         raise InputError(f"{path}: the file is larger than {largest // 1_000_000} MB")
-    if stat.S_ISFIFO(found.st_mode):
+    if stat.S_ISFIFO(status.st_mode):
         return _from_pipe(path, largest)
     with path.open("rb") as file:
         return file.read(largest + 1)
@@ -80,10 +80,10 @@ def _from_pipe(path: Path, largest: int) -> bytes:
         if not select.select([pipe], [], [], _PATIENCE)[0]:
             raise InputError(f"{path}: is a pipe, and nobody writes into it; expected a file")
         os.set_blocking(pipe, True)
-        found = bytearray()
-        while len(found) <= largest and (piece := os.read(pipe, _PIECE)):
-            found += piece
-        return bytes(found[: largest + 1])
+        content = bytearray()
+        while len(content) <= largest and (piece := os.read(pipe, _PIECE)):
+            content += piece
+        return bytes(content[: largest + 1])
     finally:
         os.close(pipe)
 
@@ -137,10 +137,10 @@ def states() -> dict[Path, tuple[int, int]]:
 def state_of(path: Path) -> tuple[int, int]:
     """Time of a file's last change [ns] and its size [bytes]; zeros where there is none."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return 0, 0
-    return found.st_mtime_ns, found.st_size
+    return status.st_mtime_ns, status.st_size
 
 
 def missing(path: Path) -> str:
@@ -201,12 +201,12 @@ def _templates(package: str, subject: str, filters: Filters) -> list[Any]:
 
     environment = Environment(undefined=StrictUndefined, autoescape=False)  # noqa: S701 - what writes a file escapes it
     environment.filters |= {"show": show, **dict(filters)}
-    every = resources.files(package).joinpath("remarks.txt").read_text(encoding="utf-8")
-    _, text = every.split(f"\n## {subject}\n")
+    remarks = resources.files(package).joinpath("remarks.txt").read_text(encoding="utf-8")
+    _, text = remarks.split(f"\n## {subject}\n")
     paragraphs = text.split("\n## ")[0].split("\n\n")
-    return [environment.from_string(" ".join(one.split())) for one in paragraphs if one.strip()]
+    return [environment.from_string(" ".join(paragraph.split())) for paragraph in paragraphs if paragraph.strip()]
 
 
-def sentences(package: str, subject: str, filters: Filters = (), **given: object) -> list[str]:
+def sentences(package: str, subject: str, filters: Filters = (), **figures: object) -> list[str]:
     """The paragraphs on a subject in ``remarks.txt`` of a package; without those that come out empty."""
-    return [line for line in (template.render(given) for template in _templates(package, subject, filters)) if line]
+    return [line for line in (template.render(figures) for template in _templates(package, subject, filters)) if line]

@@ -33,23 +33,23 @@ class _Waiting(NamedTuple):
 def ready(path: Path) -> None:
     """Refuse a target that cannot be written, before its content is computed."""
     try:
-        found = _status(path)
+        status = _status(path)
         folder = path.resolve().parent if path.is_symlink() else path.parent
-        if found is None and not folder.is_dir():
+        if status is None and not folder.is_dir():
             raise InputError(f"{path}: cannot be written, there is no folder {folder}")
     except (OSError, RuntimeError, ValueError) as error:  # RuntimeError: a loop of links; ValueError: a null character
         if isinstance(error, InputError):
             raise
         raise InputError(f"{path}: cannot be written ({reason_of(error)})") from None
-    if found is None:
+    if status is None:
         return
-    if stat.S_ISDIR(found.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         raise InputError(f"{path}: cannot be written, it is a folder")
-    if stat.S_ISSOCK(found.st_mode) or stat.S_ISBLK(found.st_mode):
+    if stat.S_ISSOCK(status.st_mode) or stat.S_ISBLK(status.st_mode):
         raise InputError(
             f"{path}: cannot be written, it is no file; expected a file, a device such as /dev/null, a pipe"
         )
-    if stat.S_ISREG(found.st_mode) and (name := was_read(path)):
+    if stat.S_ISREG(status.st_mode) and (name := was_read(path)):
         also = "" if name == path.absolute() else f" (as {name})"
         raise InputError(f"{path}: cannot be written, it is read in the same run{also}; expected another file")
     if not os.access(path, os.W_OK):
@@ -135,18 +135,18 @@ def _status(path: Path) -> os.stat_result | None:
         return None
 
 
-def _is_stream(found: os.stat_result | None) -> bool:
+def _is_stream(status: os.stat_result | None) -> bool:
     """Whether a target is written directly: a device, a pipe, or this process's own output."""
-    if found is None:
+    if status is None:
         return False
-    return stat.S_ISCHR(found.st_mode) or stat.S_ISFIFO(found.st_mode) or _own_stream(found) is not None
+    return stat.S_ISCHR(status.st_mode) or stat.S_ISFIFO(status.st_mode) or _own_stream(status) is not None
 
 
-def _own_stream(found: os.stat_result) -> int | None:
+def _own_stream(status: os.stat_result) -> int | None:
     """Number of the standard stream, output or error, that is redirected to a file; None where none is."""
     for number in (1, 2):
         try:
-            if os.path.samestat(os.fstat(number), found):
+            if os.path.samestat(os.fstat(number), status):
                 return number
         except OSError:  # closed
             continue
@@ -187,8 +187,8 @@ def _write_temporary(target: Path, content: bytes, waiting: list[_Waiting]) -> N
             continue
         with stream:
             stream.write(content)
-        if (found := _status(target)) is not None:  # with the permissions of the file that it replaces
-            temporary.chmod(stat.S_IMODE(found.st_mode))
+        if (status := _status(target)) is not None:  # with the permissions of the file that it replaces
+            temporary.chmod(stat.S_IMODE(status.st_mode))
         return
 
 

@@ -41,10 +41,10 @@ class Node:
         """First child of a tag; None without any."""
         return next(self.all(tag), None)
 
-    def fault(self, said: str, of: str | None = None) -> InputError:
+    def fault(self, text: str, of: str | None = None) -> InputError:
         """Fault of the element, or of what it is ``of``: a link, a joint, nothing."""
         subject = f"<{self.tag[:40]}> " if of is None else f"{of}: " if of else ""
-        return InputError(f"{self.path}:{self.line}: {subject}{said}")
+        return InputError(f"{self.path}:{self.line}: {subject}{text}")
 
     @property
     def name(self) -> str:

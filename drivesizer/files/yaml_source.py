@@ -135,16 +135,16 @@ def written(data: Mapping[str, Any], name: str = "spec") -> YamlSource:
     try:
         text = yaml.dump(dict(data), Dumper=_Unshared, sort_keys=False, allow_unicode=True, width=math.inf)
     except yaml.representer.RepresenterError as error:
-        found = f"{type(error.args[-1]).__name__} {quoted(str(error.args[-1]))}"
+        value = f"{type(error.args[-1]).__name__} {quoted(str(error.args[-1]))}"
         raise InputError(
-            f"{name}: {found}: expected text with a unit, a number, a list or a dict, e.g. '45 kg'"
+            f"{name}: {value}: expected text with a unit, a number, a list or a dict, e.g. '45 kg'"
         ) from None
     return YamlSource(text, name, numbered=False)
 
 
-def source_of(given: str | Path | Mapping[str, Any], name: str = "spec") -> YamlSource:
+def source_of(document: str | Path | Mapping[str, Any], name: str = "spec") -> YamlSource:
     """The source of a file, or of the same fields as a dict, which messages call by a name."""
-    return written(given, name) if isinstance(given, Mapping) else read(Path(given))
+    return written(document, name) if isinstance(document, Mapping) else read(Path(document))
 
 
 class _Unshared(yaml.SafeDumper):
@@ -222,11 +222,11 @@ def _hint(lines: list[str], line: int, problem: str) -> str:
 
 def _build(text: str, name: str, note: Callable[[Path_, int], object]) -> Any:
     """Data from events, without features that specs do not use; ``note`` has the path and line of every field."""
-    events, found = _permitted(text, name), None
+    events, data = _permitted(text, name), None
     for event in events:
         if isinstance(event, yaml.NodeEvent):
-            found = _value(event, (), events, name, note)
-    return found
+            data = _value(event, (), events, name, note)
+    return data
 
 
 def _fail(name: str, event: Any, message: str) -> InputError:
@@ -258,23 +258,23 @@ def _value(event: Any, path: Path_, events: Iterator[Any], name: str, note: Call
         raise _fail(name, event, _TOO_DEEP)
     if isinstance(event, yaml.SequenceStartEvent):
         items: list[Any] = []
-        while not isinstance(one := next(events), yaml.SequenceEndEvent):
+        while not isinstance(entry := next(events), yaml.SequenceEndEvent):
             at: Path_ = (*path, len(items))
-            note(at, one.start_mark.line + 1)
-            items.append(_value(one, at, events, name, note))
+            note(at, entry.start_mark.line + 1)
+            items.append(_value(entry, at, events, name, note))
         return items
     fields: dict[str, Any] = {}
-    while not isinstance(one := next(events), yaml.MappingEndEvent):
-        line = one.start_mark.line + 1
-        if not isinstance(one, yaml.ScalarEvent):
-            raise _fail(name, one, "a key must be plain text")
-        key = str(one.value)
+    while not isinstance(entry := next(events), yaml.MappingEndEvent):
+        line = entry.start_mark.line + 1
+        if not isinstance(entry, yaml.ScalarEvent):
+            raise _fail(name, entry, "a key must be plain text")
+        key = str(entry.value)
         if key == "<<":
-            raise _fail(name, one, "merge keys (<<) are not used here; write the fields out")
+            raise _fail(name, entry, "merge keys (<<) are not used here; write the fields out")
         if key in fields:
-            raise _fail(name, one, f"the key {quoted(key)} is given twice")
+            raise _fail(name, entry, f"the key {quoted(key)} is given twice")
         if len(fields) == _MOST_KEYS:
-            raise _fail(name, one, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
+            raise _fail(name, entry, f"more than {_MOST_KEYS} keys in one group of fields; expected fewer")
         note((*path, key), line)
         fields[key] = _value(next(events), (*path, key), events, name, note)
     return fields
@@ -402,14 +402,14 @@ def edited(text: str, edits: list[Edit], name: str = "spec") -> str:
 def _reads_as(after: Any, before: Any, edit: Edit) -> bool:
     """Whether only the one field differs."""
     try:
-        found = after
+        value = after
         for step in edit.path if edit.value is not None else ():
-            found = found[step]
-        expected = _with(before, edit.path, None if edit.value is None else found)
+            value = value[step]
+        expected = _with(before, edit.path, None if edit.value is None else value)
     except (KeyError, IndexError, TypeError, ValueError):
         return False
     same = (after or None) == (expected or None)  # without a field a document is none, or an empty group
-    return bool(same) and (not edit.text or not isinstance(edit.value, str) or found == edit.value)
+    return bool(same) and (not edit.text or not isinstance(edit.value, str) or value == edit.value)
 
 
 def _with(data: Any, path: Path_, value: Any) -> Any:
@@ -417,17 +417,17 @@ def _with(data: Any, path: Path_, value: Any) -> Any:
     if not path:
         return value
     step = path[0]
-    made: Any = list(data or ()) if isinstance(step, int) else dict(data or {})
-    known = step < len(made) if isinstance(step, int) else step in made
-    below = _with(made[step] if known else None, path[1:], value)
+    group: Any = list(data or ()) if isinstance(step, int) else dict(data or {})
+    known = step < len(group) if isinstance(step, int) else step in group
+    below = _with(group[step] if known else None, path[1:], value)
     if value is None and not below:
         if known:
-            del made[step]
+            del group[step]
     elif isinstance(step, int):
-        made[step : step + 1] = [below]
+        group[step : step + 1] = [below]
     else:
-        made[step] = below
-    return made
+        group[step] = below
+    return group
 
 
 def _changed(text: str, edit: Edit, name: str) -> str:
@@ -450,8 +450,8 @@ def _changed(text: str, edit: Edit, name: str) -> str:
         raise InputError(f"{where}: {quoted(node.value)} is no group of fields")
     listed = isinstance(node, yaml.SequenceNode)
     if listed is not isinstance(rest[0], int):
-        found = "a list" if listed else "a group of fields"
-        raise InputError(f"{where}: {quoted(rest[0])} is no place of {found}")
+        kind = "a list" if listed else "a group of fields"
+        raise InputError(f"{where}: {quoted(rest[0])} is no place of {kind}")
     return _added(text, node, rest, edit)
 
 
@@ -481,7 +481,7 @@ def _deepest_node(root: yaml.Node, path: Path_) -> tuple[_Place, Path_]:
 
 def _offset(text: str, mark: Any) -> int:
     """Place of a mark; marks of libyaml know line and column for certain, of lines that end as YAML 1.1 has it."""
-    *_, at = (0, *(found.end() for found in islice(_LINE_END.finditer(text), mark.line)))
+    *_, at = (0, *(match.end() for match in islice(_LINE_END.finditer(text), mark.line)))
     return at + int(mark.column)
 
 
@@ -498,8 +498,8 @@ def _last(text: str, node: yaml.Node) -> int:
 
 def _line_end(text: str, at: int) -> tuple[int, int]:
     """End of the line of a place, and the beginning of the next."""
-    found = _LINE_END.search(text, at)
-    return found.span() if found else (len(text), len(text))
+    match = _LINE_END.search(text, at)
+    return match.span() if match else (len(text), len(text))
 
 
 # -- changes
@@ -561,9 +561,9 @@ def _in_line(value: Any, key: bool = False, text: bool = True) -> str:
         read = YamlSource(f"{{{value}: 1}}" if key else f"[{value}]", "value").data
     except InputError:
         return json.dumps(value, ensure_ascii=False)
-    found = next(iter(read)) if key else read[0] if len(read) == 1 else None
+    scalar = next(iter(read)) if key else read[0] if len(read) == 1 else None
     plain = bool(value) and "#" not in value and value == value.strip() and value.isprintable()
-    same = found == value if text or key else isinstance(found, str | int | float | bool)
+    same = scalar == value if text or key else isinstance(scalar, str | int | float | bool)
     return str(value) if plain and same else json.dumps(value, ensure_ascii=False)
 
 

@@ -159,10 +159,10 @@ class Robot:
 
     def outwards(self, first: str | None = None) -> list[str]:
         """Links from the roots on, or from one, each behind the one that it hangs on."""
-        found = [name for name in self.links if name not in self.above] if first is None else [first]
-        for name in found:  # grows by the links that hang on each
-            found += [joint.child for joint in self.joints.values() if joint.parent == name]
-        return found
+        names = [name for name in self.links if name not in self.above] if first is None else [first]
+        for name in names:  # grows by the links that hang on each
+            names += [joint.child for joint in self.joints.values() if joint.parent == name]
+        return names
 
     def frame(self, link: str, positions: Mapping[str, float]) -> tuple[Array, Array]:
         """Place and turn of a link in the frame of its root, joints without a position at their references."""
@@ -174,25 +174,25 @@ class Robot:
 
     def chain(self, link: str) -> list[Joint]:
         """Joints between a link and its root, the nearest first."""
-        above, found = self.above, []
+        above, joints = self.above, []
         while link in above:
-            found.append(above[link])
+            joints.append(above[link])
             link = above[link].parent
-        return found
+        return joints
 
 
 def robot_of(path: Path, name: str, links: Iterable[Link], joints: Iterable[Joint], notes: Iterable[str] = ()) -> Robot:
     """A robot, its names unique and its joints a tree."""
-    found, named, above = dict[str, Link](), dict[str, Joint](), dict[str, Joint]()
+    links_by_name, named, above = dict[str, Link](), dict[str, Joint](), dict[str, Joint]()
     for link in links:
-        if found.setdefault(link.name, link) is not link:
+        if links_by_name.setdefault(link.name, link) is not link:
             raise InputError(f"{path}:{link.line}: link {quoted(link.name)} is there twice")
     for joint in joints:
         if named.setdefault(joint.name, joint) is not joint:
             raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)} is there twice")
     for joint in named.values():
         for end in (joint.parent, joint.child):
-            if end not in found:
+            if end not in links_by_name:
                 raise InputError(f"{path}:{joint.line}: joint {quoted(joint.name)}: there is no link {quoted(end)}")
         if above.setdefault(joint.child, joint) is not joint:
             raise InputError(f"{path}:{joint.line}: link {quoted(joint.child)} hangs on two joints")
@@ -203,17 +203,17 @@ def robot_of(path: Path, name: str, links: Iterable[Link], joints: Iterable[Join
         raise InputError(
             f"{path}:{joint.line}: joint {quoted(joint.name)} is part of a ring; expected a tree"
         ) from None
-    return Robot(str(path), name, found, named, tuple(notes))
+    return Robot(str(path), name, links_by_name, named, tuple(notes))
 
 
 def placed(joint: Joint, position: float) -> tuple[Array, Array]:
     """Place and turn of a joint's child in the frame of its parent."""
-    moved = position - joint.reference
+    travel = position - joint.reference
     if joint.kind == "prismatic":
-        return joint.place + joint.turn @ joint.axis * moved, joint.turn
+        return joint.place + joint.turn @ joint.axis * travel, joint.turn
     if not joint.turns:
         return joint.place, joint.turn
-    turned = joint.turn @ about(joint.axis, moved)
+    turned = joint.turn @ about(joint.axis, travel)
     return joint.place + joint.turn @ joint.anchor - turned @ joint.anchor, turned
 
 
@@ -292,7 +292,7 @@ def _link(node: Node) -> Link:
 
 def _radii(link: Node) -> list[tuple[float, Array]]:
     """Radii of cylinders about their axis z and of spheres; collision shapes before visual ones."""
-    found = []
+    radii = []
     for part in (*link.all("collision"), *link.all("visual")):
         shape = part.first("geometry")
         for kind in ("cylinder", "sphere") if shape else ():
@@ -300,8 +300,8 @@ def _radii(link: Node) -> list[tuple[float, Array]]:
                 radius = node.figure("radius")
                 if not radius > 0.0:
                     raise node.fault(f"a radius of {radius:g} m is none; expected more than 0", "")
-                found.append((radius, _origin(part)[1][:, 2] if kind == "cylinder" else np.zeros(3)))
-    return found
+                radii.append((radius, _origin(part)[1][:, 2] if kind == "cylinder" else np.zeros(3)))
+    return radii
 
 
 def _urdf_joint(node: Node) -> Joint:
@@ -375,31 +375,31 @@ class Settings:
 
     def whole(self, node: Node, childclass: str) -> Node:
         """An element with the attributes of its class added."""
-        chosen = node.attributes.get("class", childclass)
-        if chosen not in self.classes:
-            raise node.fault(f"there is no default class {quoted(chosen)}{nearest(chosen, self.classes)}", "")
-        attributes = {**self.classes[chosen].get(node.tag, {}), **node.attributes}
+        class_name = node.attributes.get("class", childclass)
+        if class_name not in self.classes:
+            raise node.fault(f"there is no default class {quoted(class_name)}{nearest(class_name, self.classes)}", "")
+        attributes = {**self.classes[class_name].get(node.tag, {}), **node.attributes}
         return Node(node.tag, node.path, node.line, attributes, node.children)
 
 
 def settings_of(root: Node) -> Settings:
     """Settings and classes of a file."""
-    found = Settings()
+    settings = Settings()
     for node in root.all("compiler"):
         for name, value in node.attributes.items():
             neutral = name in _NEUTRAL and value.split() == _NEUTRAL[name].split()
             if not neutral and name not in _HARMLESS:
                 raise node.fault(f"{name}={quoted(value)} is not read; expected masses and joints as they are written")
         _setting(node, "coordinate", "local")
-        found.degrees = 1.0 if _setting(node, "angle", "degree", "radian") == "radian" else math.pi / 180.0
-        found.autolimits = _setting(node, "autolimits", "true", "false") == "true"
-        found.from_geoms = _setting(node, "inertiafromgeom", "auto", "true", "false")
-        found.sequence = node.attributes.get("eulerseq", "xyz")
-        if len(found.sequence) != 3 or set(found.sequence.lower()) - set("xyz"):
-            raise node.fault(f"eulerseq: {quoted(found.sequence)}; expected three of x, y, z")
+        settings.degrees = 1.0 if _setting(node, "angle", "degree", "radian") == "radian" else math.pi / 180.0
+        settings.autolimits = _setting(node, "autolimits", "true", "false") == "true"
+        settings.from_geoms = _setting(node, "inertiafromgeom", "auto", "true", "false")
+        settings.sequence = node.attributes.get("eulerseq", "xyz")
+        if len(settings.sequence) != 3 or set(settings.sequence.lower()) - set("xyz"):
+            raise node.fault(f"eulerseq: {quoted(settings.sequence)}; expected three of x, y, z")
     for node in root.all("default"):
-        _add_class(node, found, {}, "main")
-    return found
+        _add_class(node, settings, {}, "main")
+    return settings
 
 
 def _setting(node: Node, name: str, *values: str) -> str:
@@ -410,32 +410,32 @@ def _setting(node: Node, name: str, *values: str) -> str:
     return value
 
 
-def _add_class(node: Node, found: Settings, inherited: dict[str, dict[str, str]], otherwise: str) -> None:
+def _add_class(node: Node, settings: Settings, inherited: dict[str, dict[str, str]], otherwise: str) -> None:
     """Attributes of a class and of those in it."""
     name = node.attributes.get("class", otherwise)
     if not name:
         raise node.fault("has no class")
-    made = {tag: dict(inherited.get(tag, {})) for tag in _CLASSED}
+    attributes = {tag: dict(inherited.get(tag, {})) for tag in _CLASSED}
     for tag in _CLASSED:
-        for one in node.all(tag):
-            made[tag].update(one.attributes)
-    found.classes[name] = made
+        for element in node.all(tag):
+            attributes[tag].update(element.attributes)
+    settings.classes[name] = attributes
     for inner in node.all("default"):
-        _add_class(inner, found, made, "")
+        _add_class(inner, settings, attributes, "")
 
 
 def frame_of(node: Node, settings: Settings) -> tuple[Array, Array]:
     """Place and turn of an element in the frame of its parent."""
-    given = [name for name in _ORIENTATIONS if name in node.attributes]
-    if len(given) > 1:
-        raise node.fault(f"has {' and '.join(given)}; expected one orientation")
+    orientations = [name for name in _ORIENTATIONS if name in node.attributes]
+    if len(orientations) > 1:
+        raise node.fault(f"has {' and '.join(orientations)}; expected one orientation")
     place = node.vector("pos")
-    if not given:
+    if not orientations:
         return place, np.eye(3)
-    (kind,) = given
-    values, wanted, written = node.figures(kind), _ORIENTATIONS[kind], quoted(node.attributes[kind])
-    if len(values) != wanted:
-        raise node.fault(f"{kind}: {written}; expected {wanted} numbers")
+    (kind,) = orientations
+    values, count, written = node.figures(kind), _ORIENTATIONS[kind], quoted(node.attributes[kind])
+    if len(values) != count:
+        raise node.fault(f"{kind}: {written}; expected {count} numbers")
     turned = _turned(kind, values, settings)
     if not np.isfinite(turned).all():
         raise node.fault(f"{kind}: {written} has no direction")
@@ -447,8 +447,8 @@ def _turned(kind: str, values: Array, settings: Settings) -> Array:
     if kind == "euler":  # turns about axes that move along (lower case) or stay (upper case)
         turned = np.eye(3)
         for angle, axis in zip(values * settings.degrees, settings.sequence, strict=True):
-            one = about(np.eye(3)["xyz".index(axis.lower())], float(angle))
-            turned = turned @ one if axis.islower() else one @ turned
+            turn = about(np.eye(3)["xyz".index(axis.lower())], float(angle))
+            turned = turned @ turn if axis.islower() else turn @ turned
         return turned
     with np.errstate(all="ignore"):
         if kind == "quat":
@@ -498,12 +498,12 @@ def mass_of(node: Node, settings: Settings, childclass: str) -> tuple[Body, str]
     solids: list[Body] = []
     for geom in node.all("geom") if settings.from_geoms != "false" else ():
         whole = settings.whole(geom, childclass)
-        given = whole.attributes
-        light = whole.figure("mass", 1.0) == 0.0 or ("mass" not in given and whole.figure("density", 1.0) == 0.0)
-        if given.get("type", "sphere") in _FLAT or light:
+        attributes = whole.attributes
+        light = whole.figure("mass", 1.0) == 0.0 or ("mass" not in attributes and whole.figure("density", 1.0) == 0.0)
+        if attributes.get("type", "sphere") in _FLAT or light:
             continue
-        kind = given.get("type", "mesh" if "mesh" in given else "sphere")
-        if kind not in _SIZES or "mesh" in given:
+        kind = attributes.get("type", "mesh" if "mesh" in attributes else "sphere")
+        if kind not in _SIZES or "mesh" in attributes:
             return _NONE, f"has a {kind} of unknown mass on line {geom.line}; expected <inertial>"
         solids.append(_solid(whole, kind, settings))
     return together(solids) if solids else _NONE, ""
@@ -534,18 +534,18 @@ def _solid(geom: Node, kind: str, settings: Settings) -> Body:
     if "fromto" in geom.attributes:  # the ends of its axis
         if kind not in ("capsule", "cylinder"):
             raise geom.fault(f"fromto of a {kind} is not read; expected pos and size")
-        ends, said = geom.figures("fromto"), f"fromto: {quoted(geom.attributes['fromto'])}"
+        ends, text = geom.figures("fromto"), f"fromto: {quoted(geom.attributes['fromto'])}"
         if len(ends) != 6:
-            raise geom.fault(f"{said}; expected 6 numbers")
+            raise geom.fault(f"{text}; expected 6 numbers")
         along = ends[:3] - ends[3:]
         length = float(np.linalg.norm(along))
         if not length > 0.0:
-            raise geom.fault(f"{said} has no length")
+            raise geom.fault(f"{text} has no length")
         centre, turn, size = (ends[:3] + ends[3:]) / 2.0, _least_turn(along / length), [*size[:1], length / 2.0]
     size = size[: _SIZES[kind]]
     if len(size) != _SIZES[kind] or not min(size) > 0.0:
-        found = quoted(geom.attributes.get("size", ""))
-        raise geom.fault(f"size: {found}; expected {_SIZES[kind]} numbers above 0 of a {kind}")
+        written = quoted(geom.attributes.get("size", ""))
+        raise geom.fault(f"size: {written}; expected {_SIZES[kind]} numbers above 0 of a {kind}")
     volume, radii = shape_of(kind, size)
     mass = geom.figure("mass", geom.figure("density", _WATER) * volume)
     _above_zero(geom, "a mass", mass, "<geom>")
@@ -601,34 +601,34 @@ class _Reader:
             if node.tag not in _IN_BODIES:
                 raise node.fault("is not read; expected bodies with joints, geoms and inertials")
         for node in parent.all("body"):
-            name, chosen = node.name, node.attributes.get("childclass", childclass)
+            name, own_class = node.name, node.attributes.get("childclass", childclass)
             if node.attributes.get("mocap", "false") != "false":
                 raise node.fault("mocap is not read; expected a body that its joints carry")
-            mass, lacking = mass_of(node, self.settings, chosen)
+            mass, lacking = mass_of(node, self.settings, own_class)
             self.links.append(Link(name, node.line, *mass, lacking=lacking, gravcomp=_scalar(node, "gravcomp")))
-            self._hang(node, above, name, chosen)
-            self.bodies(node, name, chosen)
+            self._hang(node, above, name, own_class)
+            self.bodies(node, name, own_class)
 
-    def _hang(self, node: Node, above: str, name: str, chosen: str) -> None:
+    def _hang(self, node: Node, above: str, name: str, childclass: str) -> None:
         """Joints between a body and its parent, with the attributes of their classes; a free one of a base is held."""
         moving = []
-        for one in node.children:
-            whole = self.settings.whole(one, chosen) if one.tag == "joint" else one
-            if one.tag == "freejoint" or (one.tag == "joint" and whole.attributes.get("type") == "free"):
+        for element in node.children:
+            whole = self.settings.whole(element, childclass) if element.tag == "joint" else element
+            if element.tag == "freejoint" or (element.tag == "joint" and whole.attributes.get("type") == "free"):
                 if above != WORLD:
-                    raise one.fault("a free joint belongs to a body of the world", "")
+                    raise element.fault("a free joint belongs to a body of the world", "")
                 self.notes.append(f"body {quoted(name)} is free in the description; held here")
-            elif one.tag == "joint":
+            elif element.tag == "joint":
                 moving.append(whole)
         place, turn = frame_of(node, self.settings)
         if not moving:
             up = np.array([0.0, 0.0, 1.0])
             self.joints.append(Joint(f"{name} (fixed)", "fixed", node.line, above, name, place, turn, up))
-        for one in moving:
-            child = name if one is moving[-1] else f"{name} (behind {one.name})"
+        for element in moving:
+            child = name if element is moving[-1] else f"{name} (behind {element.name})"
             if child != name:
-                self.links.append(Link(child, one.line))
-            self.joints.append(_mjcf_joint(one, above, child, (place, turn), self.settings))
+                self.links.append(Link(child, element.line))
+            self.joints.append(_mjcf_joint(element, above, child, (place, turn), self.settings))
             above, place, turn = child, np.zeros(3), np.eye(3)
 
 
@@ -659,13 +659,13 @@ def _mjcf_joint(node: Node, parent: str, child: str, frame: tuple[Array, Array],
 
 def _range(node: Node, settings: Settings) -> tuple[float, float]:
     """Limits as written; NaN of a joint without."""
-    limited, given = node.attributes.get("limited", "auto"), node.figures("range")
-    if len(given) not in (0, 2) or (len(given) == 2 and not given[0] <= given[1]):
+    limited, ends = node.attributes.get("limited", "auto"), node.figures("range")
+    if len(ends) not in (0, 2) or (len(ends) == 2 and not ends[0] <= ends[1]):
         raise node.fault(f"range: {quoted(node.attributes['range'])}; expected its two ends, the lower first")
     if limited not in ("auto", "true", "false"):
         raise node.fault(f"limited: {quoted(limited)}; expected true, false or auto")
-    if limited == "false" or not len(given):
+    if limited == "false" or not len(ends):
         return math.nan, math.nan
     if limited == "auto" and not settings.autolimits:
         raise node.fault("has a range and no limited; expected limited, as autolimits is false")
-    return float(given[0]), float(given[1])
+    return float(ends[0]), float(ends[1])

@@ -120,21 +120,22 @@ def in_series(stages: Sequence[GearStage]) -> GearStage:
     Where their losses by direction count, each is gone through by itself: this one has what the others read of it.
     """
     first, *others = stages
-    made = first
-    for one in others:
-        i, both = one.ratio, [stage.fixed_gear() for stage in (made, one)]
-        backs = [gear.back_efficiency for gear in both]
-        lost = None if None in (made.backlash, one.backlash) else one.backlash + made.backlash / i  # type: ignore[operator]
-        made = GearStage.model_construct(
-            kind=f"{made.kind} and {one.kind}", ratio=made.ratio * i, efficiency=made.efficiency * one.efficiency,
+    train = first
+    for other in others:
+        i, gears = other.ratio, [stage.fixed_gear() for stage in (train, other)]
+        backs = [gear.back_efficiency for gear in gears]
+        lost = None if None in (train.backlash, other.backlash) else other.backlash + train.backlash / i  # type: ignore[operator]
+        train = GearStage.model_construct(
+            kind=f"{train.kind} and {other.kind}", ratio=train.ratio * i,
+            efficiency=train.efficiency * other.efficiency,
             back_efficiency=backs[0] * backs[1] if min(backs) > 0.0 else min(backs),
             pinion_diameter=first.pinion_diameter, pinion_inertia=first.pinion_inertia,
             pinion_friction=first.pinion_friction, backlash=lost,
-            wheel_inertia=one.wheel_inertia + (made.wheel_inertia + one.pinion_inertia) * i**2,
-            wheel_friction=one.wheel_friction + (made.wheel_friction + one.pinion_friction) * i,
-            mass=None if None in (made.mass, one.mass) else made.mass + one.mass,  # type: ignore[operator]
+            wheel_inertia=other.wheel_inertia + (train.wheel_inertia + other.pinion_inertia) * i**2,
+            wheel_friction=other.wheel_friction + (train.wheel_friction + other.pinion_friction) * i,
+            mass=None if None in (train.mass, other.mass) else train.mass + other.mass,  # type: ignore[operator]
         )  # fmt: skip
-    return made
+    return train
 
 
 Stage = Annotated[GearheadStage | DirectStage | BeltStage | GearStage, Field(discriminator="kind")]
@@ -198,8 +199,8 @@ class Choice(fields.Section):
     @property
     def named(self) -> dict[str, list[str]]:
         """Names or patterns by the catalogue's column, as far as given."""
-        wanted = {"manufacturer": self.maker, "family": self.family, "part": self.part}
-        return {column: names for column, names in wanted.items() if names}
+        columns = {"manufacturer": self.maker, "family": self.family, "part": self.part}
+        return {column: names for column, names in columns.items() if names}
 
 
 class MotorChoice(Choice):
@@ -282,17 +283,17 @@ class Select(fields.Section):
 
     @field_validator("rates")
     @classmethod
-    def _known_rates(cls, given: dict[str, str]) -> dict[str, str]:
-        factors(given, "EUR")
-        return given
+    def _known_rates(cls, rates: dict[str, str]) -> dict[str, str]:
+        factors(rates, "EUR")
+        return rates
 
     @field_validator("objective")
     @classmethod
-    def _each_once(cls, given: Objective | list[Weighted]) -> Objective | list[Weighted]:
-        names = [one.objective for one in given] if isinstance(given, list) else []
+    def _each_once(cls, objective: Objective | list[Weighted]) -> Objective | list[Weighted]:
+        names = [weighted.objective for weighted in objective] if isinstance(objective, list) else []
         if twice := [name for name in names if names.count(name) > 1]:
             raise ValueError(f"expected each objective once; {twice[0]} is given twice")
-        return given
+        return objective
 
     def ranked_by(self, objective: Ranking | None) -> Select:
         """The same with another objective; itself where none is given."""
@@ -323,8 +324,8 @@ class Select(fields.Section):
 
 def split_typed(source: YamlSource, data: Any) -> tuple[Any, tuple[Typed, ...]]:
     """Parts with figures of their own in the section ``select``, and the data with these parts chosen by number."""
-    given, found = data.get("select"), list[Typed]()
-    select = dict(given) if isinstance(given, dict) else {}
+    selection, typed_parts = data.get("select"), list[Typed]()
+    select = dict(selection) if isinstance(selection, dict) else {}
     for role, section in _TYPED.items():
         fields_, place = select.get(role), ("select", role)
         if not isinstance(fields_, dict) or NAME not in fields_:
@@ -338,11 +339,11 @@ def split_typed(source: YamlSource, data: Any) -> tuple[Any, tuple[Typed, ...]]:
             raise InputError(f"{source.where(place)}: give select.motor or select.actuator, not both")
         section = "steppers" if stepper else section
         text = typed_part(source, place, section)
-        found.append(Typed(section, str(fields_[NAME]), text, ".".join(place)))
+        typed_parts.append(Typed(section, str(fields_[NAME]), text, ".".join(place)))
         select.pop(role)
-        chosen = {"part": [str(fields_[NAME])]} | ({"kind": "stepper"} if stepper else {})
-        select["gearhead" if role == "gearhead" else "motor"] = chosen
-    return (data | {"select": select} if found else data), tuple(found)
+        criteria = {"part": [str(fields_[NAME])]} | ({"kind": "stepper"} if stepper else {})
+        select["gearhead" if role == "gearhead" else "motor"] = criteria
+    return (data | {"select": select} if typed_parts else data), tuple(typed_parts)
 
 
 def weights_of(objective: Ranking) -> dict[str, float]:
@@ -351,7 +352,11 @@ def weights_of(objective: Ranking) -> dict[str, float]:
     >>> weights_of("mass")
     {'mass': 1.0}
     """
-    return {objective: 1.0} if isinstance(objective, str) else {one.objective: one.weight for one in objective}
+    return (
+        {objective: 1.0}
+        if isinstance(objective, str)
+        else {weighted.objective: weighted.weight for weighted in objective}
+    )
 
 
 # -- Sections of a spec on the closed loop: the controller's structure and gains, and the model of the machine.

@@ -37,7 +37,7 @@ _MASSES = "                  # assumed: of the links; with_drives where they hol
 def _filled(template: str, **texts: object) -> str:
     """A spec out of ``templates``; figures with six digits."""
     text = (resources.files("drivesizer.spec") / "templates" / f"{template}.yaml").read_text(encoding="utf-8")
-    return text.format(**{n: f"{one:.6g}" if isinstance(one, float) else one for n, one in texts.items()})
+    return text.format(**{n: f"{value:.6g}" if isinstance(value, float) else value for n, value in texts.items()})
 
 
 # -- One axis
@@ -58,14 +58,14 @@ def has_wheels(path: Path) -> bool:
 
 def _wheels(robot: Robot) -> list[tuple[Joint, float]]:
     """Driven joints with the radius of what they turn [m]."""
-    found = []
+    wheels = []
     for joint in robot.joints.values():
         if joint.kind == "continuous" and joint.limited:
             radii = (radius for radius, axis in robot.links[joint.child].radii
                      if not axis.any() or abs(float(axis @ joint.axis)) >= _PARALLEL)  # fmt: skip
             if (radius := next(radii, 0.0)) > 0.0:
-                found.append((joint, radius))
-    return found
+                wheels.append((joint, radius))
+    return wheels
 
 
 def _limits(robot: Robot, joint: Joint) -> tuple[float, float]:
@@ -73,9 +73,9 @@ def _limits(robot: Robot, joint: Joint) -> tuple[float, float]:
     for name in ("effort", "velocity"):
         value = getattr(joint, name)
         if not value > 0.0:
-            found = "has no" if math.isnan(value) else f"has {value:g} as"
+            text = "has no" if math.isnan(value) else f"has {value:g} as"
             raise InputError(
-                f"{robot.file}:{joint.line}: joint {quoted(joint.name)} {found} limit of {name}; expected more than 0"
+                f"{robot.file}:{joint.line}: joint {quoted(joint.name)} {text} limit of {name}; expected more than 0"
             )
     return joint.effort, joint.velocity
 
@@ -217,6 +217,6 @@ def _position(joint: Joint, side: int) -> str:
 
 def _quoted(text: str) -> str:
     """A name as YAML text, in quotes where it needs them."""
-    shown = _printable(text)
-    plain = re.fullmatch(r"[A-Za-z][\w-]*", shown) and shown.lower() not in ("true", "false", "null")
-    return shown if plain else f'"{shown}"'
+    name = _printable(text)
+    plain = re.fullmatch(r"[A-Za-z][\w-]*", name) and name.lower() not in ("true", "false", "null")
+    return name if plain else f'"{name}"'

@@ -90,12 +90,12 @@ class MachineSpec(OfFile):
 
     def carried(self, name: str) -> dict[str, float | None]:
         """All whose drives ride on an axis, on others that ride on it too, each with its distance from this one."""
-        direct = {one.name: one.distance for one in self.axis(name).carries}
-        found = dict(direct)
+        direct = {carried.name: carried.distance for carried in self.axis(name).carries}
+        distances = dict(direct)
         for other, distance in direct.items():
             for further, beyond in self.carried(other).items():
-                found.setdefault(further, None if distance is None else distance + (beyond or 0.0))
-        return found
+                distances.setdefault(further, None if distance is None else distance + (beyond or 0.0))
+        return distances
 
     def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> MachineSpec:
         """The machine with the same change in the specs of all its axes."""
@@ -118,12 +118,12 @@ Axis = TypeVar("Axis", bound=_Named)
 
 def axis_of(axes: Sequence[Axis], name: str) -> Axis:
     """The axis of a name, of a machine's spec or of its sizing."""
-    found = next((axis for axis in axes if axis.name == name), None)
-    if found is None:
+    axis = next((axis for axis in axes if axis.name == name), None)
+    if axis is None:
         names = [axis.name for axis in axes]
         listed = f"{', '.join(names)}{nearest(name, names)}"
         raise InputError(f"--axis: there is no axis {quoted(name)}; expected {listed}")
-    return found
+    return axis
 
 
 def machine_of(spec: RobotSpec) -> MachineSpec:
@@ -150,14 +150,14 @@ def read_any(source: YamlSource) -> MachineSpec:
 
 def named_catalogs(data: Any) -> list[str]:
     """Catalogues that a document names for all its axes; the default ones where it has none or a field is malformed."""
-    axes, found = data.get("axes") if isinstance(data, dict) else None, list[list[str]]()
+    axes, by_section = data.get("axes") if isinstance(data, dict) else None, list[list[str]]()
     for section in (data, *(axes.values() if isinstance(axes, dict) else ())):
         select = section.get("select") if isinstance(section, dict) else None
-        given = select.get("catalogs") if isinstance(select, dict) else None
-        names = given if isinstance(given, list) else [given]
-        found.append([str(name) for name in names if isinstance(name, str | int)])
-    every = [name for names in found for name in names]
-    return list(dict.fromkeys(every if found[0] else [*Select().catalogs, *every]))
+        field = select.get("catalogs") if isinstance(select, dict) else None
+        names = field if isinstance(field, list) else [field]
+        by_section.append([str(name) for name in names if isinstance(name, str | int)])
+    catalogs = [name for names in by_section for name in names]
+    return list(dict.fromkeys(catalogs if by_section[0] else [*Select().catalogs, *catalogs]))
 
 
 # -- Loads with the drives of other axes on them.
@@ -185,10 +185,10 @@ def check_carrier(load: Load, distances: Iterable[float | None]) -> None:
 
 def carrying(load: Load, masses: Iterable[tuple[float, float | None]]) -> Load:
     """A load with the drives of other axes on it."""
-    found = [(mass, distance or 0.0) for mass, distance in masses if mass]
-    if not found:
+    carried = [(mass, distance or 0.0) for mass, distance in masses if mass]
+    if not carried:
         return load
-    total, moment, inertia = (fsum(mass * distance**power for mass, distance in found) for power in (0, 1, 2))
+    total, moment, inertia = (fsum(mass * distance**power for mass, distance in carried) for power in (0, 1, 2))
     own: Any = load
     update = {"mass": own.mass + total}
     if name := _LEVERS.get(load.kind):
@@ -229,13 +229,13 @@ class AxisFields(fields.Section):
 
     @field_validator("carries", mode="before")
     @classmethod
-    def _names(cls, given: Any) -> Any:
-        if not isinstance(given, list | dict) or not all(isinstance(name, str) for name in given):
+    def _names(cls, axes: Any) -> Any:
+        if not isinstance(axes, list | dict) or not all(isinstance(name, str) for name in axes):
             raise ValueError("expected names of axes, e.g. [wrist], or each with its distance, {wrist: {at: 300 mm}}")
-        twice = next((name for place, name in enumerate(given) if name in list(given)[:place]), None)
+        twice = next((name for place, name in enumerate(axes) if name in list(axes)[:place]), None)
         if twice is not None:
             raise ValueError(f"{quoted(twice)} is there twice; expected each axis once")
-        return given
+        return axes
 
     start: fields.Pause = fields.default("0 s", "of its motion, after that of the machine's cycle")
     repeats: bool | None = fields.optional(
@@ -277,13 +277,13 @@ class MachineFields(fields.Section):
 
     @field_validator("axes", mode="before")
     @classmethod
-    def _named(cls, given: Any) -> Any:
-        if not isinstance(given, dict):
+    def _named(cls, axes: Any) -> Any:
+        if not isinstance(axes, dict):
             raise ValueError("expected axes by name, each a group of fields, e.g. {lift: {load: ..., motion: ...}}")
-        for name, sections in given.items():
+        for name, sections in axes.items():
             if not isinstance(sections, dict):
                 raise ValueError(f"{quoted(name)}: expected a group of fields such as load, motion, carries")
-        return given
+        return axes
 
 
 # fields of a machine that no axis has, and sections that it has as it is given, as a plain spec has them
@@ -319,11 +319,11 @@ def read_machine(source: YamlSource) -> MachineSpec:
     for name in data:
         if name not in names:
             raise InputError(f"{source.where((name,))}: unknown key{nearest(name, names)}")
-    given = {name: value for name, value in data.items() if name in MachineFields.model_fields}
+    values = {name: value for name, value in data.items() if name in MachineFields.model_fields}
     try:
-        head = MachineFields.model_validate(given)
+        head = MachineFields.model_validate(values)
     except ValidationError as error:
-        raise explained(error, source, MachineFields, given) from None
+        raise explained(error, source, MachineFields, values) from None
     if not head.axes and head.robot is None:
         raise InputError(
             f"{source.where(('axes',))}: expected at least one axis by name, or robot: {{description: ...}}"
@@ -339,9 +339,9 @@ def read_machine(source: YamlSource) -> MachineSpec:
             sections["load"] = _COMPUTED
         read_spec(overlay(source, ("axes", name), {**_shared(source, alone=True), "name": name}, sections))
         axes = tuple(with_common_bus(axis, head.brake_resistor) for axis in axes)
-    given = {name: getattr(head, name) for name in (*_SHARED, "cycle_time", "few_kinds", "robot")}
+    values = {name: getattr(head, name) for name in (*_SHARED, "cycle_time", "few_kinds", "robot")}
     synchronised, whole = head.timing == "synchronised", head.total == "best"
-    machine = MachineSpec(axes=axes, order=(), synchronised=synchronised, whole=whole, source=source, **given)
+    machine = MachineSpec(axes=axes, order=(), synchronised=synchronised, whole=whole, source=source, **values)
     return machine if head.robot else sizing_order(machine)
 
 
@@ -373,7 +373,7 @@ def joint_axis(machine: MachineSpec, name: str, carried: Iterable[str]) -> AxisS
     if axis is None:
         axis = _axis(machine.source, _shared(machine.source, alone=False), name, ({}, {}), alone=False)
         axis = with_common_bus(axis, machine.brake_resistor)
-        axis = replace(axis, spec=reduce(lambda one, change: one.changed(change), machine.changes, axis.spec))
+        axis = replace(axis, spec=reduce(lambda spec, change: spec.changed(change), machine.changes, axis.spec))
     return replace(axis, carries=tuple(Carried(other, None) for other in carried))
 
 
@@ -383,11 +383,11 @@ def _axis(source: YamlSource, shared: dict[str, Any], name: str, given_as: Both,
     own, nominal = given_as
     if not _NAME.fullmatch(name):
         raise InputError(f"{source.where(at)}: {quoted(name)} names no axis; expected letters and digits, e.g. lift")
-    given = {field: nominal[field] for field in AxisFields.model_fields if field in nominal}
+    values = {field: nominal[field] for field in AxisFields.model_fields if field in nominal}
     try:
-        head = AxisFields.model_validate(given)
+        head = AxisFields.model_validate(values)
     except ValidationError as error:
-        raise explained(error, source, AxisFields, given, at) from None
+        raise explained(error, source, AxisFields, values, at) from None
     sections = {field: value for field, value in own.items() if field not in AxisFields.model_fields}
     for field in sections:
         if field not in RobotSpec.model_fields:
@@ -428,7 +428,7 @@ def sizing_order(machine: MachineSpec) -> MachineSpec:
             if other.name not in names:
                 where = machine.where(("axes", axis.name, "carries"))
                 raise InputError(f"{where}: there is no axis {quoted(other.name)}{nearest(other.name, names)}")
-    sorter = TopologicalSorter({axis.name: [one.name for one in axis.carries] for axis in machine.axes})
+    sorter = TopologicalSorter({axis.name: [carried.name for carried in axis.carries] for axis in machine.axes})
     try:
         return replace(machine, order=tuple(sorter.static_order()))
     except CycleError as error:
@@ -452,7 +452,7 @@ def machine_schema() -> dict[str, Any]:
     """The JSON Schema of machine.yaml."""
     spec, head, axis = (model.model_json_schema() for model in (RobotSpec, MachineFields, AxisFields))
     robot = RobotSection.model_json_schema(ref_template=f"{_REF}{_ROBOT}{{model}}")
-    models = spec["$defs"] | {f"{_ROBOT}{name}": one for name, one in robot.pop("$defs").items()}
+    models = spec["$defs"] | {f"{_ROBOT}{name}": definition for name, definition in robot.pop("$defs").items()}
     models |= axis["$defs"] | {"RobotSection": robot}
     sections = {name: _partial(field, models) for name, field in spec["properties"].items()}
     own = {name: field for name, field in head["properties"].items() if name not in spec["properties"]}
@@ -462,7 +462,7 @@ def machine_schema() -> dict[str, Any]:
         "description": "An axis: sections of a spec, over those of the machine, and what of it others carry.",
         "type": "object",
         "additionalProperties": False,
-        "properties": axis["properties"] | {name: one for name, one in sections.items() if name not in WHOLE},
+        "properties": axis["properties"] | {name: section for name, section in sections.items() if name not in WHOLE},
     }
     own["axes"] |= {"additionalProperties": {"$ref": f"{_REF}Axis"}}
     return {
@@ -489,6 +489,6 @@ def _partial(field: dict[str, Any], models: dict[str, Any]) -> dict[str, Any]:
     options = field.get("oneOf", field.get("anyOf"))
     if options is None:
         return field
-    kept = {key: value for key, value in field.items() if key not in ("oneOf", "anyOf", "discriminator")}
+    rest = {key: value for key, value in field.items() if key not in ("oneOf", "anyOf", "discriminator")}
     # without its kind a section may be one of several
-    return kept | {"anyOf": [_partial(option, models) for option in options]}
+    return rest | {"anyOf": [_partial(option, models) for option in options]}

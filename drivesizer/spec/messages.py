@@ -36,8 +36,8 @@ def meant(model: type[BaseModel], path: Path_, data: Any) -> str:
     if named:
         return f"did you mean {quoted(named)}?"
     kinds = (_other_kind(model, path, word) for word in (key, *others))
-    if found := next(filter(None, kinds), "") or _other_group(model, [key, *others]):
-        return found
+    if hint := next(filter(None, kinds), "") or _other_group(model, [key, *others]):
+        return hint
     close = difflib.get_close_matches(key, known, 1, 0.5)
     return f"did you mean {quoted(close[0])}?" if close else f"expected one of {', '.join(known)}"
 
@@ -62,7 +62,7 @@ def _other_group(model: type[BaseModel], words: list[str]) -> str:
         f"{group}.{word}"
         for word in words
         for group, field in model.model_fields.items()
-        if any(word in one.model_fields for one in models_of(field))
+        if any(word in section.model_fields for section in models_of(field))
     ]
     return f"expected {' or '.join(places)}" if 0 < len(places) <= _FEW else ""
 
@@ -93,12 +93,12 @@ def _reached(model: type[BaseModel], path: Path_, data: Any) -> tuple[list[type[
             data = None
         if isinstance(step, str) and not by_name:
             fields = [m.model_fields[step] for m in models if step in m.model_fields]
-            models = [found for f in fields for found in models_of(f)]
+            models = [owner for f in fields for owner in models_of(f)]
             by_name = any(get_origin(part) is dict for f in fields for part in _parts_of(f))
         elif isinstance(step, str):
             by_name = False
-        found = data if isinstance(data, dict) else {}
-        models = [m for m in models if _is_named(m, found)] or models
+        group = data if isinstance(data, dict) else {}
+        models = [m for m in models if _is_named(m, group)] or models
     return models, by_name
 
 
@@ -116,9 +116,9 @@ def models_of(field: FieldInfo) -> list[type[BaseModel]]:
 def _parts_of(field: FieldInfo) -> Iterator[Any]:
     """All that the type of a field is made of."""
     waiting = [field.annotation, *field.metadata]
-    for one in waiting:
-        yield one
-        waiting += get_args(one)
+    for part in waiting:
+        yield part
+        waiting += get_args(part)
 
 
 # -- Validation errors of a spec, a line each: ``file:line: field: found; expected, example``.
@@ -139,9 +139,9 @@ def explained(
 ) -> InputError:
     """The error that a user reads: the first fault in the file as its message, up to five as its lines."""
     data = source.data if data is None else data
-    for path, given in open_figures(source.data):
-        found = "is free" if FREE in given else "is an expression"
-        return InputError(f"{source.where(path)}: {found}; `drivesizer design` fills in what is open")
+    for path, text in open_figures(source.data):
+        state = "is free" if FREE in text else "is an expression"
+        return InputError(f"{source.where(path)}: {state}; `drivesizer design` fills in what is open")
     faults = [(_path(dict(fault), data), dict(fault)) for fault in error.errors(include_url=False)]
     # A misspelt key also leaves the right one missing: the misspelling is reported.
     unknown = {path[:-1] for path, fault in faults if fault["type"] == "extra_forbidden"}
@@ -160,17 +160,17 @@ def explained(
         where = source.where(at + path if in_part else path)
         lines.append(f"{where}: {_message(fault, path, data, model)}")
     lines = list(dict.fromkeys(lines))
-    shown = [*lines[: _MOST - 1], lines[_MOST - 1] + _more(lines, _MOST)] if len(lines) >= _MOST else lines
-    return InputError(lines[0] + _more(lines, 1), shown)
+    listed = [*lines[: _MOST - 1], lines[_MOST - 1] + _more(lines, _MOST)] if len(lines) >= _MOST else lines
+    return InputError(lines[0] + _more(lines, 1), listed)
 
 
-def _more(lines: list[str], shown: int) -> str:
+def _more(lines: list[str], count: int) -> str:
     """The number of faults that are not shown.
 
     >>> _more(["a", "b", "c"], 1), _more(["a"], 1)
     (' (and 2 more)', '')
     """
-    return f" (and {len(lines) - shown} more)" if len(lines) > shown else ""
+    return f" (and {len(lines) - count} more)" if len(lines) > count else ""
 
 
 def _path(fault: dict[str, Any], data: Any) -> Path_:
@@ -185,8 +185,8 @@ def _path(fault: dict[str, Any], data: Any) -> Path_:
                 continue
         path.append(step)
     if fault["type"] == "value_error" and isinstance(data, dict):  # an error of several fields names one of them
-        said = str(fault["ctx"]["error"])
-        path += _named(said.partition(":")[0], data) or _named(said.partition(" ")[0], data)
+        text = str(fault["ctx"]["error"])
+        path += _named(text.partition(":")[0], data) or _named(text.partition(" ")[0], data)
     if fault["type"] == "union_tag_invalid":
         path.append(fault["ctx"]["discriminator"].strip("'"))
     return tuple(path)
@@ -221,13 +221,13 @@ _MESSAGES = dict.fromkeys(("int_type", "int_from_float"), "{found} is not a whol
 
 
 def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseModel]) -> str:
-    found, rule = quoted(_brief(fault.get("input"))), fault.get("ctx", {})
+    value, rule = quoted(_brief(fault.get("input"))), fault.get("ctx", {})
     owners = models_at(model, path[:-1], data) if path else []
     field = next((m.model_fields[str(path[-1])] for m in owners if path[-1] in m.model_fields), None)
     if fault["type"] in _MESSAGES:
         example = field.default if field and isinstance(field.default, list) and field.default else None
         default = f", e.g. {str(example).replace(chr(39), '')}" if example else ""
-        return _MESSAGES[fault["type"]].format(found=found, default=default, **rule)
+        return _MESSAGES[fault["type"]].format(found=value, default=default, **rule)
     match fault["type"]:
         case "missing":
             return f"is missing; expected {_expected(field)}"
@@ -235,7 +235,7 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return "is empty; expected text"
         case "string_type":
             grouped = isinstance(fault["input"], dict | list)
-            return f"{found} is not text; {'expected text' if grouped else 'put it in quotes'}"
+            return f"{value} is not text; {'expected text' if grouped else 'put it in quotes'}"
         case "extra_forbidden":
             return f"unknown key; {meant(model, path, data)}"
         case "value_error":
@@ -246,37 +246,37 @@ def _message(fault: dict[str, Any], path: Path_, data: Any, model: type[BaseMode
             return _not_known(rule["tag"], rule["expected_tags"])
         case "union_tag_not_found":
             key = rule["discriminator"].strip("'")
-            kinds = dict.fromkeys(str(kind) for one in models_at(model, path, data) if key in one.model_fields
-                                  for kind in get_args(one.model_fields[key].annotation))  # fmt: skip
+            kinds = dict.fromkeys(str(kind) for owner in models_at(model, path, data) if key in owner.model_fields
+                                  for kind in get_args(owner.model_fields[key].annotation))  # fmt: skip
             return f"{key} is missing; expected {key}: {' or '.join(kinds)}"
         case "model_type" | "model_attributes_type" | "dict_type":
-            some = ", ".join(known_keys(model, path, None)[:4])
-            return f"{found} is not a group of fields; expected fields such as {some}"
+            keys = ", ".join(known_keys(model, path, None)[:4])
+            return f"{value} is not a group of fields; expected fields such as {keys}"
         case _:
             text = fault["msg"][0].lower() + fault["msg"][1:]
-            return f"{found}: {text.replace('input ', '')}"
+            return f"{value}: {text.replace('input ', '')}"
 
 
-def _validator_text(text: str, found: Any, path: Path_) -> str:
+def _validator_text(text: str, value: Any, path: Path_) -> str:
     """Words of a validator: of a field with what was found there, of several fields, whose names it has, as it is."""
     own = text.removeprefix(f"{'.'.join(map(str, path))}: ")
     if own != text:
         return own
-    if isinstance(found, dict) and found:
-        of = found.get(path[-1]) if path and text.startswith(f"{path[-1]} ") else None
+    if isinstance(value, dict) and value:
+        of = value.get(path[-1]) if path and text.startswith(f"{path[-1]} ") else None
         return text if of is None or isinstance(of, list | dict) else f"{quoted(of)}: {text}"
-    return text if text.startswith(_ALONE) else f"{quoted(_brief(found))} {text}"
+    return text if text.startswith(_ALONE) else f"{quoted(_brief(value))} {text}"
 
 
-def _not_known(found: Any, expected: str) -> str:
+def _not_known(word: Any, expected: str) -> str:
     """A word that is none of those that are expected, and the nearest of them.
 
     >>> _not_known("vehicle", "'wheeled_vehicle'")
     '"vehicle" is not known; the nearest is wheeled_vehicle; expected \\'wheeled_vehicle\\''
     """
-    near = difflib.get_close_matches(str(found).lower(), re.findall(r"'([^']+)'", expected), 1, 0.6)
-    hint = f"; the nearest is {near[0]}" if near and len(str(found)) > len("car") else ""
-    return f"{quoted(_brief(found))} is not known{hint}; expected {expected}"
+    near = difflib.get_close_matches(str(word).lower(), re.findall(r"'([^']+)'", expected), 1, 0.6)
+    hint = f"; the nearest is {near[0]}" if near and len(str(word)) > len("car") else ""
+    return f"{quoted(_brief(word))} is not known{hint}; expected {expected}"
 
 
 def _brief(value: Any) -> Any:
@@ -342,7 +342,7 @@ def _chained(spec: Any) -> Iterator[str]:
     """Stages behind each other as machines have them; a gear where what is behind it knows of it."""
     kinds = [stage.kind for stage in spec.transmission]
     behind = ["belt" if kind == "belt" else "gear" for kind in kinds[1:]]
-    groups = [one for n, one in enumerate(behind) if n == 0 or behind[n - 1] != one or one == "belt"]
+    groups = [kind for n, kind in enumerate(behind) if n == 0 or behind[n - 1] != kind or kind == "belt"]
     if (
         not isinstance(spec.transmission[0], GearheadStage | DirectStage)
         or len(set(groups)) != len(groups)
@@ -354,8 +354,8 @@ def _chained(spec: Any) -> Iterator[str]:
         yield f"transmission: a {gear.kind} drives no wheel of a platform; expected a gearhead or belt"
     if gear is not None and spec.gear_before_belt and belt is not None:
         own = any(
-            (one.pinion_inertia, one.wheel_inertia, one.pinion_friction, one.wheel_friction) != (0.0,) * 4
-            for one in spec.gears
+            (stage.pinion_inertia, stage.wheel_inertia, stage.pinion_friction, stage.wheel_friction) != (0.0,) * 4
+            for stage in spec.gears
         )
         if own and belt.ratio is None:
             yield (
@@ -411,9 +411,9 @@ def _wheel_conflicts(spec: Any) -> Iterator[str]:
         return
     if not isinstance(spec.load, WheeledVehicle):
         yield "platform: it stands on the wheels of a load of kind wheeled_vehicle; leave it out"
-    driven, wanted = sum(place.driven for place in spec.platform.places), spec.load.driven_wheels
-    if driven != wanted:
-        yield (f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {wanted}")
+    driven, driven_wheels = sum(place.driven for place in spec.platform.places), spec.load.driven_wheels
+    if driven != driven_wheels:
+        yield (f"platform: {driven} of its wheels are driven; expected as many as load.driven_wheels, {driven_wheels}")
     if spec.load.driven_share is not None:
         yield "load.driven_share: each wheel's share follows from the platform; leave it out"
     if not sum(payload.mass for payload in spec.platform.payloads) < spec.load.mass:
@@ -469,9 +469,9 @@ def _equipped(spec: Any) -> Iterator[str]:
     """Equipment on a battery; one brake, and one that closes at rest where there is one; a distance of what travels."""
     if spec.equipment and spec.battery is None:
         yield "equipment: it draws from a battery; expected a section battery"
-    for one in spec.equipment:
+    for consumer in spec.equipment:
         try:
-            one.share(spec.mission.duration if spec.mission else None)
+            consumer.share(spec.mission.duration if spec.mission else None)
         except ValueError as error:
             yield f"equipment: {error}"
     legs = spec.mission.legs if spec.mission else ()
@@ -487,9 +487,9 @@ def _equipped(spec: Any) -> Iterator[str]:
 
 def _paid(spec: Any) -> Iterator[str]:
     """Limits of price in one currency, in which prices are compared then."""
-    found = [limit.currency for limit in spec.price_limits]
-    if len(set(found)) > 1:
-        yield f"needs.price, budget.price, brake.price: found {' and '.join(found)}; expected one currency"
+    currencies = [limit.currency for limit in spec.price_limits]
+    if len(set(currencies)) > 1:
+        yield f"needs.price, budget.price, brake.price: found {' and '.join(currencies)}; expected one currency"
 
 
 def _alternating(spec: Any) -> Iterator[str]:

@@ -149,10 +149,10 @@ class Mounting(fields.Section):
         """Thermal resistance as mounted, in words."""
         if self.plate_resistance is not None:
             return f"beside a plate of {self.plate_resistance:g} K/W"
-        one = self.share
-        band = "" if one.low == one.high else f" ({one.low:g} to {one.high:g})"
+        share = self.share
+        band = "" if share.low == share.high else f" ({share.low:g} to {share.high:g})"
         source = _SOURCES.get(self.kind, "as the spec gives it")
-        return f"times {one.value:g}{band}; {source}"
+        return f"times {share.value:g}{band}; {source}"
 
 
 def loss_at_flange(spec: Any, cycle: AtGearhead, gearhead: Figures) -> Any:
@@ -169,25 +169,25 @@ def heat_of(
     Run once from cold a motion is over before the long run begins.
     """
     ambient = spec.environment.ambient
-    found = heat(ambient, cycle, demand, motor, losses, loss_at_flange(spec, cycle, gearhead))
-    return found._replace(winding=np.where(np.isnan(found.winding), np.nan, ambient)) if spec.once else found
+    heating = heat(ambient, cycle, demand, motor, losses, loss_at_flange(spec, cycle, gearhead))
+    return heating._replace(winding=np.where(np.isnan(heating.winding), np.nan, ambient)) if spec.once else heating
 
 
 def mounting_words(spec: Any) -> tuple[str, ...]:
     """Assumptions of the mounting, as sentences; none as printed."""
-    one = spec.mounting
-    if one is None:
+    mounting = spec.mounting
+    if mounting is None:
         return ()
-    found = []
-    if one.changes_housing:
-        found.append(
-            f"the thermal resistance from housing to ambient is the printed one {one.words}; time constant of the "
+    sentences = []
+    if mounting.changes_housing:
+        sentences.append(
+            f"the thermal resistance from housing to ambient is the printed one {mounting.words}; time constant of the "
             "housing and nominal current follow, that of brushed motors at worst stays as printed where it would rise: "
             "brushes may set it"
         )
-    if one.gear_loss_share:
-        found.append(f"{100.0 * one.gear_loss_share:g} % of the gearhead's loss heats the motor's housing")
-    return tuple(found)
+    if mounting.gear_loss_share:
+        sentences.append(f"{100.0 * mounting.gear_loss_share:g} % of the gearhead's loss heats the motor's housing")
+    return tuple(sentences)
 
 
 # -- Section of a spec on what acts on the output shaft of gearhead or motor.
@@ -251,6 +251,6 @@ class OwnBrake(fields.Section):
     @property
     def figures(self) -> dict[str, Any]:
         """Columns of the catalogue, as far as given [SI]; arrays over samples."""
-        given = {_FIGURES.get(name, name): getattr(self, name) for name in type(self).model_fields if name != "at"}
-        known = {name: value for name, value in given.items() if value is not None}
+        figures = {_FIGURES.get(name, name): getattr(self, name) for name in type(self).model_fields if name != "at"}
+        known = {name: value for name, value in figures.items() if value is not None}
         return known | {"shaft": "load" if self.at == "load" else ""}

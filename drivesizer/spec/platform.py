@@ -40,8 +40,8 @@ class WheelPlace(fields.Section):
 
     def _contradictions(self) -> Iterator[str]:
         by_table, by_place = (self.distance, self.alpha, self.beta), (self.x, self.y, self.heading)
-        given = (by_place, by_table) if self.distance is None else (by_table, by_place)
-        if given[0][0] is None or given[0][1] is None or any(v is not None for v in given[1]):
+        places = (by_place, by_table) if self.distance is None else (by_table, by_place)
+        if places[0][0] is None or places[0][1] is None or any(v is not None for v in places[1]):
             yield "give x and y with heading, or distance and alpha with beta, one of both"
         if (self.roller_angle is not None) != (self.kind == "mecanum"):
             yield "give roller_angle for a mecanum wheel, such as 45 deg or -45 deg, and for no other"
@@ -173,8 +173,8 @@ class Unknown(fields.Section):
     @property
     def record(self) -> Misjudged:
         """The same as a plain record, as the simulation takes it."""
-        given: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in self}
-        return Misjudged(**given | {"payload": Payload(**dict(self.payload)) if self.payload else None})
+        figures: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in self}
+        return Misjudged(**figures | {"payload": Payload(**dict(self.payload)) if self.payload else None})
 
 
 # -- Sections of a spec on path following: controllers, floor and measured errors.

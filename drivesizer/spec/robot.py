@@ -34,15 +34,15 @@ from drivesizer.spec.tolerances import Toleranced, Tolerances, split_tolerances
 
 
 @lru_cache(maxsize=64)
-def stage_of(controller: Controller | None, volts: float, given: sections.PowerStage, assume: bool) -> StageFigures:
+def stage_of(controller: Controller | None, volts: float, stage: sections.PowerStage, assume: bool) -> StageFigures:
     """The power stage of one controller: of those of late as before."""
-    return power_stage(controller or Controller(), volts, given, assume=assume)
+    return power_stage(controller or Controller(), volts, stage, assume=assume)
 
 
 @lru_cache(maxsize=64)
-def _stages(volts: float, given: sections.PowerStage, assume: bool) -> Callable[[Figures], StageFigures]:
+def _stages(volts: float, stage: sections.PowerStage, assume: bool) -> Callable[[Figures], StageFigures]:
     """The power stages of many controllers, once for each."""
-    return once_per_part(lambda part: power_stage(part, volts, given, assume=assume))
+    return once_per_part(lambda part: power_stage(part, volts, stage, assume=assume))
 
 
 # -- robot.yaml to typed data: the only place where a user's file becomes numbers.
@@ -121,8 +121,8 @@ class RobotSpec(fields.Section, OfFile):
     @field_validator("cases")
     @classmethod
     def _named_apart(cls, cases: list[sections.Case]) -> list[sections.Case]:
-        for said in fields.apart(cases, "cases"):
-            raise ValueError(said)
+        for fault in fields.apart(cases, "cases"):
+            raise ValueError(fault)
         return cases
 
     @property
@@ -134,10 +134,10 @@ class RobotSpec(fields.Section, OfFile):
     def parts_key(self) -> tuple[Hashable, ...]:
         """All of the spec that the parts to search hang on."""
         select = self.select
-        beside = repr(select.named) if self._typed else ""
-        prices = tuple(select.rates.items()), tuple(one.currency for one in self.price_limits), self.load.motors
+        names = repr(select.named) if self._typed else ""
+        prices = tuple(select.rates.items()), tuple(limit.currency for limit in self.price_limits), self.load.motors
         return (*select.catalogs, Path(self.file).parent, select.motor.kind, select.estimates,
-                self.control.phase_current, self._typed, beside, prices)  # fmt: skip
+                self.control.phase_current, self._typed, names, prices)  # fmt: skip
 
     @property
     def wants_brake(self) -> bool:
@@ -215,11 +215,11 @@ class RobotSpec(fields.Section, OfFile):
 
         A brake counts with what keeps it released: it draws that at any time, as a stage draws its standby power.
         """
-        given = self.supply.nominal, self.power_stage, self.select.estimates == "on"
+        arguments = self.supply.nominal, self.power_stage, self.select.estimates == "on"
         try:
-            stages = _stages(*given)
+            stages = _stages(*arguments)
         except TypeError:  # figures over samples, which are not kept
-            stages = _stages.__wrapped__(*given)
+            stages = _stages.__wrapped__(*arguments)
         return self._fed(stages(controller), brake)
 
     def feed_of(self, controller: Controller | None, brake: Brake | None = None) -> Feed:
@@ -323,22 +323,22 @@ class RobotSpec(fields.Section, OfFile):
 
     def changed(self, change: Callable[[RobotSpec], RobotSpec]) -> RobotSpec:
         """The spec and its further load cases with the same change."""
-        made = change(self)
-        made._cases = tuple((name, change(case)) for name, case in self._cases)
-        return made
+        spec = change(self)
+        spec._cases = tuple((name, change(case)) for name, case in self._cases)
+        return spec
 
     @property
     def price_limits(self) -> list[fields.Money]:
         """Prices that the spec gives, as far as they have a currency."""
         own = (self.needs.price, self.budget and self.budget.price, self.brake and self.brake.price)
-        given = (*own, self._machine_price)
-        return [one for one in given if isinstance(one, fields.Money)]
+        prices = (*own, self._machine_price)
+        return [price for price in prices if isinstance(price, fields.Money)]
 
     def in_machine(self, price: float | None) -> RobotSpec:
         """The spec of an axis of a machine whose price is limited."""
-        made = self.model_copy()
-        made._machine_price = price if isinstance(price, fields.Money) else None
-        return made
+        spec = self.model_copy()
+        spec._machine_price = price if isinstance(price, fields.Money) else None
+        return spec
 
     @property
     def counts_price(self) -> bool:
@@ -347,22 +347,22 @@ class RobotSpec(fields.Section, OfFile):
 
     def with_select(self, select: drive.Select) -> RobotSpec:
         """The spec with other permitted parts or another objective, in all load cases."""
-        return self if select is self.select else self.changed(lambda one: one.model_copy(update={"select": select}))
+        return self if select is self.select else self.changed(lambda spec: spec.model_copy(update={"select": select}))
 
     def alone(self, **sections: Any) -> RobotSpec:
         """The spec without further load cases, some of its sections changed."""
-        made = self.model_copy(update={"cases": [], **sections})
-        made._cases = ()
-        return made
+        spec = self.model_copy(update={"cases": [], **sections})
+        spec._cases = ()
+        return spec
 
     def on_supply_of_machine(self) -> RobotSpec:
         """The spec as an axis of several: what it regenerates is judged with the others', in the machine."""
         shared = {"accepts": "all", "overvoltage_trip": None, "part": None}
 
-        def marked(one: RobotSpec) -> RobotSpec:
-            made = one.model_copy(update={"supply": one.supply.model_copy(update=shared)})
-            made._on_common_bus = True
-            return made
+        def marked(spec: RobotSpec) -> RobotSpec:
+            on_bus = spec.model_copy(update={"supply": spec.supply.model_copy(update=shared)})
+            on_bus._on_common_bus = True
+            return on_bus
 
         return self.changed(marked)
 
@@ -373,9 +373,9 @@ class RobotSpec(fields.Section, OfFile):
 
     def with_brake_released(self, share: float) -> RobotSpec:
         """The spec with a brake that is kept released for a share of the time."""
-        made = self.model_copy()
-        made._brake_released = share
-        return made
+        spec = self.model_copy()
+        spec._brake_released = share
+        return spec
 
     @property
     def waits_until(self) -> float | None:
@@ -384,16 +384,16 @@ class RobotSpec(fields.Section, OfFile):
 
     def waiting(self, until: Mapping[str, float | None]) -> RobotSpec:
         """The spec as an axis that waits at rest for the end of the machine's cycle [s], by load case."""
-        made = self.model_copy()
-        made._waits_until = until.get(self.load_cases[0][0])
-        made._cases = tuple((name, case.waiting({"": until.get(name)})) for name, case in self._cases)
-        return made
+        spec = self.model_copy()
+        spec._waits_until = until.get(self.load_cases[0][0])
+        spec._cases = tuple((name, case.waiting({"": until.get(name)})) for name, case in self._cases)
+        return spec
 
     def with_cases(self, further: Iterable[tuple[str, RobotSpec]]) -> RobotSpec:
         """The spec with more load cases behind its own, by name."""
-        made = self.model_copy()
-        made._cases = (*self._cases, *further)
-        return made
+        spec = self.model_copy()
+        spec._cases = (*self._cases, *further)
+        return spec
 
     @property
     def toleranced(self) -> tuple[Toleranced, ...]:
@@ -434,26 +434,26 @@ def read_spec(source: YamlSource) -> RobotSpec:
     for case in (spec, *(case for _, case in spec._cases)):
         case._typed = typed
     spec._toleranced = toleranced
-    shaping = next((one for one in toleranced if spec.shift and one.path[0] in _SHAPING), None)
+    shaping = next((figure for figure in toleranced if spec.shift and figure.path[0] in _SHAPING), None)
     if shaping is not None:
         text = "cases that alternate by their shares are at nominal figures; expected it without a tolerance"
         raise InputError(f"{source.where(shaping.path)}: {text}")
-    for one in toleranced:  # both ends must be values that the field may have
-        for end, value in (("lowest", one.distribution.low), ("highest", one.distribution.high)):
-            _reached(source, data, one, end, value)
-    spec._toleranced = tuple(one.as_angle() if _is_grade(spec, one) else one for one in toleranced)
+    for figure in toleranced:  # both ends must be values that the field may have
+        for end, value in (("lowest", figure.distribution.low), ("highest", figure.distribution.high)):
+            _reached(source, data, figure, end, value)
+    spec._toleranced = tuple(figure.as_angle() if _is_grade(spec, figure) else figure for figure in toleranced)
     return spec
 
 
-def _is_grade(spec: RobotSpec, one: Toleranced) -> bool:
+def _is_grade(spec: RobotSpec, figure: Toleranced) -> bool:
     """Whether a figure in per cent became the angle of a slope."""
-    if one.unit != "%":
+    if figure.unit != "%":
         return False
-    of_case = one.path[0] == "cases"
-    place: Any = spec._cases[int(one.path[1])][1] if of_case else spec
-    for step in one.path[2:] if of_case else one.path:
+    of_case = figure.path[0] == "cases"
+    place: Any = spec._cases[int(figure.path[1])][1] if of_case else spec
+    for step in figure.path[2:] if of_case else figure.path:
         place = getattr(place, step) if isinstance(step, str) and not isinstance(place, dict) else place[step]
-    return bool(place == math.atan(one.value) != one.value)
+    return bool(place == math.atan(figure.value) != figure.value)
 
 
 def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
@@ -462,30 +462,32 @@ def _read(source: YamlSource, data: dict[str, Any]) -> RobotSpec:
     return spec
 
 
-def _reached(source: YamlSource, data: dict[str, Any], one: Toleranced, end: str, value: float) -> None:
+def _reached(source: YamlSource, data: dict[str, Any], figure: Toleranced, end: str, value: float) -> None:
     """Refuse a tolerance with an end outside the range of the field."""
     try:
-        _read(source, changed(data, one.path, one.as_text(value)))
+        _read(source, changed(data, figure.path, figure.as_text(value)))
     except InputError as error:
         reason = re.sub(r'^\S+:\d+: (\S+: )?("[^"]*" )?', "", str(error))
-        text = f"{quoted(one.text)} is {one.shown(value)} at its {end}: {reason}"
-        raise InputError(f"{source.where(one.path)}: {text}") from None
+        text = f"{quoted(figure.text)} is {figure.shown(value)} at its {end}: {reason}"
+        raise InputError(f"{source.where(figure.path)}: {text}") from None
 
 
 def _validated(source: YamlSource, data: dict[str, Any], at: Path_ = ()) -> RobotSpec:
     load = data["load"] if isinstance(data.get("load"), dict) else {}
     axis = AXES.get(str(load.get("kind")), "linear")  # in which units the motion is given
-    known, given = source.sections, dict(data)
+    known, values = source.sections, dict(data)
     for name in RobotSpec.model_fields:
         if (name, axis) in known and known[name, axis][0] is data.get(name):
-            given[name] = known[name, axis][1]
+            values[name] = known[name, axis][1]
     try:
-        spec = RobotSpec.model_validate(given, context={"axis": axis})
+        spec = RobotSpec.model_validate(values, context={"axis": axis})
     except ValidationError as error:
         raise explained(error, source, RobotSpec, data, at) from None
     spec.model_fields_set.intersection_update(data)
     of_spec = ((name, getattr(spec, name)) for name in RobotSpec.model_fields)
-    known |= {(name, axis): (data.get(name), one) for name, one in of_spec if isinstance(one, fields.Section)}
+    known |= {
+        (name, axis): (data.get(name), section) for name, section in of_spec if isinstance(section, fields.Section)
+    }
     spec._source = source
     return spec
 

@@ -37,16 +37,16 @@ class Either:
     def read(self, text: object, info: Any) -> JointFigure:
         """The SI value of a text with its kind; one outside the range is a ValueError."""
         try:
-            found = JointFigure(to_si(text, self.rotary), self.rotary)
+            figure = JointFigure(to_si(text, self.rotary), self.rotary)
         except InputError as refused:
             try:
-                found = JointFigure(to_si(text, self.linear), self.linear)
+                figure = JointFigure(to_si(text, self.linear), self.linear)
             except InputError:
                 raise InputError(f"{refused}, or {KINDS[self.linear].example} of a joint that slides") from None
-        if not found.value > self.above:
-            kind = KINDS[found.kind]
+        if not figure.value > self.above:
+            kind = KINDS[figure.kind]
             raise ValueError(f"must be above {self.above:g} {label(kind.si)}, e.g. {kind.example}")
-        return found
+        return figure
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         return core_schema.with_info_plain_validator_function(self.read)

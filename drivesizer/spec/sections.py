@@ -67,7 +67,7 @@ class Lives(fields.Section):
 
 Life = Annotated[
     Annotated[fields.Duration, Tag("of all")] | Annotated[Lives, Tag("by part")],
-    Discriminator(lambda given: "by part" if isinstance(given, dict | Lives) else "of all"),
+    Discriminator(lambda life: "by part" if isinstance(life, dict | Lives) else "of all"),
 ]
 
 
@@ -163,10 +163,10 @@ class Supply(fields.Section):
 
     def _contradictions(self) -> Iterator[str]:
         if not (self.min or self.nominal) <= self.nominal <= (self.max or self.nominal):
-            low, high = (None if one is None else f"{one:g} V" for one in (self.min, self.max))
-            given = [("min", low), ("nominal", f"{self.nominal:g} V"), ("max", high)]
-            found = ", ".join(f"{name} {text}" for name, text in given if text)
-            yield f'"{found}": expected min <= nominal <= max'
+            low, high = (None if volts is None else f"{volts:g} V" for volts in (self.min, self.max))
+            ends = [("min", low), ("nominal", f"{self.nominal:g} V"), ("max", high)]
+            listed = ", ".join(f"{name} {text}" for name, text in ends if text)
+            yield f'"{listed}": expected min <= nominal <= max'
         if self.stalled and self.current is None and self.part is None:
             yield "give current with stalled: that the supply can deliver"
         if self.kind == "power_supply" and (self.regeneration or self.accepts == "all"):
@@ -274,13 +274,15 @@ class Mission(fields.Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _as_long_as_its_legs(cls, given: Any) -> Any:
+    def _as_long_as_its_legs(cls, mission: Any) -> Any:
         """A mission with legs and no duration lasts as long as they do; what cannot be read is refused leg by leg."""
-        legs = given.get("legs") if isinstance(given, dict) and "duration" not in given else None
+        legs = mission.get("legs") if isinstance(mission, dict) and "duration" not in mission else None
         try:
-            return {**given, "duration": f"{sum(to_si(leg['time'], 'time') for leg in legs)!r} s"} if legs else given
+            return (
+                {**mission, "duration": f"{sum(to_si(leg['time'], 'time') for leg in legs)!r} s"} if legs else mission
+            )
         except (InputError, TypeError, KeyError):
-            return {**given, "duration": "1 s"}
+            return {**mission, "duration": "1 s"}
 
 
 class Needs(fields.Section):
@@ -492,9 +494,9 @@ class Consumer(fields.Section):
 
     def drawn(self, mission: float | None) -> tuple[float, float]:
         """Power out of the battery in the mean over a mission's time [s] and at most [W]."""
-        each = self.number / self.efficiency
+        factor = self.number / self.efficiency
         highest = self.power if self.peak_power is None else self.peak_power
-        return each * self.power * self.share(mission), each * highest
+        return factor * self.power * self.share(mission), factor * highest
 
 
 # -- Section of a spec on the brake resistor of its bus.
@@ -529,14 +531,14 @@ class BrakeResistor(fields.Section):
     def among(self, parts: list[str], voltage: float) -> Self:
         """The section with the parts that are left to choose from, and the lowest voltage of their choppers [V]."""
         free = self.may_be_none
-        made = self.model_copy(update={"part": parts, "family": None, "chopper_voltage": voltage})
-        made._may_be_none = free
-        return made
+        section = self.model_copy(update={"part": parts, "family": None, "chopper_voltage": voltage})
+        section._may_be_none = free
+        return section
 
     @model_validator(mode="before")
     @classmethod
-    def _any(cls, given: Any) -> Any:
-        return {} if given == _ANY else given
+    def _any(cls, value: Any) -> Any:
+        return {} if value == _ANY else value
 
     def _contradictions(self) -> Iterator[str]:
         if self.resistance is None:

@@ -85,19 +85,19 @@ def has_tolerance(text: str) -> bool:
 
 def split_tolerances(source: YamlSource) -> tuple[Any, tuple[Toleranced, ...]]:
     """Split a spec's data into nominal values and the figures with tolerances."""
-    data, found = source.data, []
+    data, toleranced = source.data, []
     for path, text in _texts(source.data, ()):
         if not has_tolerance(text):
             continue
         if why := _refused(path, data):
             raise InputError(f"{source.where(path)}: {why}; expected it without a tolerance")
         try:
-            one = tolerance(text, path)
+            figure = tolerance(text, path)
         except InputError as error:
             raise InputError(f"{source.where(path)}: {error}") from None
-        found.append(one)
-        data = changed(data, path, one.nominal)
-    return data, tuple(found)
+        toleranced.append(figure)
+        data = changed(data, path, figure.nominal)
+    return data, tuple(toleranced)
 
 
 def _refused(path: Path_, data: Any) -> str:
@@ -252,8 +252,8 @@ Factor = Annotated[str, BeforeValidator(_readable)]
 
 def _section(part: str, doc: str) -> type[fields.Section]:
     """Section on the figures of a part that ``tolerances.txt`` declares."""
-    own: dict[str, Any] = {one.figure: (Factor | None, fields.optional(one.help or None, "+- 7 %"))
-           for one in CLASSES.values() if one.part == part}  # fmt: skip
+    own: dict[str, Any] = {entry.figure: (Factor | None, fields.optional(entry.help or None, "+- 7 %"))
+           for entry in CLASSES.values() if entry.part == part}  # fmt: skip
     return create_model(f"{part.title()}Tolerances", __base__=fields.Section, __doc__=doc, **own)
 
 
