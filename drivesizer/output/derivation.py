@@ -112,8 +112,8 @@ def printed_failure(declared: Equation) -> str | None:
 
     if not declared.printed:
         return None
-    every = [*EQUATIONS.values(), *COMPANIONS.values()]
-    unit = {term.name: term.unit for one in every for term in (*one.terms, one.result)}
+    declarations = [*EQUATIONS.values(), *COMPANIONS.values()]
+    unit = {term.name: term.unit for equation in declarations for term in (*equation.terms, equation.result)}
     unit |= {term.name: term.unit for term in (*declared.terms, declared.result)} | declared.printed_units
     ureg = registry()
 
@@ -125,11 +125,11 @@ def printed_failure(declared: Equation) -> str | None:
     try:
         value = own_value(declared.printed, space)
     except DimensionalityError as error:
-        one, other = (label(f"{ureg.Unit(str(unit)):~C}") for unit in (error.units1, error.units2))
-        return f"{one} cannot be added to {other}"
-    wanted = ureg.Quantity(1.0, declared.result.unit if declared.result.unit != "1" else "")
-    if value.dimensionality != wanted.dimensionality:
-        excess, si = (value / wanted).to_base_units().units, label(declared.result.unit)
+        first, second = (label(f"{ureg.Unit(str(unit)):~C}") for unit in (error.units1, error.units2))
+        return f"{first} cannot be added to {second}"
+    expected = ureg.Quantity(1.0, declared.result.unit if declared.result.unit != "1" else "")
+    if value.dimensionality != expected.dimensionality:
+        excess, si = (value / expected).to_base_units().units, label(declared.result.unit)
         return f"its unit is {si} times {label(f'{excess:~C}')}, not {si}"
     return None
 
@@ -147,22 +147,22 @@ MATHEMATICS = ("symbol", "symbol_value", "printed", "used", "numbers", "result")
 def step(r: Requirement) -> dict[str, Any]:
     """A requirement as the report prints it: texts, and typst mathematics under the names in ``MATHEMATICS``."""
     left, trade = symbol(r.symbol), quantity(float(r.value), r.unit, r.kind)
-    made: dict[str, Any] = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
+    texts: dict[str, Any] = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
         "number": str(r.equation or ""), "title": r.title, "symbol": left, "symbol_value": f"{left} = {trade}",
         "note": r.note,
     }  # fmt: skip
     if r.declared is None:
-        return made
+        return texts
     expression, printed = _expression(r), r.declared.printed
     if printed:
-        made["printed"] = f"{left} = {typst(printed, paper=True)}"
-    used = "" if printed and typst(printed) == typst(expression) else typst(expression)
-    made["used"] = f"{left} = {used}" if used.replace("^(2)", "^2") not in ("", left) else ""
-    made["numbers"] = f"{left} = {typst(expression, values=_put_in(expression, _terms(r), _with_unit))}"
+        texts["printed"] = f"{left} = {typst(printed, paper=True)}"
+    computed = "" if printed and typst(printed) == typst(expression) else typst(expression)
+    texts["used"] = f"{left} = {computed}" if computed.replace("^(2)", "^2") not in ("", left) else ""
+    texts["numbers"] = f"{left} = {typst(expression, values=_put_in(expression, _terms(r), _with_unit))}"
     si = KINDS[r.kind].si
-    made["result"] = trade if si == r.unit else f"{quantity(float(r.value), si, r.kind)} = {trade}"
-    made["failure"] = _failures().get(r.declared.name, "")
-    return made
+    texts["result"] = trade if si == r.unit else f"{quantity(float(r.value), si, r.kind)} = {trade}"
+    texts["failure"] = _failures().get(r.declared.name, "")
+    return texts
 
 
 def value_of(expression: str, terms: Mapping[str, tuple[float, str]]) -> float:
@@ -183,13 +183,13 @@ def worked(
     """A formula with its numbers put in, as a step of a derivation, and its value; ``bare``: numbers without units."""
     value, sign = value_of(expression, terms), symbol_typst(left)
     written = (lambda x, unit: _with_unit(x, unit if unit == "deg" else "1")) if bare else _with_unit
-    made = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
+    texts = dict.fromkeys((*MATHEMATICS, "failure"), "") | {
         "number": "", "title": title, "symbol": sign, "symbol_value": f"{sign} = {quantity(value, unit, kind)}",
         "used": f"{sign} = {typst(expression)}",
         "numbers": f"{sign} = {typst(expression, values=_put_in(expression, terms, written))}",
         "result": quantity(value, unit, kind), "note": note, "exact": {"name": name, "value": value},
     }  # fmt: skip
-    return made, value
+    return texts, value
 
 
 def symbol(text: str) -> str:
@@ -236,15 +236,14 @@ def _unit(unit: str) -> str:
 @cache
 def _failures() -> dict[str, str]:
     """Printed forms that fail the unit check, by name: found once and kept, so that no report needs pint."""
-    kept: dict[str, str] = json.loads(resources.files(__package__).joinpath("printed_failures.json").read_bytes())
-    return kept
+    return json.loads(resources.files(__package__).joinpath("printed_failures.json").read_bytes())
 
 
 def evaluated_failures() -> dict[str, str]:
     """The same, found anew: every declared equation's printed form evaluated with units."""
-    every = [*EQUATIONS.values(), *COMPANIONS.values()]
-    found = {declared.name: printed_failure(declared) for declared in every}
-    return {name: failure for name, failure in found.items() if failure}
+    declarations = [*EQUATIONS.values(), *COMPANIONS.values()]
+    failures = {declared.name: printed_failure(declared) for declared in declarations}
+    return {name: failure for name, failure in failures.items() if failure}
 
 
 def _expression(r: Requirement) -> str:

@@ -21,7 +21,7 @@ def loop_figures(loop: Loop) -> tuple[Figure, ...]:
 
     The sensitivity of an unstable loop is left NaN: its distance to -1 is no measure of robustness.
     """
-    values = {one.name: getattr(loop, one.name) for one in fields(loop)}
+    values = {field.name: getattr(loop, field.name) for field in fields(loop)}
     return figures_of("loop", values | ({} if loop.stable else {"sensitivity": nan}))
 
 
@@ -78,8 +78,8 @@ _GAINS = (*listed("drivesizer.output", "gains.txt"),)
 
 def gain_rows(gains: Gains | Cascade | Stepping) -> list[GainRow]:
     """Gains and periods of a controller, without the paths that it does not have; pulses of a stepper's driver."""
-    found = []
+    rows = []
     for kind, (name, title, unit, *off) in _GAINS:
         if kind == type(gains).__name__ and (getattr(gains, name) or not off):
-            found.append(GainRow(name, title, float(getattr(gains, name)), unit))
-    return found
+            rows.append(GainRow(name, title, float(getattr(gains, name)), unit))
+    return rows

@@ -35,11 +35,11 @@ def unknown_of(drive_set: DriveSet, known: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _figures_of(*names: str) -> Callable[[Any], str]:
-    def said(part: Any) -> str:
+    def words(part: Any) -> str:
         columns = columns_of(section_of(part))
         return ", ".join(show(getattr(part, name), columns[name].unit, columns[name].kind) for name in names)
 
-    return said
+    return words
 
 
 def _toothed(part: Belt | Pulley) -> str:
@@ -143,18 +143,18 @@ def line_of(role: str, part: Any, catalog: Catalog, quantity: int, mass: dict[st
 def price_for(part: Any, quantity: int, catalog: Catalog) -> dict[str, Any]:
     """The price of a part for a quantity, with the number by which its seller knows it."""
     section = section_of(part)
-    found = price_of(catalog, section, part.part, quantity)
-    if found is None:
+    price = price_of(catalog, section, part.part, quantity)
+    if price is None:
         return {}
-    if found.column:
+    if price.column:
         of = catalog.unpriced if catalog.unpriced and part.part in catalog.unpriced.table(section).rows else catalog
         known = origins(Hit("", of, section, of.table(section).rows[part.part]))
-        source = known.get(found.column, Source("", ""))
-        found = found._replace(date=source.date, document=source.document, confidence=source.confidence)
-    order = {"order_number": found.order_number} if found.order_number else {}
-    return order | {"price": found.amount, "currency": found.currency or "of unknown currency", "pieces": found.pieces,
-                    "price_date": found.date, "seller": found.seller, "delivery": found.delivery,
-                    "price_source": found.document, "price_confidence": found.confidence}  # fmt: skip
+        source = known.get(price.column, Source("", ""))
+        price = price._replace(date=source.date, document=source.document, confidence=source.confidence)
+    order = {"order_number": price.order_number} if price.order_number else {}
+    return order | {"price": price.amount, "currency": price.currency or "of unknown currency", "pieces": price.pieces,
+                    "price_date": price.date, "seller": price.seller, "delivery": price.delivery,
+                    "price_source": price.document, "price_confidence": price.confidence}  # fmt: skip
 
 
 def _number(catalog: Catalog, part: Any) -> str:
@@ -198,13 +198,13 @@ def totals(lines: Sequence[PartLine]) -> list[Total]:
 def named_totals(lines: Sequence[PartLine], names: Sequence[str]) -> list[Total]:
     """Mass and price of lines of which several may have a role."""
     masses = [(x.quantity * x.mass, x.quantity * x.mass_low, x.quantity * x.mass_high) for x in lines]
-    wanted: list[tuple[str, str, list[tuple[float, float, float]]]] = [("mass", "kg", masses)]
+    figures: list[tuple[str, str, list[tuple[float, float, float]]]] = [("mass", "kg", masses)]
     for currency in dict.fromkeys(line.currency for line in lines if line.currency):
         prices = [(x.quantity * x.price if x.currency == currency else nan, nan, nan) for x in lines]
-        wanted.append(("price", currency, prices))
+        figures.append(("price", currency, prices))
     roles = [(line.role, name) for line, name in zip(lines, names, strict=True)]
-    found = [_total(name, unit, [*zip(roles, values, strict=True)]) for name, unit, values in wanted]
-    return [total for total in found if total.over]
+    sums = [_total(name, unit, [*zip(roles, values, strict=True)]) for name, unit, values in figures]
+    return [total for total in sums if total.over]
 
 
 def _total(name: str, unit: str, values: Sequence[tuple[tuple[str, str], tuple[float, float, float]]]) -> Total:
@@ -229,45 +229,45 @@ def _once(names: Iterable[str]) -> tuple[str, ...]:
 OWN_SUPPLY = "of its own supply"  # behind the voltage of a brake that is not that of the machine
 
 
-def parts_list(found: DriveSet, catalog: Catalog, drives: int, belt: float | None = None) -> list[PartLine]:
+def parts_list(drive: DriveSet, catalog: Catalog, drives: int, belt: float | None = None) -> list[PartLine]:
     """The parts list of a machine: a line for each part of a drive."""
     masses: dict[str, dict[str, Any]] = {}
-    for row in drive_rows(found, drives, catalog, belt):  # with a band where it is estimated
+    for row in drive_rows(drive, drives, catalog, belt):  # with a band where it is estimated
         low, high = row.band or (nan, nan)
         masses[row.name] = {"mass": row.each, "mass_low": low, "mass_high": high}
-    lines = [line_of(role, part, catalog, drives, masses[role]) for role, part in found.parts.items()]
-    lines = [replace(x, said=", ".join((x.said, *found.belt_running))) if x.role == "belt" else x for x in lines]
-    if found.encoder and found.encoder.manufacturer == found.motor.manufacturer:  # its maker mounts it
+    lines = [line_of(role, part, catalog, drives, masses[role]) for role, part in drive.parts.items()]
+    lines = [replace(x, said=", ".join((x.said, *drive.belt_running))) if x.role == "belt" else x for x in lines]
+    if drive.encoder and drive.encoder.manufacturer == drive.motor.manufacturer:  # its maker mounts it
         lines = [replace(x, ordered_with="motor") if x.role == "encoder" else x for x in lines]
-    if found.without_controller:
-        lines = [replace(x, said=found.without_controller) if x.role == "controller" else x for x in lines]
-    if found.motor.controller:
-        lines = [replace(x, said=f"{found.motor.controller} inside") if x.role == "motor" else x for x in lines]
-    if found.chosen_screw:
-        lines = [replace(x, said=found.chosen_screw.running) if x.role == "screw" else x for x in lines]
-    if not found.belt_drive and (found.belt_ratio != 1.0 or found.belt_efficiency != 1.0):  # a belt of no known parts
-        place = 1 + next((n for n, role in enumerate(found.parts) if role == "gearhead"), 0)
-        said = f"{found.belt_ratio:g} : 1, efficiency {100 * found.belt_efficiency:.4g} %"
-        lines.insert(place, PartLine(role="belt", said=said, quantity=drives, **masses.get("belt and pulleys", {})))
-    if wanted := _wanted_brake(found):
+    if drive.without_controller:
+        lines = [replace(x, said=drive.without_controller) if x.role == "controller" else x for x in lines]
+    if drive.motor.controller:
+        lines = [replace(x, said=f"{drive.motor.controller} inside") if x.role == "motor" else x for x in lines]
+    if drive.chosen_screw:
+        lines = [replace(x, said=drive.chosen_screw.running) if x.role == "screw" else x for x in lines]
+    if not drive.belt_drive and (drive.belt_ratio != 1.0 or drive.belt_efficiency != 1.0):  # a belt of no known parts
+        place = 1 + next((n for n, role in enumerate(drive.parts) if role == "gearhead"), 0)
+        words = f"{drive.belt_ratio:g} : 1, efficiency {100 * drive.belt_efficiency:.4g} %"
+        lines.insert(place, PartLine(role="belt", said=words, quantity=drives, **masses.get("belt and pulleys", {})))
+    if brake := _unlisted_brake(drive):
         place = next((n for n, line in enumerate(lines) if line.role in ("encoder", "controller")), len(lines))
-        lines.insert(place, PartLine(role="brake", said=wanted, quantity=drives))
+        lines.insert(place, PartLine(role="brake", said=brake, quantity=drives))
     return lines
 
 
-def machine_parts(found: DriveSet, problem: Problem) -> list[PartLine]:
+def machine_parts(drive: DriveSet, problem: Problem) -> list[PartLine]:
     """The parts list of the machine of a sizing."""
     spec = problem.machine
-    lines = parts_list(found, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
-    apart = any(check.name == "brake_voltage" and check.note for check in found.every_check)
+    lines = parts_list(drive, problem.catalog, spec.load.motors, spec.belt.mass if spec.belt else None)
+    apart = any(check.name == "brake_voltage" and check.note for check in drive.every_check)
     own = apart if spec.supply.brakes is None else spec.supply.brakes != spec.supply.nominal
-    if found.brake and not isnan(found.brake.supply) and own:
+    if drive.brake and not isnan(drive.brake.supply) and own:
         lines = [replace(x, said=f"{x.said} {OWN_SUPPLY}") if x.role == "brake" else x for x in lines]
     if spec.gear is not None:
         behind = ["gearhead"] if spec.gear_before_belt else ["gearhead", "belt", "driven pulley"]
         place = 1 + max((n for n, line in enumerate(lines) if line.role in behind), default=0)
         lines.insert(place, _gear_line(spec.gear, spec.load.motors))
-    resistor = found.braking.resistor if found.braking else None
+    resistor = drive.braking.resistor if drive.braking else None
     return [*lines, *_supply_lines(problem.machine.supply.part, resistor, [problem.catalog])]
 
 
@@ -275,11 +275,11 @@ def _supply_lines(
     supply: str | None, resistor: BrakeResistor | None, catalogs: Sequence[Catalog]
 ) -> Iterator[PartLine]:
     """Power supply and brake resistor, one each for the machine; a resistor may be described by the spec alone."""
-    for catalog in [one for one in catalogs if supply in one.power_supplies.rows][:1]:
+    for catalog in [catalog for catalog in catalogs if supply in catalog.power_supplies.rows][:1]:
         unit = catalog.power_supplies.record(catalog.power_supplies.rows[str(supply)])
         yield line_of("power supply", unit, catalog, 1, {"mass": unit.mass})
     if resistor is not None and resistor.part:
-        catalog = next((one for one in catalogs if resistor.part in one.brake_resistors.rows), catalogs[0])
+        catalog = next((catalog for catalog in catalogs if resistor.part in catalog.brake_resistors.rows), catalogs[0])
         yield line_of("brake resistor", resistor, catalog, 1, {"mass": resistor.mass})
     elif resistor is not None:
         yield PartLine(role="brake resistor", said=SAID["brake resistor"](resistor), quantity=1)
@@ -289,15 +289,15 @@ def _gear_line(gear: GearStage, drives: int) -> PartLine:
     """The line of a gear of fixed ratio, which the spec gives."""
     back = gear.fixed_gear().back_efficiency
     behind = ", self-locking" if back <= 0.0 else f", {100 * back:.4g} % driven back" if back != gear.efficiency else ""
-    said = f"{gear.ratio:g} : 1, efficiency {100 * gear.efficiency:.4g} %{behind}"
-    return PartLine(role=gear.kind, said=said, quantity=drives, mass=nan if gear.mass is None else gear.mass)
+    words = f"{gear.ratio:g} : 1, efficiency {100 * gear.efficiency:.4g} %{behind}"
+    return PartLine(role=gear.kind, said=words, quantity=drives, mass=nan if gear.mass is None else gear.mass)
 
 
-def _wanted_brake(found: DriveSet) -> str:
+def _unlisted_brake(drive: DriveSet) -> str:
     """The brake that a drive must have to hold its load and that no catalogue lists, in words; else nothing."""
-    checks = {check.name: check for check in found.own_checks}
+    checks = {check.name: check for check in drive.own_checks}
     fits, holding = checks.get("brake_fits"), checks.get("holding")
-    if found.brake is not None or fits is None or fits.status != "unknown" or holding is None:
+    if drive.brake is not None or fits is None or fits.status != "unknown" or holding is None:
         return ""
     torque = holding.demand * (1.0 + holding.needed)
     least = "" if isnan(torque) else f"; to hold {show(torque, 'mN*m', 'torque')} at the motor"
@@ -316,19 +316,21 @@ class SharedLine(NamedTuple):
 
 def machine_parts_of_axes(sizing: MachineSizing) -> list[SharedLine]:
     """The parts list of a machine of several axes: equal parts of several axes are one line."""
-    found: dict[str, list[tuple[str, PartLine]]] = {}
+    equal_lines: dict[str, list[tuple[str, PartLine]]] = {}
     for name, lines in parts_by_axis(sizing).items():
         for line in lines:  # NaN is not equal to itself, its text is
-            found.setdefault(repr(replace(line, quantity=0)), []).append((name, line))
+            equal_lines.setdefault(repr(replace(line, quantity=0)), []).append((name, line))
     shared = [
         SharedLine(replace(equal[0][1], quantity=sum(line.quantity for _, line in equal)), tuple(n for n, _ in equal))
-        for equal in found.values()
+        for equal in equal_lines.values()
     ]
     supply = sizing.machine.supply.part if len(sizing.axes) > 1 else None  # that of a single axis is in its own list
     resistor = sizing.power.braking.resistor if sizing.power and sizing.power.braking else None
     on_it = tuple(axis.name for axis in sizing.machine.axes if not axis.own_supply)
     common = _supply_lines(supply, resistor, [axis.result.problem.catalog for axis in sizing.axes])
-    return sorted([*shared, *(SharedLine(line, on_it) for line in common)], key=lambda one: _place(one.line.role))
+    return sorted(
+        [*shared, *(SharedLine(line, on_it) for line in common)], key=lambda shared_line: _place(shared_line.line.role)
+    )
 
 
 def _place(role: str) -> int:
@@ -338,13 +340,13 @@ def _place(role: str) -> int:
 
 def parts_by_axis(sizing: MachineSizing) -> dict[str, list[PartLine]]:
     """The parts lists of all axes of a machine, at the prices of the quantity of all of them."""
-    found = {one.name: machine_parts(one.best, one.result.problem) if one.best else [] for one in sizing.axes}
+    lists = {axis.name: machine_parts(axis.best, axis.result.problem) if axis.best else [] for axis in sizing.axes}
     count = Counter[tuple[str, str, str]]()
-    for line in (line for lines in found.values() for line in lines):
+    for line in (line for lines in lists.values() for line in lines):
         count[line.role, line.maker, line.part] += line.quantity
     return {
-        one.name: [_quantity_price(line, one, count[line.role, line.maker, line.part]) for line in found[one.name]]
-        for one in sizing.axes
+        axis.name: [_quantity_price(line, axis, count[line.role, line.maker, line.part]) for line in lists[axis.name]]
+        for axis in sizing.axes
     }
 
 
@@ -363,7 +365,9 @@ _SUPPLY_SECTIONS = {"power supply": "power_supplies", "brake resistor": "brake_r
 
 def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
     """Mass and price of a machine of several axes."""
-    return named_totals([one.line for one in lines], [f"{one.line.role} of {', '.join(one.axes)}" for one in lines])
+    return named_totals(
+        [shared.line for shared in lines], [f"{shared.line.role} of {', '.join(shared.axes)}" for shared in lines]
+    )
 
 
 # -- A part in a few figures, with those of them that are not from the maker's own document.
@@ -372,28 +376,28 @@ def totals_of_axes(lines: Sequence[SharedLine]) -> list[Total]:
 _BRIEF = {role: cells for head, (role, *cells) in listed("drivesizer.output", "parts.txt") if head == "brief"}
 
 
-def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tuple[str, str, str, str]:
+def part_figures(role: str, part: Any, catalog: Catalog, drive: DriveSet) -> tuple[str, str, str, str]:
     """Name and number of a part; its main figures and their confidence."""
-    columns, shown = columns_of(section_of(part)), []
-    for name, _, word in (one.partition(" ") for one in _BRIEF[role]):
+    columns, texts = columns_of(section_of(part)), []
+    for name, _, word in (cell.partition(" ") for cell in _BRIEF[role]):
         column = columns[name]._replace(kind="price", unit=catalog.currency) if name == "price" else columns[name]
         if not isnan(value := getattr(part, name)):
-            shown.append(f"{figure(value, column, digits=4)} {word}".strip())
+            texts.append(f"{figure(value, column, digits=4)} {word}".strip())
     if role == "encoder":
-        shown = [part.resolution]
+        texts = [part.resolution]
     if role == "motor" and part.controller:
-        shown.append(f"{part.controller} inside")
+        texts.append(f"{part.controller} inside")
     if role == "belt":
-        shown += found.belt_running
-    if role == "screw" and found.chosen_screw:
-        shown = [found.chosen_screw.running, *shown]
+        texts += drive.belt_running
+    if role == "screw" and drive.chosen_screw:
+        texts = [drive.chosen_screw.running, *texts]
     if section_of(part) == "pulleys" and part.bore:
-        shown.append(f"bore {part.bore}")
-    figures, doubts = not_quoted(part, role, found, catalog), []
+        texts.append(f"bore {part.bore}")
+    figures, doubts = not_quoted(part, role, drive, catalog), []
     for level in LESS:
         names = [name.replace("_", " ") for name, value in figures.items() if value == level]
         if names and level == "secondary":
-            doubts.append(f"{len(names)} of {len(confidences(part, role, found, catalog))} figures secondary")
+            doubts.append(f"{len(names)} of {len(confidences(part, role, drive, catalog))} figures secondary")
         elif names:
             more = f" and {len(names) - 4} more" if len(names) > 5 else ""
             doubts.append(f"{level}: {', '.join(names[: 4 if more else 5])}{more}")
@@ -401,4 +405,4 @@ def part_figures(role: str, part: Any, catalog: Catalog, found: DriveSet) -> tup
     if len(catalog.digests) > 1 and part.manufacturer not in part.family:
         name = f"{part.manufacturer} {part.family}"
     reduction = f" {part.reduction}" if role in ("gearhead", "actuator") else ""
-    return f"{name}{reduction}", part.part, " · ".join(shown), "; ".join(doubts)
+    return f"{name}{reduction}", part.part, " · ".join(texts), "; ".join(doubts)

@@ -74,32 +74,32 @@ FOLLOWING = "Path following: largest deviations"
 SPEEDS = "Highest steady speed by direction, counterclockwise from ahead"
 
 
-def failed_motors_text(found: PermittedSpeeds) -> str:
+def failed_motors_text(speeds: PermittedSpeeds) -> str:
     """Motors that drive where no further one fails: ``all motors``, or without the failed ones."""
-    return f"without {', '.join(map(str, found.failed))}" if found.failed else "all motors"
+    return f"without {', '.join(map(str, speeds.failed))}" if speeds.failed else "all motors"
 
 
-def speed_remarks(found: PermittedSpeeds) -> Iterator[str]:
+def speed_remarks(speeds: PermittedSpeeds) -> Iterator[str]:
     """Directions in which a speed is not permitted, and assumptions of the table, as sentences."""
-    required, every = found.required, len(found.direction)
-    slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in found.speed.items()}
+    required, count = speeds.required, len(speeds.direction)
+    slow = {failed: int((speed < (required or 0.0)).sum()) for failed, speed in speeds.speed.items()}
     if required is not None and any(slow.values()):
-        kept = f"not permitted in {slow[0]} of {every}" if slow[0] else f"permitted in all {every}"
+        words = f"not permitted in {slow[0]} of {count}" if slow[0] else f"permitted in all {count}"
         less = f", without a motor {'' if slow[0] else 'not '}in up to {max(slow.values())}" if len(slow) > 1 else ""
-        yield f"{show(required, 'm/s', 'speed', 3)}, as in the spec, is {kept} directions{less}."
+        yield f"{show(required, 'm/s', 'speed', 3)}, as in the spec, is {words} directions{less}."
     yield (
         "At constant speed for long, at the lowest supply voltage: what is left for gaining speed is not in it, and "
         "neither are supply and battery."
     )
-    by = dict.fromkeys(name for names in found.limit.values() for name in names if name)
-    never = "; 0 m/s: not for long at any speed" * any((speed == 0.0).any() for speed in found.speed.values())
+    by = dict.fromkeys(name for names in speeds.limit.values() for name in names if name)
+    never = "; 0 m/s: not for long at any speed" * any((speed == 0.0).any() for speed in speeds.speed.values())
     yield f"Limited by {_listed(by)}{never}." if by else "No limit is known."
-    if len(found.speed) > 1 or found.failed:
+    if len(speeds.speed) > 1 or speeds.failed:
         yield "Without: the motor of that wheel has failed, and neither it nor its gearhead resists."
-    if found.estimated:
-        yield f"Estimated, at the middle of its band: {_listed(found.estimated)}."
-    if found.unknown:
-        yield f"Unknown and not looked at: {_listed(found.unknown)}."
+    if speeds.estimated:
+        yield f"Estimated, at the middle of its band: {_listed(speeds.estimated)}."
+    if speeds.unknown:
+        yield f"Unknown and not looked at: {_listed(speeds.unknown)}."
 
 
 def _listed(titles: Iterable[str]) -> str:
@@ -148,11 +148,11 @@ def equation_of(declared: MatrixEquation, spec: RobotSpec, drive: DriveSet | Non
     eta = 0.3 * at.dynamics.kinematics.motions.sum(axis=1)  # a motion with something of each that the wheels allow
     other = Instant(np.array([1.0, 2.0, 0.5]), eta, 2.0 * eta)
     try:
-        tables, others = (robot_figures.numbers_of(declared, robot_figures.figures(at.dynamics, one))
-                          for one in (at.instant, other))  # fmt: skip
+        tables, others = (robot_figures.numbers_of(declared, robot_figures.figures(at.dynamics, instant))
+                          for instant in (at.instant, other))  # fmt: skip
     except InputError as error:
         raise InputError(f"{spec.where(('platform',))}: {error}") from None
-    moves = any((one.values != other.values).any() for one, other in zip(tables, others, strict=True))
+    moves = any((table.values != other.values).any() for table, other in zip(tables, others, strict=True))
     remarks = [_moment(at)] if moves else []
     return EquationNumbers(spec.name, [*remarks, *([_rotors(drive)] if turning else [])], tables)
 
@@ -191,9 +191,9 @@ def printed(numbers: Numbers, *, above: bool = True) -> Printed:
     if above and len(of_all) <= 1:
         unit, heads, apart = next(iter(of_all), ""), numbers.columns, [True] * len(shared)
     else:
-        unit, apart = "", [len(one) <= 1 for one in shared]
-        heads = tuple(f"{head} {f'({label(*one)})' if alike and label(*one or ('1',)) else ''}".strip()
-                      for head, one, alike in zip(numbers.columns, shared, apart, strict=True))  # fmt: skip
+        unit, apart = "", [len(units) <= 1 for units in shared]
+        heads = tuple(f"{head} {f'({label(*units)})' if alike and label(*units or ('1',)) else ''}".strip()
+                      for head, units, alike in zip(numbers.columns, shared, apart, strict=True))  # fmt: skip
     cells = [
         tuple(cell(v, "1" if alone else u) for v, u, alone in zip(values, units, apart, strict=True))
         for values, units in zip(numbers.values.tolist(), numbers.units, strict=True)

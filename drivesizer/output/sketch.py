@@ -50,15 +50,15 @@ class Pen:
 
     def line(
         self, *points: Point, ink: str = "black", wide: float = 1.2, dashed: bool = False, fill: str = "none",
-        given: str = "",
+        field: str = "",
     ) -> None:  # fmt: skip
-        """A line through points; one that belongs to a field only where that is given."""
-        if given and not self.has(given):
+        """A line through points; one that belongs to a field only where that was entered."""
+        if field and not self.has(field):
             return
         dashes = "; stroke-dasharray: 5 3" if dashed else ""
-        shown = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+        coordinates = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
         look = f"fill: {_INKS.get(fill, fill)}; stroke: {_INKS[ink]}; stroke-width: {wide:g}{dashes}"
-        self.parts.append(f'<polyline points="{shown}" style="{look}"/>')
+        self.parts.append(f'<polyline points="{coordinates}" style="{look}"/>')
 
     def row(self, count: int, step: float, *points: Point, **look: Any) -> None:
         """A line several times, each so far to the right of the one before."""
@@ -70,10 +70,10 @@ class Pen:
         look = f"fill: {fill}; stroke: {_INKS['black']}; stroke-width: 1.2"
         self.parts.append(f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" style="{look}"/>')
 
-    def box(self, x: float, y: float, width: float, height: float, fill: str = "#e8eaed", given: str = "") -> None:
+    def box(self, x: float, y: float, width: float, height: float, fill: str = "#e8eaed", field: str = "") -> None:
         """A body."""
         corners = (x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)
-        self.line(*corners, fill=fill, given=given)
+        self.line(*corners, fill=fill, field=field)
 
     def arrow(self, start: Point, end: Point, ink: str = "force") -> None:
         """A straight arrow."""
@@ -93,10 +93,10 @@ class Pen:
         self.arrow((a, b), (c + 0.7 * (c - a), d + 0.7 * (d - b)), "motion")
 
     def size(
-        self, start: Point, end: Point, symbol: str, *fields: str, shift: Point = (0.0, -5.0), given: str = ""
+        self, start: Point, end: Point, symbol: str, *fields: str, shift: Point = (0.0, -5.0), field: str = ""
     ) -> None:
         """A dimension line with its symbol."""
-        if given and not self.has(given):
+        if field and not self.has(field):
             return
         self.line(start, end, ink="soft", wide=0.8)
         (x, y), (to_x, to_y) = start, end
@@ -113,23 +113,23 @@ class Pen:
         """
         names = symbols.split(", ")
         of = fields if len(names) == len(fields) else [next(filter(self.has, fields), "")] if fields else [""]
-        given = [(name, field) for name, field in zip(names, of, strict=True) if not fields or self.has(field)]
-        if not given:
+        pairs = [(name, field) for name, field in zip(names, of, strict=True) if not fields or self.has(field)]
+        if not pairs:
             return
-        self.legend += [pair for pair in given if pair[1]]
+        self.legend += [pair for pair in pairs if pair[1]]
         look = f"{_FONT}; font-size: 11px; font-style: italic; fill: {_INKS[ink]}; text-anchor: {at}"
-        text = ", ".join(_lowered(name) for name, _ in given)
+        text = ", ".join(_lowered(name) for name, _ in pairs)
         self.parts.append(f'<text x="{x:.1f}" y="{y:.1f}" style="{look}">{text}</text>')
 
     def names(self) -> int:
         """The symbols in words below the drawing, in two columns; how many lines they take."""
         for n, (symbol, field) in enumerate(self.legend):
             value = self.of_springs.get(symbol, (self.entered or {}).get(field))
-            said = ", ".join(map(str, value.values())) if isinstance(value, Mapping) else "" if value is None else value
+            text = ", ".join(map(str, value.values())) if isinstance(value, Mapping) else "" if value is None else value
             x, y = 20 + _WIDTH // 2 * (n % 2), _HEIGHT + 14 * (n // 2)
             look = f"{_FONT}; font-size: 9px; fill: {_INKS['black']}"
             self.parts.append(f'<text x="{x}" y="{y}" style="{look}; font-style: italic">{_lowered(symbol)}</text>')
-            words = f"{field.replace('_', ' ')} {said}".rstrip()
+            words = f"{field.replace('_', ' ')} {text}".rstrip()
             words = words if len(words) <= _LONGEST else f"{words[: _LONGEST - 1]}…"
             self.parts.append(f'<text x="{x + 26}" y="{y}" style="{look}">{escape(words)}</text>')
         return -(-len(self.legend) // 2)
@@ -181,14 +181,16 @@ class Pen:
 
     def springs(self, x: float, y: float) -> None:
         """Springs and counterweights between load and frame: a mark each, from a place to the left."""
-        given = (self.entered or {}).get("springs")
-        every = [one for one in given if isinstance(one, Mapping)] if isinstance(given, list) else []
-        for number, one in enumerate(every, 1):
-            kind = str(one.get("kind"))
+        entries = (self.entered or {}).get("springs")
+        springs = [entry for entry in entries if isinstance(entry, Mapping)] if isinstance(entries, list) else []
+        for number, spring in enumerate(springs, 1):
+            kind = str(spring.get("kind"))
             if kind not in _MARKS:
                 continue
-            symbol, left = f"{_SPRINGS[kind]}_{number if len(every) > 1 else 's'}", x - 62 * number
-            first = next((f", {value}" for key, value in one.items() if key != "kind" and isinstance(value, str)), "")
+            symbol, left = f"{_SPRINGS[kind]}_{number if len(springs) > 1 else 's'}", x - 62 * number
+            first = next(
+                (f", {value}" for key, value in spring.items() if key != "kind" and isinstance(value, str)), ""
+            )
             self.of_springs[symbol] = f"{kind}{first}"
             self.legend.append((symbol, "springs"))
             if left < 0:  # the words below name it
@@ -202,12 +204,12 @@ SKETCHES: dict[str, list[dict[str, list[Any]]]] = shipped_data("drivesizer.outpu
 """Drawing of each kind of load: strokes of the pen by their names."""
 
 
-def _drawn(kind: str, entered: Mapping[str, object] | None) -> Pen:
+def _pen_of(kind: str, entered: Mapping[str, object] | None) -> Pen:
     pen = Pen(entered)
     for stroke in SKETCHES[kind]:
-        for name, given in stroke.items():
-            look = given[-1] if isinstance(given[-1], dict) else {}
-            getattr(pen, name)(*(given[:-1] if look else given), **look)
+        for name, arguments in stroke.items():
+            look = arguments[-1] if isinstance(arguments[-1], dict) else {}
+            getattr(pen, name)(*(arguments[:-1] if look else arguments), **look)
     return pen
 
 
@@ -217,7 +219,7 @@ def symbols(kind: str) -> dict[str, str]:
     >>> symbols("flywheel")
     {'inertia': 'J', 'friction_torque': 'T_f'}
     """
-    return {field: symbol for symbol, field in _drawn(kind, None).legend if symbol != field}
+    return {field: symbol for symbol, field in _pen_of(kind, None).legend if symbol != field}
 
 
 def sketch(kind: str, entered: Mapping[str, object] | None = None) -> bytes:
@@ -226,7 +228,7 @@ def sketch(kind: str, entered: Mapping[str, object] | None = None) -> bytes:
     >>> sketch("hoist")[:4], b"drum diameter 9 cm" in sketch("hoist", {"drum_diameter": "9 cm"})
     (b'<svg', True)
     """
-    pen = _drawn(kind, entered)
+    pen = _pen_of(kind, entered)
     size = _WIDTH, _HEIGHT + 14 * pen.names()
     head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}">'.format(*size)
     return f"{head}{''.join(pen.parts)}</svg>\n".encode()

@@ -19,8 +19,8 @@ def extremes(values: NDArray[np.float64], most: int) -> NDArray[np.int64]:
     if size <= 2:
         return np.arange(count)
     bins = np.minimum(np.arange(-(-count // size) * size), count - 1).reshape(-1, size)  # the last one filled up
-    held, pick = np.nan_to_num(values)[bins], np.arange(len(bins))
-    return np.unique(np.concatenate([bins[pick, held.argmin(1)], bins[pick, held.argmax(1)], [0, count - 1]]))
+    samples, pick = np.nan_to_num(values)[bins], np.arange(len(bins))
+    return np.unique(np.concatenate([bins[pick, samples.argmin(1)], bins[pick, samples.argmax(1)], [0, count - 1]]))
 
 
 def curve_points(columns: tuple[NDArray[np.float64], ...], most: int) -> NDArray[np.int64]:

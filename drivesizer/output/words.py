@@ -86,11 +86,13 @@ def about(value: float) -> str:
     return "" if value != value else f"about {min(max(round(100 * value), 1), 99)} %"
 
 
-def loop_text(found: Reliability) -> str:
+def loop_text(reliability: Reliability) -> str:
     """The failing check in closed loop, or why none was simulated; empty where all pass or none was required."""
-    if found.no_loop:
-        return f"not simulated in closed loop: {found.no_loop}"
-    return f"in closed loop: {found.loop.weakest}" if found.loop and found.loop.probability < 1.0 else ""
+    if reliability.no_loop:
+        return f"not simulated in closed loop: {reliability.no_loop}"
+    return (
+        f"in closed loop: {reliability.loop.weakest}" if reliability.loop and reliability.loop.probability < 1.0 else ""
+    )
 
 
 def confidence(value: float | None) -> str:
@@ -102,10 +104,12 @@ def confidence(value: float | None) -> str:
     return f"{100.0 * (value or 0.0):.12g} %"
 
 
-def moved(found: Reliability) -> list[Spread]:
+def varying_checks(reliability: Reliability) -> list[Spread]:
     """The checks that vary over the samples or fail in some, lowest probability first."""
-    varying = [one for one in found.checks if one.fails > 0.0 or (isfinite(one.low) and one.low != one.high)]
-    return sorted(varying, key=lambda one: (one.passes, one.low if isfinite(one.low) else -inf))
+    varying = [
+        check for check in reliability.checks if check.fails > 0.0 or (isfinite(check.low) and check.low != check.high)
+    ]
+    return sorted(varying, key=lambda check: (check.passes, check.low if isfinite(check.low) else -inf))
 
 
 # -- The drive that is reported.
@@ -118,7 +122,7 @@ def outcome(result: SizingResult) -> str:
 
 def reported(result: SizingResult) -> DriveSet | None:
     """The drive whose margins and drivers are reported: the best that is probable enough, else the most probable."""
-    return next((one for one in (*result.sets, *result.unsure) if one.reliability), None)
+    return next((drive for drive in (*result.sets, *result.unsure) if drive.reliability), None)
 
 
 def first_wheel(problem: Problem) -> str:
@@ -129,14 +133,14 @@ def first_wheel(problem: Problem) -> str:
 # -- Figures of a drive's parts that are not out of the makers' own documents.
 
 
-def confidences(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict[str, str]:
+def confidences(part: Any, role: str, drive: DriveSet, catalog: Catalog) -> dict[str, str]:
     """Confidence of each known figure of a part; of estimated ones those that the drive's checks rest on."""
     section = section_of(part)
     row = catalog.table(section).rows.get(part.part)
     if row is None:  # a brake that the spec describes
         return {}
     known = catalog.confidence(section, row)
-    estimated = {one.figure for one in found.estimated if one.part == role}
+    estimated = {estimate.figure for estimate in drive.estimated if estimate.part == role}
     return {
         name: known[name]
         for name, column in columns_of(section).items()
@@ -147,10 +151,10 @@ def confidences(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict
     }
 
 
-def not_quoted(part: Any, role: str, found: DriveSet, catalog: Catalog) -> dict[str, str]:
+def not_quoted(part: Any, role: str, drive: DriveSet, catalog: Catalog) -> dict[str, str]:
     """Figures of less confidence than quoted, those of the highest confidence first."""
-    figures = confidences(part, role, found, catalog)
-    return {name: level for one in LESS for name, level in figures.items() if level == one}
+    figures = confidences(part, role, drive, catalog)
+    return {name: level for grade in LESS for name, level in figures.items() if level == grade}
 
 
 LESS = ("secondary", "derived", "recalled", ESTIMATED)
@@ -178,7 +182,7 @@ def visible(text: str, longest: int = LONGEST) -> str:
     ('a\\\\x00b\\nc', 'abc…')
     """
     ended = text.replace("\r\n", "\n").replace("\r", "\n")  # a lone carriage return ends the row for most readers
-    shown = (
+    printable = (
         ended
         if ended.isprintable()
         else "".join(
@@ -186,7 +190,7 @@ def visible(text: str, longest: int = LONGEST) -> str:
             for c in ended
         )
     )
-    return shown if len(shown) <= longest else shown[: longest - 1] + "…"
+    return printable if len(printable) <= longest else printable[: longest - 1] + "…"
 
 
 def csv_cell(value: Any) -> Any:
@@ -209,7 +213,7 @@ _LISTED = {name: cells for head, (name, *cells) in listed("drivesizer.output", "
 def first_columns(section: str) -> tuple[str, list[tuple[str, Column]]]:
     """Figures that heads of a list of parts leave out, and its columns, each with its head, the most wanted first."""
     schema, (note, *columns) = columns_of(section), _LISTED[section]
-    return note, [(head, schema[name]) for head, _, name in (one.rpartition(" ") for one in columns)]
+    return note, [(head, schema[name]) for head, _, name in (column.rpartition(" ") for column in columns)]
 
 
 def whole_name(part: Any) -> str:

@@ -21,7 +21,7 @@ from drivesizer.output.report.figures.all_figures import report_drawings
 from drivesizer.output.report.figures.choice import swings, tornado
 from drivesizer.output.report.figures.picture import barred
 from drivesizer.output.terminal.sizing import DETAILS, sizing
-from drivesizer.output.words import moved, reported
+from drivesizer.output.words import reported, varying_checks
 from drivesizer.results.sizing import SizingResult
 from drivesizer.search.uncertainty.options import Sampling
 from drivesizer.sizing import explained, size
@@ -145,4 +145,4 @@ def test_a_pair_that_falls_at_nominal_figures_is_sampled_too(result: SizingResul
     (one, *_) = explained(result.spec, miss.motor.part, miss.gearhead.part, sampling=FEW).sets
     failed = {check.title for check in one.checks if check.status == "fail"}
     assert one.status == "fail" and one.reliability and one.reliability.probability < 1.0
-    assert failed <= {check.title for check in moved(one.reliability)}
+    assert failed <= {check.title for check in varying_checks(one.reliability)}

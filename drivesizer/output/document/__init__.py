@@ -34,8 +34,8 @@ def printed(
             elif section.of_drive:
                 drives = [content.drive] if content.drive else []
             for drive in drives if section.media in media else ():
-                given = (content.of_drives, drive) if section.of_drive else (content,)
-                blocks = [one for one in section.blocks(*given) if getattr(one, "media", "all") in media]
+                arguments = (content.of_drives, drive) if section.of_drive else (content,)
+                blocks = [block for block in section.blocks(*arguments) if getattr(block, "media", "all") in media]
                 if blocks:
                     rank = drive.rank if section.of_drive and of_all_drives else nan
                     yield Printed(section, section.headed(content), blocks, rank, axis)

@@ -53,8 +53,8 @@ def _flat(value: Any, path: tuple[str, ...] = ()) -> list[list[str]]:
             else:
                 rows += _flat(entry, (*path, str(number)))
         return rows
-    shown = ", ".join(_scalar(entry) for entry in value) if isinstance(value, list) else _scalar(value)
-    return [[" › ".join(path), shown]]
+    text = ", ".join(_scalar(entry) for entry in value) if isinstance(value, list) else _scalar(value)
+    return [[" › ".join(path), text]]
 
 
 def _scalar(value: Any) -> str:
@@ -73,7 +73,7 @@ def repeat(content: Reported) -> Iterator[doc.Block]:
     """Versions, digests and the file that a result came from; without one the fields as they were entered."""
     import yaml
 
-    results, file = [one.result for one in content.contents.values()], content.file
+    results, file = [axis.result for axis in content.contents.values()], content.file
     text, entered = content.given.text, content.given.entered
     if len(results) > 1:
         yield doc.Words(("A report of one axis, with its candidates and its heat: ",
@@ -82,12 +82,12 @@ def repeat(content: Reported) -> Iterator[doc.Block]:
     method, objective = (", ".join(dict.fromkeys(getattr(result, name) for result in results))
                          for name in ("method", "objective"))  # fmt: skip
     few = catalogs.items() if len(catalogs) <= _FEW else ()
-    made = {"drivesizer": __version__, "method": method, "objective": objective.replace("_", " ")}
-    rows: dict[str, doc.Cell] = {**made}
+    facts = {"drivesizer": __version__, "method": method, "objective": objective.replace("_", " ")}
+    rows: dict[str, doc.Cell] = {**facts}
     rows |= {f"catalogue {name}, digest": (doc.Code(digest),) for name, digest in few}
     yield doc.table("notes", "", rows.items())
     if not few:
-        yield doc.Fragment("digests", [list(one) for one in catalogs.items()])
+        yield doc.Fragment("digests", [list(pair) for pair in catalogs.items()])
         digests = {f"catalogue {name}, digest": digest for name, digest in catalogs.items()}
         yield doc.table("words", "Catalogues", digests.items(), media="book")
     yield doc.table("words", "Words", doc.texts("words"), media="book")
@@ -104,7 +104,7 @@ def repeat(content: Reported) -> Iterator[doc.Block]:
 
 def data_sheets(content: Reported) -> Iterator[doc.Block]:
     """Data sheets of the parts of all drives, each once, below the meaning of their marks."""
-    drives = [(one.drive, one.result.catalog) for one in content.contents.values() if one.drive]
+    drives = [(axis.drive, axis.result.catalog) for axis in content.contents.values() if axis.drive]
     if not drives:
         return
     sheets = [sheet for drive, catalog in drives for sheet in datasheets(drive, catalog)]
@@ -137,12 +137,12 @@ def _part_rows(section: str, part: Any, catalog: Catalog) -> Iterator[doc.Row]:
         if name in known and name not in ("family", "manufacturer"):
             value, source = getattr(part, name), known[name]
             money = column.kind.startswith("price")
-            shown = (
+            cell = (
                 str(value)
                 if column.kind == "text"
                 else doc.Quantity(value, column.unit, "money" if money else column.kind, 6)
             )
             on = [note.text for note in notes if (name in note.fields if name != "part" else not note.fields)]
-            yield doc.Row({**named, "title": name.replace("_", " "), "value": shown,
+            yield doc.Row({**named, "title": name.replace("_", " "), "value": cell,
                            "confidence": (doc.Mark(source.confidence),), "note": "; ".join(on), "date": source.date,
                            "source": source.document}, name=name)  # fmt: skip

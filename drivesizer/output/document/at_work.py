@@ -27,9 +27,11 @@ def derivation(content: Content) -> Iterator[doc.Block]:
     """Requirements of the load: equations with their numbers, or figures of the cycle."""
     from drivesizer.output.report.figures.cycle import stretches
 
-    found, by_paper = content.result.requirements, content.result.method == "paper"
-    notes = "".join(f", {note}" for note in dict.fromkeys(r.note for r in found if r.note)) if not by_paper else ""
-    table = requirements_table(f"The {content.shaft}, of one drive{notes}", found, halves=True)
+    requirements, by_paper = content.result.requirements, content.result.method == "paper"
+    notes = (
+        "".join(f", {note}" for note in dict.fromkeys(r.note for r in requirements if r.note)) if not by_paper else ""
+    )
+    table = requirements_table(f"The {content.shaft}, of one drive{notes}", requirements, halves=True)
     yield doc.picture("sketch")
     if by_paper:
         yield from _equations(content)
@@ -39,18 +41,20 @@ def derivation(content: Content) -> Iterator[doc.Block]:
             yield replace(at_motor, media="terminal")
     else:
         yield doc.Words(
-            doc.said("of_wheels", wheel=content.wheel) if content.wheel else doc.said("of_cycle", shaft=content.shaft)
+            doc.sentence("of_wheels", wheel=content.wheel)
+            if content.wheel
+            else doc.sentence("of_cycle", shaft=content.shaft)
         )
         yield table
     many = len(content.cases)
     if content.wheel:
         first = ", of the first eight; the page has the others too" if many > 8 else ""
-        said = f"Torque and speed of each driven wheel on the path{first}; those of equal demand are shown as one."
+        words = f"Torque and speed of each driven wheel on the path{first}; those of equal demand are shown as one."
     else:
         first = ", in the first four load cases; the page has the others too" if many > 4 else ""
-        said = f"Torque and speed of the {content.shaft} over the cycle, of one drive{first}."
-    yield doc.picture("cycle", of=said, cut=_cut(len(stretches(content.cycles))),
-                      about=doc.said(f"cycle_by_{content.result.method}"))  # fmt: skip
+        words = f"Torque and speed of the {content.shaft} over the cycle, of one drive{first}."
+    yield doc.picture("cycle", of=words, cut=_cut(len(stretches(content.cycles))),
+                      about=doc.sentence(f"cycle_by_{content.result.method}"))  # fmt: skip
 
 
 def _cut(stretches: int) -> str:
@@ -59,7 +63,7 @@ def _cut(stretches: int) -> str:
 
 def _equations(content: Content) -> Iterator[doc.Block]:
     yield doc.Words((
-        f"Equation numbers are those of {doc.said('paper')}. {doc.said('forms')} "
+        f"Equation numbers are those of {doc.sentence('paper')}. {doc.sentence('forms')} "
         "The three factors that the paper calls ",
         doc.Math("eta", "η"), " are ", doc.Math('eta_"v"', "η_v"), " in (1), ", doc.Math('eta_"R"', "η_R"),
         " in (10) and ",
@@ -87,14 +91,18 @@ def _equations(content: Content) -> Iterator[doc.Block]:
 def _compared(content: Content) -> doc.Table:
     """The figures that the paper gives first, in its order: nominal and maximum force, torque and power."""
     of_drive = content.drive.requirements if content.drive else ()
-    found = {r.name: doc.Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)}
+    quantities = {
+        r.name: doc.Quantity(float(r.value), r.unit, r.kind) for r in (*content.result.requirements, *of_drive)
+    }
     load: Any = content.result.spec.load
-    if "maximum_torque" in found:
-        found["maximum_force"] = doc.Quantity(2.0 * found["maximum_torque"].value / load.wheel_diameter, "N", "force")
+    if "maximum_torque" in quantities:
+        quantities["maximum_force"] = doc.Quantity(
+            2.0 * quantities["maximum_torque"].value / load.wheel_diameter, "N", "force"
+        )
     rows = [
-        doc.Row({"title": title, "note": note, "nominal": found.get(nominal, ""), "maximum": found[most],
-                 "rms": found.get(rms, "")}, name=most.removeprefix("maximum_"))
-        for title, nominal, most, rms, note in doc.texts("paper order") if most in found
+        doc.Row({"title": title, "note": note, "nominal": quantities.get(nominal, ""), "maximum": quantities[most],
+                 "rms": quantities.get(rms, "")}, name=most.removeprefix("maximum_"))
+        for title, nominal, most, rms, note in doc.texts("paper order") if most in quantities
     ]  # fmt: skip
     caption = "In the order of the paper's section 3.1; the largest force is the largest torque at the wheels' radius"
     return doc.table("compared", caption, rows)
@@ -110,10 +118,10 @@ def _equation(r: Requirement) -> doc.Equation:
 
 def pieces(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """The motor in each piece of the motion."""
-    for case, pieces in groupby(drive.pieces, key=lambda one: one.case):
+    for case, pieces in groupby(drive.pieces, key=lambda piece: piece.case):
         of = f" in load case {case}" if case else ""
-        rows = [replace(doc.row("pieces", one, name="_".join(filter(None, (case, one.name))).replace(" ", "_"),
-                                title=one.name), total=one.name == "cycle") for one in pieces]  # fmt: skip
+        rows = [replace(doc.row("pieces", piece, name="_".join(filter(None, (case, piece.name))).replace(" ", "_"),
+                                title=piece.name), total=piece.name == "cycle") for piece in pieces]  # fmt: skip
         caption = f"The motor in each piece of the motion{of}: largest figures, and RMS; below 0 torque brakes."
         yield doc.table("pieces", caption, rows)
 
@@ -137,7 +145,7 @@ def field(content: Content) -> Iterator[doc.Block]:
 
 
 def _unknown(subject: str) -> doc.Words:
-    return doc.Words((f"{subject}: {doc.said('without_current')} (", doc.TableLink("unknown"), ")."))
+    return doc.Words((f"{subject}: {doc.sentence('without_current')} (", doc.TableLink("unknown"), ")."))
 
 
 def cycle(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
@@ -193,8 +201,8 @@ def energy(content: Content) -> Iterator[doc.Block]:
     if not behaviour.energy.known:
         yield _unknown("Unknown")
         return
-    kept = show(content.result.spec.supply.regeneration, "%", "dimensionless")
-    yield doc.Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({kept} of "
+    share = show(content.result.spec.supply.regeneration, "%", "dimensionless")
+    yield doc.Words(f"The cycle costs the supply {behaviour.cost}: drawn less what is regenerated and kept ({share} of "
                 "it, by the spec).")  # fmt: skip
     of = content.of_drives.of_machine(", each at its wheel", ", as specified")
     yield doc.picture("energy", of=of)
@@ -217,12 +225,12 @@ def loop(content: Content | OfLoop) -> Iterator[doc.Block]:
             tightest_table(f"In {v.loop}: the tightest of {count} checks", v.checks, "loop-tightest"), media="terminal"
         )
     if v.linear:
-        both = []
+        figures = []
         for linear, engine in v.linear.figures:
             if engine and not isnan(linear.value + engine.value):
-                shown = " and ".join(show(one.value, one.unit, one.kind) for one in (linear, engine))
-                both.append(f"{linear.title[0].lower()}{linear.title[1:]} {shown}")
-        yield doc.Words(f"{BESIDE}: {'; '.join(both) or 'no figure that both have'}.", media="terminal")
+                values = " and ".join(show(figure.value, figure.unit, figure.kind) for figure in (linear, engine))
+                figures.append(f"{linear.title[0].lower()}{linear.title[1:]} {values}")
+        yield doc.Words(f"{BESIDE}: {'; '.join(figures) or 'no figure that figures have'}.", media="terminal")
     if v.tried:
         yield remedies(v)
 
@@ -230,10 +238,10 @@ def loop(content: Content | OfLoop) -> Iterator[doc.Block]:
 def remedies(v: Validation, axis: str = "") -> doc.Table:
     """Changes that help a drive that fails in its loop, and those that were tried in vain."""
     rows = []
-    for one in sorted(v.tried, key=lambda one: one.status == "fail"):
-        tight = f"{sentence_case(one.tightest.title)} {margin(one.tightest.margin)}" if one.tightest else ""
-        rows.append(doc.row("remedies", one, name="", tight=tight))
-    helps = any(one.status != "fail" for one in v.tried)
+    for remedy in sorted(v.tried, key=lambda remedy: remedy.status == "fail"):
+        tight = f"{sentence_case(remedy.tightest.title)} {margin(remedy.tightest.margin)}" if remedy.tightest else ""
+        rows.append(doc.row("remedies", remedy, name="", tight=tight))
+    helps = any(remedy.status != "fail" for remedy in v.tried)
     caption = "What helps in the loop, each simulated by itself" if helps else "Nothing that was simulated helps"
     return doc.table("remedies", f"{axis}: {sentence_case(caption)}" if axis else caption, rows)
 
@@ -251,15 +259,15 @@ def loop_details(content: Content | OfLoop) -> Iterator[doc.Block]:
     if v.linear:
         yield doc.picture("diagram")
     *first, last = [title for _, title in closed_loop_rows(v)]
-    shown = f"{', '.join(first)} and {last}" if first else last
+    titles = f"{', '.join(first)} and {last}" if first else last
     stretches = windows(v.series["time"], v.series["speed_reference"])
-    yield doc.picture("loop", loop=v.loop, shown=shown, cut=_cut(len(stretches)))
+    yield doc.picture("loop", loop=v.loop, shown=titles, cut=_cut(len(stretches)))
     rule = f"{v.gains.rule}. Source: {v.gains.source}."
     gains = []
-    for one in gain_rows(v.gains):
-        period = one.unit == "s"
-        value = doc.Quantity(one.value, "ms", "time") if period else doc.Quantity(one.value, one.unit, "plain")
-        gains.append(doc.row("gains", one, value=value, note=rule))
+    for gain in gain_rows(v.gains):
+        period = gain.unit == "s"
+        value = doc.Quantity(gain.value, "ms", "time") if period else doc.Quantity(gain.value, gain.unit, "plain")
+        gains.append(doc.row("gains", gain, value=value, note=rule))
     yield doc.Pair([figures_table(f"Figures of the {v.loop}", v.figures, "validation")],
                    [doc.table("gains", f"{v.set_up} of the controller", gains),
                     doc.Words(f"Rule of the {v.set_up.lower()}: {rule}", "note")])  # fmt: skip
@@ -287,15 +295,15 @@ def _linear_run(v: Validation) -> Iterator[doc.Block]:
         yield doc.Words(NO_LINEAR, "note")
         return
     rows = []
-    for one in v.linear.figures:
-        cells: dict[str, doc.Cell] = {"title": one.linear.title}
-        for key, f in (("linear", one.linear), ("engine", one.engine)):
+    for pair in v.linear.figures:
+        cells: dict[str, doc.Cell] = {"title": pair.linear.title}
+        for key, f in (("linear", pair.linear), ("engine", pair.engine)):
             known = f is not None and not isnan(f.value)
             cells[key] = doc.Quantity(f.value, f.unit, f.kind) if f is not None and known else "–"
             cells[f"{key}_at"] = (
                 doc.Quantity(f.at_time, "s", "time") if f is not None and known and f.at_time is not None else ""
             )
-        rows.append(doc.Row(cells, name=one.linear.name))
+        rows.append(doc.Row(cells, name=pair.linear.name))
     yield doc.table("linear_run", BESIDE, rows)
     yield doc.Words(left_out(v.linear), "note")
 
@@ -306,12 +314,12 @@ def linear_loops(content: Content | OfLoop) -> Iterator[doc.Block]:
     if not loops:
         return
     directed, unstable = any(loop.direction for loop in loops), any(not loop.stable for loop in loops)
-    yield doc.Words(doc.said("linear", power=doc.said("power_directed") if directed else ""))
+    yield doc.Words(doc.sentence("linear", power=doc.sentence("power_directed") if directed else ""))
     figures = [doc.Column(f.name, f.title, "number", yields=n > 5) for n, f in enumerate(loop_figures(loops[0]))]
     yield doc.table("loops", "The loops by linear analysis, from the inside out; gain margin as a factor",
                     map(_loop_row, loops), more=figures)  # fmt: skip
     none = " An unstable loop has no margins." if unstable else ""
-    yield doc.picture("bode", line=f" {doc.said('bode_directed')}" if directed else "", none=none)
+    yield doc.picture("bode", line=f" {doc.sentence('bode_directed')}" if directed else "", none=none)
     yield doc.picture("step")
 
 

@@ -16,7 +16,7 @@ from drivesizer.output.document.candidates import percentiles_table, short_drive
 from drivesizer.output.document.content import Content, Reported, all_drives, driven_over
 from drivesizer.output.document.rows import check_row, check_table, consumers_table, figures_table, smallest, tight_of
 from drivesizer.output.parts import PartLine, SharedLine, Total, machine_parts_of_axes, parts_by_axis, totals_of_axes
-from drivesizer.output.words import likely, moved, number_of
+from drivesizer.output.words import likely, number_of, varying_checks
 from drivesizer.results.check import Reliability, gravest, sentence_case, tightest, worst
 from drivesizer.results.check import Status as CheckStatus
 from drivesizer.results.machine import AxisSizing, MachinePower, MachineSizing
@@ -322,7 +322,7 @@ def loads(content: MachineContent) -> Iterator[doc.Block]:
     missed = f" Of {', '.join(lacking)} it is the closest rejected drive." if lacking else ""
     names = [*content.loads]
     for name in names:
-        caption = doc.said("axes_fields", first=first, missed=missed)
+        caption = doc.sentence("axes_fields", first=first, missed=missed)
         about = "sets the load of each axis against the limits of its motor." if name == names[0] else ""
         last = caption if name == names[-1] else "Continued below."
         yield doc.Picture(name, last, "torque-speed field of each axis with its cycle", about)
@@ -353,9 +353,9 @@ def supply(content: MachineContent) -> Iterator[doc.Block]:
     if power.reliability:
         found, said = power.reliability, sampled_text(power.reliability)
         yield doc.Words(f"{said[0].upper()}{said[1:]}.")
-        if moved(found):
+        if varying_checks(found):
             caption = "Limits of the supply that samples change: share that passes, and quantiles of the margin"
-            yield spreads_table(caption, moved(found), "supply-checks")
+            yield spreads_table(caption, varying_checks(found), "supply-checks")
         yield percentiles_table("All axes over the samples: percentiles", found, "supply-figures")
     texts = dict.fromkeys(
         text for record in (power, power.braking, power.energy) if record for text in record.assumptions
@@ -398,7 +398,7 @@ def riding_drives(content: MachineContent) -> Iterator[doc.Block]:
     caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
     turning = any("distance" in row.cells for row in rows)
     yield doc.table("carried", caption, rows, without=() if turning else ["distance"], look="wide carried")
-    yield doc.Words(doc.said("cabinet"), "note")
+    yield doc.Words(doc.sentence("cabinet"), "note")
 
 
 def closed_loops(content: MachineContent) -> Iterator[doc.Block]:

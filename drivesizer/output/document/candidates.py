@@ -12,7 +12,7 @@ from drivesizer.output.document import records as doc
 from drivesizer.output.document.content import Content, OfDrives
 from drivesizer.output.document.rows import error_text, margin_quantity, margins
 from drivesizer.output.parts import unknown_of
-from drivesizer.output.words import confidence, likely, loop_text, meeting, moved, number_of, reported
+from drivesizer.output.words import confidence, likely, loop_text, meeting, number_of, reported, varying_checks
 from drivesizer.results.check import Driver, Reliability, Spread, Uncertainty, worst
 from drivesizer.results.check_kinds import CHECKS
 from drivesizer.results.drive_set import DriveParts, DriveSet
@@ -353,16 +353,16 @@ def reliability(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
         return
     yield spreads_table(
         f"The checks of {drive.label} that samples change: share that passes, and quantiles of the margin",
-        moved(found)[:_MOST_CHECKS],
+        varying_checks(found)[:_MOST_CHECKS],
         "probability-checks",
     )
-    others = [one for one in found.checks if one not in moved(found)[:_MOST_CHECKS]]
+    others = [one for one in found.checks if one not in varying_checks(found)[:_MOST_CHECKS]]
     if others:
         yield replace(spreads_table("Its other checks", others, "probability-others"), media="wide")
     if found.figures:
         yield percentiles_table(f"Figures of {drive.label} over the samples: percentiles", found, "probability-figures")
     if found.drivers:
-        yield _drivers(doc.said("variance"), found.drivers[:_MOST_DRIVERS])
+        yield _drivers(doc.sentence("variance"), found.drivers[:_MOST_DRIVERS])
         if found.drivers[_MOST_DRIVERS:]:
             yield _drivers("Other assumptions", found.drivers[_MOST_DRIVERS:], name="", media="wide")
     yield doc.picture("tornado", drive=drive.label)

@@ -162,7 +162,7 @@ def kinematics_and_dynamics(content: Content) -> Iterator[doc.Block]:
     if not spec.platform:
         return
     found = platform.platform_numbers(spec, content.drive)
-    yield doc.Words(doc.said("symbols"))
+    yield doc.Words(doc.sentence("symbols"))
     yield doc.Heading("Kinematics")
     yield numbers_table(found.wheels)
     kinematics, dynamics = found.matrices[:4], found.matrices[4:]

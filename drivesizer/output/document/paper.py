@@ -20,18 +20,17 @@ def paper_data(document: doc.Document, date: str | None = None) -> dict[str, Any
     revision = f"revision {given['Revision']}" if "Revision" in given else ""
     header = ", ".join(filter(None, (document.name, given.get("Project", ""), revision)))
     sections = sections_data(document.sections)
-    made: dict[str, Any] = cleaned({"name": document.name, "header": short(header), "block": document.block,
+    return cleaned({"name": document.name, "header": short(header), "block": document.block,
                                     "machine": document.machine, "version": __version__, "date": short(date or "", 40),
                                     "found": document.found, "subject": document.subject, "sections": sections,
                                     "depth": 2 if len(sections) <= _MOST_LISTED else 1})  # fmt: skip
-    return made
 
 
 def sections_data(sections: Iterable[doc.Printed]) -> list[dict[str, Any]]:
     """Sections as plain data; one without a title goes on in the one above."""
     found: list[dict[str, Any]] = []
     for section, title, blocks, _, axis in sections:
-        data = [as_data(block, axis) for block in blocks if _shown(block)]
+        data = [as_data(block, axis) for block in blocks if _on_paper(block)]
         if not found or title not in ("", found[-1]["title"]):
             name = f"{axis}{section.name}" if axis else section.name
             found.append({"name": name, "title": title, "level": section.level,
@@ -41,7 +40,7 @@ def sections_data(sections: Iterable[doc.Printed]) -> list[dict[str, Any]]:
     return [section for section in found if section["blocks"] or section["level"] == 1]
 
 
-def _shown(block: doc.Block) -> bool:
+def _on_paper(block: doc.Block) -> bool:
     return not isinstance(block, doc.Series) and not (
         isinstance(block, doc.Table | doc.Words) and block.media not in doc.PAPER
     )
@@ -68,7 +67,7 @@ def as_data(value: Any, axis: str = "") -> Any:
         return {"kind": "number", "text": value.text, "value": number, "note": value.note}
     if isinstance(value, doc.Pair):
         sides = {"left": value.left, "right": value.right}
-        return {"kind": "pair"} | {side: [as_data(one, axis) for one in blocks if _shown(one)]
+        return {"kind": "pair"} | {side: [as_data(one, axis) for one in blocks if _on_paper(one)]
                                    for side, blocks in sides.items()}  # fmt: skip
     if is_dataclass(value) and not isinstance(value, type):
         found = {"kind": type(value).__name__.lower()} | {

@@ -69,13 +69,15 @@ def _totals(lines: Sequence[PartLine], rates: Mapping[str, float], axis: str, in
     each = [(code, fsum(prices), "") for code, prices in found.items()]
     if len(found) > 1 and found.keys() <= rates.keys():
         total = fsum(rates[code] * value for code, value, _ in each)
-        each.append((into, total, f"all of them, by the rates of the spec: {', '.join(_said(rates, found, into))}"))
+        each.append(
+            (into, total, f"all of them, by the rates of the spec: {', '.join(_rates_in_words(rates, found, into))}")
+        )
     for code, value, note in each or [("", nan, "")]:
         yield doc.Row({"axis": axis, "role": "total", "together": doc.Quantity(value, code, "money"), "currency": code,
                        "missing": missing, "note": note}, name="total", total=True)  # fmt: skip
 
 
-def _said(rates: Mapping[str, float], codes: Mapping[str, object], into: str) -> Iterator[str]:
+def _rates_in_words(rates: Mapping[str, float], codes: Mapping[str, object], into: str) -> Iterator[str]:
     return (f"1 {code} is {rates[code]:.6g} {into}" for code in codes if code != into)
 
 

@@ -258,8 +258,7 @@ def _cell(value: Any, column: Column, record: Any) -> Cell:
     if column.form in _MARKS:
         return (_MARKS[column.form](value),)
     if not isinstance(value, int | float):
-        found: Cell = value
-        return found
+        return value
     unit = getattr(record, column.unit, column.unit) if column.unit else getattr(record, "unit", "1")
     return Quantity(value, unit, column.kind or getattr(record, "kind", "count"))
 
@@ -333,9 +332,9 @@ def texts(kind: str) -> list[list[str]]:
     return [cells for head, cells in rows_of_file(__package__, "texts.txt") if head == kind]
 
 
-def said(sentence: str, **words: str) -> str:
+def sentence(key: str, **words: str) -> str:
     """A sentence of ``texts.txt`` with words in it."""
-    return next(text for name, text in texts("sentences") if name == sentence).format(**words)
+    return next(text for name, text in texts("sentences") if name == key).format(**words)
 
 
 @cache

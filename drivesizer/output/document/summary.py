@@ -140,7 +140,7 @@ def _title_table(content: Content) -> doc.Table:
 
 def outcome_texts(content: Content) -> Iterator[Any]:
     """Result of the search, and whether the closed loop passes."""
-    yield from _found(content) if content.outcome != "missed" else _missed(content)
+    yield from _drive_texts(content) if content.outcome != "missed" else _rejection_texts(content)
     v = content.validation
     if v:
         yield from (
@@ -150,7 +150,7 @@ def outcome_texts(content: Content) -> Iterator[Any]:
         )
 
 
-def _found(content: Content) -> Iterator[Any]:
+def _drive_texts(content: Content) -> Iterator[Any]:
     result, best, sampled, v = content.result, content.drive, content.result.uncertainty, content.validation
     assert best is not None
     counts = result.counts
@@ -177,7 +177,7 @@ def _found(content: Content) -> Iterator[Any]:
     yield f" {numbers}; {ranked_by(result.objective, result.sets[:1])}."
 
 
-def _missed(content: Content) -> Iterator[Any]:
+def _rejection_texts(content: Content) -> Iterator[Any]:
     best, counts = content.drive, content.result.counts
     yield doc.Strong("No drive meets all limits.")
     if not counts.considered:
@@ -458,7 +458,7 @@ def checks(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     )
     yield tables.check_table(
         (f"All checks of {drive.label}{worst}",
-         doc.Note(doc.said("bars"))),
+         doc.Note(doc.sentence("bars"))),
         drive.checks, "checks", grouped=True,
     )  # fmt: skip
 
@@ -467,7 +467,7 @@ def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     """Figures that no data sheet gives, with their bands, and the checks that hang on them."""
     if not drive.estimated:
         return
-    yield doc.Words(doc.said("estimates"), "note")
+    yield doc.Words(doc.sentence("estimates"), "note")
     rows = [doc.row("estimates", one, name=f"{one.part}_{one.figure}", note=one.law.removeprefix("; "))
             for one in drive.estimated]  # fmt: skip
     yield doc.table("estimates", "Estimated figures", rows)
@@ -484,7 +484,7 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     other = "physics: the whole load cycle, no factors of the paper" if by_paper else "the paper's equations and rule"
     media: doc.Media = "all" if by_paper else "listed"
     if by_paper:
-        yield doc.Words(doc.said("by_paper"))
+        yield doc.Words(doc.sentence("by_paper"))
     checks = tables.check_table(f"The same drive by {other}", drive.beside, "beside", grouped=True)
     yield replace(checks, media=media)
     rows = [
@@ -524,6 +524,6 @@ def unknown_blocks(content: Content) -> Iterator[doc.Block]:
     yield doc.table("unknown", f"Unknown checks{', and the figures that they lack' if unknown else ': none'}", unknown)
     marked = [(name, value, (doc.Mark(mark),), checks) for name, value, mark, checks in marked_figures(best)]
     if marked:
-        yield doc.table("marked", doc.said("to_confirm"), marked)
+        yield doc.table("marked", doc.sentence("to_confirm"), marked)
     else:
         yield doc.Words("No check rests on a figure that is derived, recalled or estimated.")

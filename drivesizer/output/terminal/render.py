@@ -22,33 +22,33 @@ _APART = 2  # characters between tables beside each other
 _MANY = 6  # columns, beyond which heads take several lines
 
 
-def document(shown: doc.Document) -> None:
+def document(page: doc.Document) -> None:
     """Print a document that is no sizing: its heading, unless it has none, and its blocks."""
     out = console()
-    if shown.headed:
-        heading(out, shown.name, shown.machine)
-    for section in shown.sections:
-        blocks(out, section.blocks, shown.pictures)
+    if page.headed:
+        heading(out, page.name, page.machine)
+    for section in page.sections:
+        blocks(out, section.blocks, page.pictures)
 
 
-def sections(console: Console, found: Iterable[doc.Printed]) -> None:
+def sections(console: Console, printed_sections: Iterable[doc.Printed]) -> None:
     """Print sections, one below the other."""
-    for section in found:
+    for section in printed_sections:
         if section.title and section.section.early != "answer":
             console.print(RichText(f"\n{section.title}", style="bold underline"))
         blocks(console, section.blocks)
 
 
-def blocks(console: Console, found: Iterable[doc.Block], pictures: Mapping[str, Any] | None = None) -> None:
+def blocks(console: Console, body: Iterable[doc.Block], pictures: Mapping[str, Any] | None = None) -> None:
     """Print texts and tables, and those pictures that are given; equations and what else is for paper are left out."""
-    for block in found:
+    for block in body:
         if isinstance(block, doc.Pair):
-            if not _beside(console, [*doc.flat([block])]):
+            if not _side_by_side(console, [*doc.flat([block])]):
                 blocks(console, doc.flat([block]))
         elif isinstance(block, doc.Table) and block.media in doc.TERMINAL and block.rows:
             half = -(-len(block.rows) // 2)
             halves = [replace(block, caption="", rows=rows) for rows in (block.rows[:half], block.rows[half:])]
-            if not (block.halves and _beside(console, halves, doc.text_of(block.caption))):
+            if not (block.halves and _side_by_side(console, halves, doc.text_of(block.caption))):
                 _table(console, block)
         elif isinstance(block, doc.Picture) and pictures and block.name in pictures:
             for plot in pictures[block.name].page:
@@ -70,10 +70,10 @@ def blocks(console: Console, found: Iterable[doc.Block], pictures: Mapping[str, 
             console.print(RichText(f"\n{block.title}", style="bold"))
 
 
-def text_of_blocks(found: Iterable[doc.Block], width: int = 120) -> str:
+def text_of_blocks(body: Iterable[doc.Block], width: int = 120) -> str:
     """Texts and tables as plain text of some width [characters]."""
     written = StringIO()
-    blocks(Console(file=written, width=width, highlight=False, emoji=False), found)
+    blocks(Console(file=written, width=width, highlight=False, emoji=False), body)
     return "\n".join(line.rstrip() for line in written.getvalue().splitlines())
 
 
@@ -92,28 +92,28 @@ _INKS = {"green": "green", "vermillion": "yellow"}
 
 def _picture(console: Console, plot: Plot) -> None:
     """The first diagram of a picture as a chart where it is from 0 on; of one of decades or of areas there is none."""
-    one = plot.diagrams[0]
-    if plot.log or one.log or not one.whole or any(curve.filled for curve in one.curves):
+    diagram = plot.diagrams[0]
+    if plot.log or diagram.log or not diagram.whole or any(curve.filled for curve in diagram.curves):
         return
     series = [
         Series(curve.name, curve.x, curve.y, _GAPS.get(curve.dashes, 1), "" if curve.joined else "●",
                _INKS.get(curve.colour, ""))
-        for curve in one.curves
+        for curve in diagram.curves
     ]  # fmt: skip
     width = min(console.width, _WIDEST)
-    end = plot.ends[1] if plot.ends else max(max(curve.x) for curve in one.curves)
+    end = plot.ends[1] if plot.ends else max(max(curve.x) for curve in diagram.curves)
     level = Axis(plot.across, label(plot.unit), end)
-    upright = Axis(one.name, label(one.unit), max(max(curve.y) for curve in one.curves))
+    upright = Axis(diagram.name, label(diagram.unit), max(max(curve.y) for curve in diagram.curves))
     console.print()
     console.print(*chart(series, level, upright, width, width // _HEIGHT), sep="\n")
 
 
-def _beside(console: Console, found: Sequence[doc.Block], caption: str = "") -> bool:
+def _side_by_side(console: Console, body: Sequence[doc.Block], caption: str = "") -> bool:
     """Print tables beside each other; False, without printing, where they do not fit, or are none."""
-    tables = [block for block in found if isinstance(block, doc.Table) and block.media in doc.TERMINAL and block.rows]
-    if len(tables) < 2 or len(tables) < len(found):
+    tables = [block for block in body if isinstance(block, doc.Table) and block.media in doc.TERMINAL and block.rows]
+    if len(tables) < 2 or len(tables) < len(body):
         return False
-    sides = [_made(block, _columns(block)) for block in tables]
+    sides = [_rich_table(block, _columns(block)) for block in tables]
     for side, block in zip(sides, tables, strict=True):
         side.title, side.title_justify, side.title_style = _sentence(doc.text_of(block.caption)) or None, "left", "bold"
     if sum(width_of(side) for side in sides) + _APART > console.width:
@@ -140,33 +140,33 @@ def rich_text(text: doc.Cell, style: str = "") -> RichText:
     """A text with its marks in the styles of a terminal."""
     if isinstance(text, doc.Quantity):
         doubtful = text.text.startswith(("unknown", "≈"))
-        made = RichText(text.text, style=style or ("yellow" if doubtful else ""))
-        return made.append(f"\n{text.note}", "dim") if text.note else made
-    made = RichText(style=style)
+        rich = RichText(text.text, style=style or ("yellow" if doubtful else ""))
+        return rich.append(f"\n{text.note}", "dim") if text.note else rich
+    rich = RichText(style=style)
     for part in (text,) if isinstance(text, str) else text if isinstance(text, tuple) else ():
         match part:
             case str():
-                made.append(part)
+                rich.append(part)
             case doc.Status(status):
-                made.append(MARK.get(status, status), STYLE.get(status, ""))
+                rich.append(MARK.get(status, status), STYLE.get(status, ""))
             case doc.Strong(words):
-                made.append(words, "bold")
+                rich.append(words, "bold")
             case doc.Small(words):
-                made.append(f"\n{words}".removeprefix("" if made.plain else "\n") if words else "", "dim")
+                rich.append(f"\n{words}".removeprefix("" if rich.plain else "\n") if words else "", "dim")
             case doc.Note(words):
-                made.append(f"  {words}" if words else "", "dim")
+                rich.append(f"  {words}" if words else "", "dim")
             case doc.Mark(words):
-                made.append(words, "yellow")
+                rich.append(words, "yellow")
             case doc.Code(words) | doc.Math(_, words):
-                made.append(words)
-    return made
+                rich.append(words)
+    return rich
 
 
 def _table(console: Console, block: doc.Table) -> None:
     """A table below its caption, without columns that are empty, or yield where there is no room; words wrap."""
     columns = _columns(block)
-    made = _made(block, columns)
-    if width_of(made) > console.width and columns[-1].form == "small":  # below the first column, which has more room
+    table = _rich_table(block, columns)
+    if width_of(table) > console.width and columns[-1].form == "small":  # below the first column, which has more room
         first, last = columns[0].key, columns.pop().key
         rows = []
         for row in block.rows:
@@ -174,50 +174,50 @@ def _table(console: Console, block: doc.Table) -> None:
             rows.append(replace(row, cells={**row.cells, first: below}))
         columns[0] = replace(columns[0], form="text")
         block = replace(block, rows=rows)
-        made = _made(block, columns)
-    while (over := width_of(made) - console.width) > _spare(made) and any(c.yields for c in columns):
+        table = _rich_table(block, columns)
+    while (over := width_of(table) - console.width) > _spare(table) and any(c.yields for c in columns):
         columns.remove([c for c in columns if c.yields][-1])
-        made = _made(block, columns)
+        table = _rich_table(block, columns)
     if over > 0:
-        wrapped = [column for column in made.columns if not column.no_wrap] or made.columns[:1]
+        wrapped = [column for column in table.columns if not column.no_wrap] or table.columns[:1]
         lines = [
             [line for cell in (column.header, *column.cells) for line in str(cell).split("\n")] for column in wrapped
         ]
-        room = console.width - width_of(made) + sum(max(map(len, some)) for some in lines)
+        room = console.width - width_of(table) + sum(max(map(len, column_lines)) for column_lines in lines)
         by_length = sorted(zip(wrapped, lines, strict=True), key=lambda pair: max(map(len, pair[1])))
-        for n, (column, some) in enumerate(by_length):  # what needs less than its share leaves it to the others
-            column.no_wrap, column.width = False, max(min(max(map(len, some)), room // (len(wrapped) - n)), 1)
+        for n, (column, column_lines) in enumerate(by_length):  # what needs less than its share leaves it to the others
+            column.no_wrap, column.width = False, max(min(max(map(len, column_lines)), room // (len(wrapped) - n)), 1)
             room -= column.width
     console.print()
     caption = doc.text_of(block.caption)
     if caption:
         console.print(RichText(_sentence(caption), style="bold"))
-    console.print(made)
+    console.print(table)
 
 
-def _spare(made: RichTable) -> int:
+def _spare(table: RichTable) -> int:
     """Characters that columns of words can give up: a third of their longest line, and no word is broken."""
     spare = 0
-    for column in made.columns:
+    for column in table.columns:
         lines = [] if column.no_wrap else [line for cell in column.cells for line in str(cell).split("\n")]
-        longest, word = (max(map(len, some), default=0) for some in (lines, " ".join(lines).split()))
+        longest, word = (max(map(len, texts), default=0) for texts in (lines, " ".join(lines).split()))
         spare += longest - max(word, longest * 2 // 3)
     return spare
 
 
-def _made(block: doc.Table, columns: Sequence[doc.Column]) -> RichTable:
+def _rich_table(block: doc.Table, columns: Sequence[doc.Column]) -> RichTable:
     apart = 1 if block.look == "listing" else _APART
-    made = RichTable(box=None, pad_edge=False, padding=(0, apart, 0, 0), header_style="dim underline",
+    table = RichTable(box=None, pad_edge=False, padding=(0, apart, 0, 0), header_style="dim underline",
                      show_header=any(column.head for column in columns))  # fmt: skip
     for column in columns:
         head = column.head.replace(" ", "\n") if len(columns) > _MANY else column.head
-        made.add_column(RichText(head), justify="right" if column.form == "number" else "left", overflow="fold")
+        table.add_column(RichText(head), justify="right" if column.form == "number" else "left", overflow="fold")
     group = ""
     for row in block.rows:
         if block.group and row.cells[block.group] != group:
             group = doc.text_of(row.cells[block.group])
-            made.add_row(RichText(group, style="bold cyan"), *[""] * (len(columns) - 1))
-        made.add_row(*(rich_text(row.cells.get(c.key, ""), "bold" if row.total else "") for c in columns))
-    for shown, own in zip(made.columns, columns, strict=True):
-        shown.no_wrap = own.form in ("number", "status") or (own.form == "name" and not own.width)
-    return made
+            table.add_row(RichText(group, style="bold cyan"), *[""] * (len(columns) - 1))
+        table.add_row(*(rich_text(row.cells.get(c.key, ""), "bold" if row.total else "") for c in columns))
+    for rich_column, own in zip(table.columns, columns, strict=True):
+        rich_column.no_wrap = own.form in ("number", "status") or (own.form == "name" and not own.width)
+    return table

@@ -37,7 +37,7 @@ _QUIET = {"summary", "changes", "confidence", "required", "pareto"}
 
 
 def _selected(sections: Sequence[doc.Section], details: frozenset[str]) -> tuple[doc.Section, ...]:
-    return tuple(one for one in sections if one.early == "answer" or one.early in details)
+    return tuple(section for section in sections if section.early == "answer" or section.early in details)
 
 
 _BRIEF = ("axis", "quantity", "role", "order_number", "together", "missing")
@@ -45,7 +45,7 @@ _BRIEF = ("axis", "quantity", "role", "order_number", "together", "missing")
 
 def quote_in_brief(table: doc.Table) -> None:
     """Print a quote in the columns that a terminal has room for."""
-    render.blocks(console(), [replace(table, columns=[one for one in table.columns if one.key in _BRIEF])])
+    render.blocks(console(), [replace(table, columns=[column for column in table.columns if column.key in _BRIEF])])
 
 
 def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec: str = "", quiet: bool = False) -> None:
@@ -53,10 +53,10 @@ def sizing(result: SizingResult, *, details: frozenset[str] = frozenset(), spec:
     out, content = console(), Content(result)
     best = next(iter((*result.sets, *result.unsure)), None)
     heading(out, result.spec.name, *((MARK[best.status], STYLE[best.status]) if best else ("no drive", "")))
-    shown = _selected(SECTIONS, details if best else details | {"rejected"})
+    sections = _selected(SECTIONS, details if best else details | {"rejected"})
     if quiet:
-        shown = tuple(one for one in shown if one.name in _QUIET or one.early in details)
-    render.sections(out, printed([Chapter(content, shown)], doc.TERMINAL))
+        sections = tuple(section for section in sections if section.name in _QUIET or section.early in details)
+    render.sections(out, printed([Chapter(content, sections)], doc.TERMINAL))
     if best and not quiet:
         behind, loop = f" {spec}" if spec else "", "open loop" if best.steps else "closed loop"
         _next(
@@ -81,29 +81,29 @@ _NO_CHANGE = {
 def explained(pair: Explanation, catalog: Catalog) -> None:
     """Print a combination of motor and gearhead check by check, for every belt ratio, and its probabilities."""
     out = console()
-    shown = [one for one in SECTIONS if one.of_drive and one.early in ("answer", "checks", "paper")]
-    for found in pair.sets:
-        heading(out, found.label, MARK[found.status], STYLE[found.status])
-        of = OfDrives(catalog, tuple(dict.fromkeys(c.case for c in found.own_checks if c.case)))
-        render.sections(out, (doc.Printed(one, "", [*one.blocks(of, found)]) for one in shown))
-        if missing := missing_figures(found):
+    sections = [section for section in SECTIONS if section.of_drive and section.early in ("answer", "checks", "paper")]
+    for drive in pair.sets:
+        heading(out, drive.label, MARK[drive.status], STYLE[drive.status])
+        of = OfDrives(catalog, tuple(dict.fromkeys(c.case for c in drive.own_checks if c.case)))
+        render.sections(out, (doc.Printed(section, "", [*section.blocks(of, drive)]) for section in sections))
+        if missing := missing_figures(drive):
             out.print(Text(f"missing: {', '.join(missing)}", style=STYLE["unknown"]))
-        _changes(out, found)
+        _changes(out, drive)
     if pair.uncertainty is not None:
         render.blocks(out, [
             candidates.probability_table("Probability that all checks pass",
-                                         [one for one in pair.sets if one.reliability], ""),
+                                         [drive for drive in pair.sets if drive.reliability], ""),
             candidates.uncertain_table(pair.uncertainty), candidates.sampled_words(pair.uncertainty),
         ])  # fmt: skip
 
 
-def _changes(out: Console, found: DriveSet) -> None:
+def _changes(out: Console, drive: DriveSet) -> None:
     """Changes of the spec that would let a failing drive pass."""
-    if found.status != "fail":
+    if drive.status != "fail":
         return
-    if not found.changes:
-        out.print(_NO_CHANGE[found.checks[0].method])
-    for title, changes in summary.changes_by_outcome(found.changes, "it"):
+    if not drive.changes:
+        out.print(_NO_CHANGE[drive.checks[0].method])
+    for title, changes in summary.changes_by_outcome(drive.changes, "it"):
         out.print(title.removesuffix(":") + ", smallest first:")
         for change in changes:
             out.print(Text(f"  {change.field} {change.now} → {change.needed}"))
@@ -116,9 +116,9 @@ def validation(proof: Validation, *, checks: bool = False) -> None:
     """Print a validation: its verdict, the tightest checks and what helps; all checks, gains and loops on request."""
     out = console()
     heading(out, f"{proof.spec.name}: {proof.over}", MARK[proof.status], STYLE[proof.status])
-    wanted = {"loop", "loop-details", "linear"} if checks else {"loop"}
-    loop = (one for one in SECTIONS if one.name in wanted)
-    render.sections(out, (doc.Printed(one, "", [*one.blocks(OfLoop(proof))]) for one in loop))
+    names = {"loop", "loop-details", "linear"} if checks else {"loop"}
+    loop = (section for section in SECTIONS if section.name in names)
+    render.sections(out, (doc.Printed(section, "", [*section.blocks(OfLoop(proof))]) for section in loop))
     if not checks:
         out.print(
             "\nnext: drivesizer validate --checks has every check, the figures, the gains and the loops", soft_wrap=True
@@ -155,10 +155,10 @@ def machine_sizing(
     status = MARK[result.status] if result.complete else "no drive for every axis"
     heading(out, result.machine.name, status, STYLE[result.status])
     early = {"answer", "checks"} if checks else {"answer"}
-    every = axes.chapters(axes.MachineContent(result))
-    shown = [one._replace(sections=[section for section in one.sections if section.early in early])
-             for one in every if not one.axis or (chapters and checks)]  # fmt: skip
-    render.sections(out, printed(shown, doc.TERMINAL))
+    all_chapters = axes.chapters(axes.MachineContent(result))
+    selection = [chapter._replace(sections=[section for section in chapter.sections if section.early in early])
+             for chapter in all_chapters if not chapter.axis or (chapters and checks)]  # fmt: skip
+    render.sections(out, printed(selection, doc.TERMINAL))
     if not quiet:
         name = next((axis.name for axis in result.axes if axis.best is None), result.axes[0].name)
         behind, axis = f" {spec}" if spec else "", f'"{name}"' if " " in name else name
@@ -169,17 +169,17 @@ def machine_sizing(
         )
 
 
-def machine_explained(name: str, found: Mapping[str, Explanation]) -> None:
+def machine_explained(name: str, explanations: Mapping[str, Explanation]) -> None:
     """Print how one combination of motor and gearhead does on every axis of a machine, with its tightest check."""
     out, rows = console(), []
     heading(out, name, "")
-    out.print(Text(next(one.sets[0].label for one in found.values()), style="bold"))
-    for axis, pair in found.items():
-        status = gravest([one.status for one in pair.sets])
-        one = next(each for each in pair.sets if each.status == status)
-        tight = next(iter(tightest(one.deciding, 1)), None)
+    out.print(Text(next(explanation.sets[0].label for explanation in explanations.values()), style="bold"))
+    for axis, pair in explanations.items():
+        status = gravest([drive.status for drive in pair.sets])
+        drive = next(drive for drive in pair.sets if drive.status == status)
+        tight = next(iter(tightest(drive.deciding, 1)), None)
         cells = dict(check_row(tight).cells) if tight else {}
-        belt = f", belt {one.belt_ratio:g}:1" if len(pair.sets) > 1 else ""
+        belt = f", belt {drive.belt_ratio:g}:1" if len(pair.sets) > 1 else ""
         title = f"{tight.title if tight else '–'}{belt}"
         rows.append(doc.Row({**cells, "axis": axis, "title": title, "status": (doc.Status(status),)}))
     render.blocks(out, [doc.table("pairs", "", rows)])
@@ -200,10 +200,10 @@ def machine_proofs(name: str, proofs: Mapping[str, Validation]) -> None:
 
 
 def driven(
-    found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
+    driving: Driving, drive: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
 ) -> None:
     """Print the requirements at each wheel, the checks of a drive on the path, its speeds."""
-    out, path = console(), found.trajectory
-    status = (MARK[chosen.status], STYLE[chosen.status]) if chosen else ("no drive", "")
-    heading(out, f"{found.spec.name}: {show(path.length, 'm', 'length')} in {show(path.total, 's', 'time')}", *status)
-    render.blocks(out, machine.driving_blocks(found, chosen, runs, speeds))
+    out, path = console(), driving.trajectory
+    status = (MARK[drive.status], STYLE[drive.status]) if drive else ("no drive", "")
+    heading(out, f"{driving.spec.name}: {show(path.length, 'm', 'length')} in {show(path.total, 's', 'time')}", *status)
+    render.blocks(out, machine.driving_blocks(driving, drive, runs, speeds))

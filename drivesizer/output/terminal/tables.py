@@ -24,10 +24,10 @@ MARK = {"pass": "pass", "fail": "FAIL", "open": "open", "unknown": "unknown"}
 
 def console() -> Console:
     """The terminal that results go to."""
-    shown = Console(highlight=False, soft_wrap=False, emoji=False)
-    if shown.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
-        shown.width = _WIDTH
-    return shown
+    terminal = Console(highlight=False, soft_wrap=False, emoji=False)
+    if terminal.width < 1:  # COLUMNS=0, which rich takes as it is: the width is unknown
+        terminal.width = _WIDTH
+    return terminal
 
 
 def width_of(table: RenderableType) -> int:
@@ -97,7 +97,7 @@ def chart(series: Sequence[Series], x: Axis, y: Axis, width: int = 80, height: i
         lines.append(Text(edge, style="dim").append_text(field[row]))
     lines += [Text(" " * margin + line, style="dim") for line in _foot(level, x.end, columns)]
     lines.append(Text(f"{x.name} [{x.unit}]".rjust(margin + 1 + columns), style="dim"))
-    return lines + [line for one in series for line in _legend(one, width)]
+    return lines + [line for curve in series for line in _legend(curve, width)]
 
 
 def ticks(end: float, count: int) -> list[float]:
@@ -115,12 +115,12 @@ def ticks(end: float, count: int) -> list[float]:
     return [n * step for n in range(floor(end / step + 1e-9) + 1)]
 
 
-def dots(one: Series, reach: Point, size: tuple[int, int]) -> list[tuple[int, int]]:
+def dots(curve: Series, reach: Point, size: tuple[int, int]) -> list[tuple[int, int]]:
     """The dots of a line, in order and each once."""
     most = float(size[0] - 1), float(size[1] - 1)
-    at = [(a / reach[0] * most[0], b / reach[1] * most[1]) for a, b in zip(one.x, one.y, strict=True)]
+    at = [(a / reach[0] * most[0], b / reach[1] * most[1]) for a, b in zip(curve.x, curve.y, strict=True)]
     steps = (dot for a, b in pairwise(at) for dot in _segment(a, b, most))
-    return list(dict.fromkeys(steps))[:: one.gap]
+    return list(dict.fromkeys(steps))[:: curve.gap]
 
 
 def _segment(a: Point, b: Point, most: Point) -> Iterator[tuple[int, int]]:
@@ -152,20 +152,20 @@ def _clipped(a: Point, b: Point, most: Point) -> tuple[Point, Point] | None:
 def _field(series: Sequence[Series], reach: Point, cells: tuple[int, int]) -> list[Text]:
     """The rows of the field, from the lowest up."""
     columns, rows = cells
-    shown: dict[tuple[int, int], tuple[str, str]] = {}  # character and style of a cell
-    for one in series:
-        for x, y in [] if one.mark else dots(one, reach, (2 * columns, 4 * rows)):
-            before = shown.get((x // 2, y // 4), (chr(_BLANK), ""))[0]
+    characters: dict[tuple[int, int], tuple[str, str]] = {}  # character and style of a cell
+    for curve in series:
+        for x, y in [] if curve.mark else dots(curve, reach, (2 * columns, 4 * rows)):
+            before = characters.get((x // 2, y // 4), (chr(_BLANK), ""))[0]
             bits = ord(before) if ord(before) >= _BLANK else _BLANK  # a dot takes the place of a mark
-            shown[x // 2, y // 4] = chr(bits | _BITS[x % 2][y % 4]), one.style
-        for a, b in zip(one.x, one.y, strict=True) if one.mark else ():
+            characters[x // 2, y // 4] = chr(bits | _BITS[x % 2][y % 4]), curve.style
+        for a, b in zip(curve.x, curve.y, strict=True) if curve.mark else ():
             if 0.0 <= a <= reach[0] and 0.0 <= b <= reach[1]:
-                shown[_cell(a, reach[0], columns, 2), _cell(b, reach[1], rows, 4)] = one.mark, one.style
-    found = [Text() for _ in range(rows)]
-    for row, text in enumerate(found):
+                characters[_cell(a, reach[0], columns, 2), _cell(b, reach[1], rows, 4)] = curve.mark, curve.style
+    lines = [Text() for _ in range(rows)]
+    for row, text in enumerate(lines):
         for column in range(columns):
-            text.append(*shown.get((column, row), (" ", "")))
-    return found
+            text.append(*characters.get((column, row), (" ", "")))
+    return lines
 
 
 def _cell(value: float, reach: float, cells: int, per_cell: int) -> int:
@@ -184,13 +184,13 @@ def _foot(level: Sequence[float], end: float, columns: int) -> list[str]:
     return ["└" + "".join("┬" if n in places else "─" for n in range(columns)), figures]
 
 
-def _legend(one: Series, width: int) -> Iterator[Text]:
+def _legend(curve: Series, width: int) -> Iterator[Text]:
     """A piece of the line, or its mark, and its name."""
-    drawn = {n for n in range(4) if n % one.gap == 0}
-    cells = [sum(_BITS[n % 2][2] for n in drawn if n // 2 == cell) for cell in range(2)]
-    piece = one.mark or "".join(chr(_BLANK + bits) if bits else " " for bits in cells)
-    for n, text in enumerate(textwrap.wrap(one.name, max(width - 3, _NARROW))):
-        yield Text(f"{piece if n == 0 else '':<3}", style=one.style).append(text, style="default")
+    places = {n for n in range(4) if n % curve.gap == 0}
+    cells = [sum(_BITS[n % 2][2] for n in places if n // 2 == cell) for cell in range(2)]
+    piece = curve.mark or "".join(chr(_BLANK + bits) if bits else " " for bits in cells)
+    for n, text in enumerate(textwrap.wrap(curve.name, max(width - 3, _NARROW))):
+        yield Text(f"{piece if n == 0 else '':<3}", style=curve.style).append(text, style="default")
 
 
 def _digits(tick: float) -> str:

@@ -14,7 +14,7 @@ from drivesizer.output.document.candidates import gearhead_words
 from drivesizer.output.document.content import Content
 from drivesizer.output.document.paper import as_data
 from drivesizer.output.document.records import picture as picture_of
-from drivesizer.output.document.records import said as sentence
+from drivesizer.output.document.records import sentence
 from drivesizer.output.json import documents
 from drivesizer.output.report.figures import picture
 from drivesizer.output.report.figures.picture import Curve, Diagram, Plot
