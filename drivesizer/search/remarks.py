@@ -180,9 +180,9 @@ def _idle_gearhead(picked: Shortlist, best: DriveSet) -> Iterable[str]:
         return
     ends = [show(torque, "mN*m", "torque", 2) for torque in (low, high)]
     passes = f"{np.logical_and.reduce([check.passed for check in decided]).mean():.0%}".replace("%", " %")
-    said = []
+    said, cases = [], tuple(case.name for case in evaluation.problem.cases)
     for check in decided:
-        least, most = (check.at(end, "physics") for end in (0, -1))
+        least, most = (check.at(end, "physics", cases=cases) for end in (0, -1))
         figures = [show(x, most.unit, most.kind, 3) for x in (least.demand, most.demand, most.limit)]
         margin = f" with {show(most.needed, '%', 'dimensionless')} of margin" if most.needed else ""
         said.append("{} {} to {} of {}".format(most.title, *figures) + margin)
