@@ -15,6 +15,7 @@ from drivesizer.search import relaxations as movable_figures
 from drivesizer.search.relaxations import relaxations, tried
 from drivesizer.sizing import explain, size
 from drivesizer.spec.robot import read_spec
+from drivesizer.units import registry
 
 SPEC = """
 name: a table
@@ -100,8 +101,8 @@ def test_the_least_factor_is_found_to_one_per_cent(field, factor, catalog, monke
     assert passes({field: moved})
     assert move.share == pytest.approx(abs(moved - 1.0))
     assert move.set_label == "a drive"
-    shown = [float(text.split()[0]) for text in (move.needed, move.now)]
-    assert shown[0] / shown[1] == pytest.approx(moved, rel=0.01)
+    needed, now = (registry().Quantity(text) for text in (move.needed, move.now))  # each in the unit that suits it
+    assert float(needed / now) == pytest.approx(moved, rel=0.01)
 
 
 def test_the_ambient_falls_by_kelvins(catalog, monkeypatch):
