@@ -155,10 +155,10 @@ def evaluate(drives: Drive, cycle: LoadCycle | Course, level: int, rows: Whole |
     for k, column in enumerate(drives):
         columns[..., k] = column if rows is None or not np.ndim(column) else np.broadcast_to(column, whole)[rows]
     table = columns.reshape(-1, len(drives))
-    found = np.empty((len(table), len(Figures._fields)))
+    figures = np.empty((len(table), len(Figures._fields)))
     (arrays, steps, segments, cycles), samples = _laid_out(cycle), np.arange(len(table)) if rows is None else rows
     size = max(-(-len(table) // _threads()), _A_THREAD // segments, 1)
-    run = partial(_rows, table, found, arrays, steps, samples % cycles, (segments, level), size)
+    run = partial(_rows, table, figures, arrays, steps, samples % cycles, (segments, level), size)
     if len(table) > size:
         from concurrent.futures import ThreadPoolExecutor  # only many drives need it
 
@@ -166,7 +166,7 @@ def evaluate(drives: Drive, cycle: LoadCycle | Course, level: int, rows: Whole |
             list(pool.map(run, range(0, len(table), size)))
     elif len(table):
         run(0)
-    return Figures(*(found[:, k].reshape(shape) for k in range(found.shape[1])))
+    return Figures(*(figures[:, k].reshape(shape) for k in range(figures.shape[1])))
 
 
 def pieces(
@@ -187,20 +187,20 @@ def pieces(
 
 def _of_one(drive: Drive, cycle: LoadCycle | Course, level: int, cuts: int, rows: Array) -> tuple[Figures, int]:
     """One drive, and a number that is given back."""
-    table, found = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
+    table, figures = np.array([float(np.squeeze(x)) for x in drive])[None], np.empty((1, len(Figures._fields)))
     arrays, steps, segments, _ = _laid_out(cycle)
     sizes = np.array([segments, level, cuts])
-    number = compiled()(table, found, *arrays, steps, np.zeros(1, np.int64), sizes, rows)
-    return Figures(*found.T), number
+    number = compiled()(table, figures, *arrays, steps, np.zeros(1, np.int64), sizes, rows)
+    return Figures(*figures.T), number
 
 
 def _rows(
-    table: Array, found: Array, arrays: list[Array], steps: Whole, samples: Whole, sizes: tuple[int, int], size: int,
+    table: Array, figures: Array, arrays: list[Array], steps: Whole, samples: Whole, sizes: tuple[int, int], size: int,
     first: int,
 ) -> None:  # fmt: skip
     """Some drives in one thread."""
     rows, nothing = slice(first, first + size), np.empty((0, len(Piece._fields)))
-    compiled()(table[rows], found[rows], *arrays, steps, samples[rows], np.array([*sizes, 1]), nothing)
+    compiled()(table[rows], figures[rows], *arrays, steps, samples[rows], np.array([*sizes, 1]), nothing)
 
 
 def _laid_out(cycle: LoadCycle | Course) -> tuple[list[Array], Whole, int, int]:
@@ -224,5 +224,5 @@ def _flat(x: Array, single: bool) -> tuple[Array, list[int]]:
 
 def _threads() -> int:
     """Threads that may compute at once: as many as there are cores, or as the environment has for linear algebra."""
-    given = os.environ.get("OMP_NUM_THREADS", "")
-    return int(given) if given.isdecimal() else os.cpu_count() or 1
+    threads = os.environ.get("OMP_NUM_THREADS", "")
+    return int(threads) if threads.isdecimal() else os.cpu_count() or 1

@@ -61,9 +61,9 @@ def after(bodies: TwoBodies, ambient: Figure, start: State, I2: Figure, P_h: Fig
         R_th2=bodies.R_th2, C_w=bodies.capacity_w, C_h=bodies.capacity_h, friction=P_h, finest=np.inf,
         winding_start=start.winding - ambient, housing_start=start.housing - ambient,
     )  # fmt: skip
-    shape, one = np.broadcast_shapes(*map(np.shape, (*drive, t))), np.ones((1, 2, 1))
+    shape, unit = np.broadcast_shapes(*map(np.shape, (*drive, t))), np.ones((1, 2, 1))
     spans = np.broadcast_to(np.maximum(t, _NO_TIME), shape).reshape(1, -1)
-    span = Course(spans, one, 0.0 * one, one, steps=np.zeros((0, 0), np.int64))  # steps are those of its memory
+    span = Course(spans, unit, 0.0 * unit, unit, steps=np.zeros((0, 0), np.int64))  # steps are those of its memory
     ends = evaluate(drive._replace(course=np.ones(shape)), span, HEAT)
     rises = (np.where(np.isinf(ends.winding), np.inf, x) for x in (ends.winding_end, ends.housing_end))
     return State(*((ambient + rise)[()] for rise in rises))

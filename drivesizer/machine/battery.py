@@ -146,8 +146,7 @@ class Pack:
 
 def pack_of(section: Battery, catalog: Catalog) -> Pack:
     """The battery that a spec describes."""
-    pack: Pack = catalog.once("battery", lambda: _pack(section, catalog), (section,))
-    return pack
+    return catalog.once("battery", lambda: _pack(section, catalog), (section,))
 
 
 def mass_of(section: Battery | None, catalog: Catalog) -> float | None:
@@ -167,10 +166,10 @@ def row_of(catalog: Catalog, section: str, part: str, field: tuple[str, ...]) ->
 def _pack(section: Battery, catalog: Catalog) -> Pack:
     row = None if section.part is None else row_of(catalog, "batteries", section.part, ("battery", "part"))
     record = parts.Battery() if row is None else catalog.batteries.record(row)
-    one = {name: getattr(record, name) if getattr(section, name) is None else getattr(section, name) for name in _ONE}
+    cell = {name: getattr(record, name) if getattr(section, name) is None else getattr(section, name) for name in _ONE}
     s, p, rest, more = section.series, section.parallel, section.open_circuit, section.polarisation
-    at_rest = (rest.full, rest.empty) if rest else (one["nominal_voltage"],) * 2
-    cells = [*(one[name] for name in ("nominal_voltage", "charge_voltage", "cutoff_voltage")), *at_rest]
+    at_rest = (rest.full, rest.empty) if rest else (cell["nominal_voltage"],) * 2
+    cells = [*(cell[name] for name in ("nominal_voltage", "charge_voltage", "cutoff_voltage")), *at_rest]
     # without what rounding adds: seven cells of 4.2 V are charged at 29.4 V
     nominal_voltage, charge_voltage, cutoff_voltage, full, empty = (np.round(s * volts, 9) for volts in cells)
     return Pack(
@@ -179,13 +178,13 @@ def _pack(section: Battery, catalog: Catalog) -> Pack:
         chemistry=section.chemistry or record.chemistry, series=s, parallel=p,
         nominal_voltage=nominal_voltage, charge_voltage=charge_voltage, cutoff_voltage=cutoff_voltage,
         rests=rest is not None, emf_full=full, emf_empty=empty,
-        capacity=p * one["capacity"], health=section.health, usable=section.usable, start=section.start,
-        rated_time=one["rated_time"], peukert_exponent=one["peukert_exponent"],
-        resistance=one["resistance"] * s / p,
+        capacity=p * cell["capacity"], health=section.health, usable=section.usable, start=section.start,
+        rated_time=cell["rated_time"], peukert_exponent=cell["peukert_exponent"],
+        resistance=cell["resistance"] * s / p,
         polarisation=more.resistance * s / p if more else 0.0, time_constant=more.time_constant if more else nan,
-        continuous_current=p * one["continuous_current"], peak_current=p * one["peak_current"],
-        max_charge_current=p * one["max_charge_current"], mass=s * p * one["mass"], price=s * p * record.price,
-        table=_table(section, catalog, row, one["cutoff_voltage"]),
+        continuous_current=p * cell["continuous_current"], peak_current=p * cell["peak_current"],
+        max_charge_current=p * cell["max_charge_current"], mass=s * p * cell["mass"], price=s * p * record.price,
+        table=_table(section, catalog, row, cell["cutoff_voltage"]),
     )  # fmt: skip
 
 
@@ -231,13 +230,13 @@ def run_time(pack: Pack, power: Alike) -> Alike:
     battery without an exponent gives its rated charge. Unknown otherwise; infinite where nothing is drawn.
     """
     current = np.asarray(power, float) / pack.mean_voltage
-    found = np.full_like(current, nan)
+    time = np.full_like(current, nan)
     if pack.table:
         draw = power if pack.table.kind == "power" else current
-        found = laws.table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
+        time = laws.table_time(np.maximum(draw, 0.0), pack.table.draw, pack.table.time)
     elif pack.law:
-        found = laws.peukert_time(current, pack.health * pack.capacity, *pack.law)
-    return np.where(np.asarray(power) <= 0.0, inf, found)[()]
+        time = laws.peukert_time(current, pack.health * pack.capacity, *pack.law)
+    return np.where(np.asarray(power) <= 0.0, inf, time)[()]
 
 
 def capacity_needed(pack: Pack, power: float, time: float) -> float:
@@ -309,8 +308,8 @@ def load_of(spec: RobotSpec, pack: Pack, mean: Alike, peak: Alike, speed: Alike,
     full = run_time(pack, mean / strings)
     along = nan if pack.section.range is None else pack.section.range / speed
     required = np.fmax(required_autonomy(spec, pack), along)
-    drawn = np.where(np.isnan(required), pack.available, required / full)
-    charge = pack.start - np.minimum(drawn, pack.available)
+    depth = np.where(np.isnan(required), pack.available, required / full)
+    charge = pack.start - np.minimum(depth, pack.available)
     emf = pack.emf(charge)
     lowest = laws.terminal_voltage(laws.current_of_power(peak, emf, pack.resistance), emf, pack.resistance)
     return Load(
@@ -320,7 +319,7 @@ def load_of(spec: RobotSpec, pack: Pack, mean: Alike, peak: Alike, speed: Alike,
 
 def battery_checks(spec: RobotSpec, pack: Pack, load: Load) -> tuple[Check, ...]:
     """Every limit of a battery, in the order in which people read them."""
-    *drawn, continuous, peak = drawn_columns(spec, pack, load)
+    *autonomy, continuous, peak = drawn_columns(spec, pack, load)
     *raised, current = charging(spec, pack, load)
     room, charger, legs = [], [], []
     if spec.mission is not None and spec.mission.legs:
@@ -334,21 +333,21 @@ def battery_checks(spec: RobotSpec, pack: Pack, load: Load) -> tuple[Check, ...]
         room = [at_most("battery_room", more, (1.0 - pack.start) * pack.health * pack.capacity)]
     if pack.section.charger is not None:
         charger = [at_most("battery_charger_current", pack.section.charger.current, pack.max_charge_current)]
-    columns = (*legs, *drawn, *raised, *room, continuous, peak, *charger, current)
+    columns = (*legs, *autonomy, *raised, *room, continuous, peak, *charger, current)
     return tuple(column.at((), "budget") for column in columns)
 
 
 def charge_along(legs: Sequence[Leg], pack: Pack, load: Load) -> Array:
     """Share of the charge that is left after each leg of a mission [1]; below 0 where it would be drawn out."""
-    found, charge, charger = [], pack.start, pack.section.charger
+    charges, charge, charger = [], pack.start, pack.section.charger
     for leg in legs:
         out = 1.0 / float(run_time(pack, leg.share * (load.mean - load.others) + load.others))
         into = 0.0
         if leg.charges and charger is not None:
             into = charger.current * charger.efficiency / (pack.health * pack.capacity)
         charge = min(1.0, charge + (into - out) * leg.time)
-        found.append(charge)
-    return np.array(found)
+        charges.append(charge)
+    return np.array(charges)
 
 
 def drawn_columns(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
@@ -359,15 +358,15 @@ def drawn_columns(spec: RobotSpec, pack: Pack, load: Load) -> list[CheckColumn]:
     emf, grip, reserve = pack.emf(load.charge), spec.margins.torque, pack.section.reserve
     lasts = load.full * pack.available
     reached = Range(lasts, load.longest * pack.available) if pack.of_class else lasts
-    required, found = required_autonomy(spec, pack), []
+    required, columns = required_autonomy(spec, pack), []
     if not np.isnan(required).all():
-        found.append(at_least("battery_autonomy", required, reached, needed=reserve))
+        columns.append(at_least("battery_autonomy", required, reached, needed=reserve))
     if pack.section.range is not None:
         far = Range(*(load.speed * time for time in reached)) if pack.of_class else load.speed * lasts
-        found.append(at_least("battery_range", pack.section.range, far, needed=reserve))
+        columns.append(at_least("battery_range", pack.section.range, far, needed=reserve))
     peak = laws.current_of_power(load.peak, emf, pack.resistance)
     return [
-        *found,
+        *columns,
         _known_at_rest(pack, at_most("battery_power", load.peak, laws.largest_power(emf, pack.resistance))),
         _known_at_rest(pack, at_least("battery_voltage", spec.supply.lowest, load.lowest)),
         _known_at_rest(pack, at_least("battery_cutoff", pack.cutoff_voltage, load.lowest)),
@@ -426,23 +425,23 @@ class Feeding(NamedTuple):
 
 def feeding(spec: RobotSpec, rated: Battery, catalog: Catalog) -> Feeding:
     """The battery of a machine, and what the equipment draws from it."""
-    given = spec.battery
-    assert given is not None
+    section = spec.battery
+    assert section is not None
     charge: Alike = 1.0
     for name in ("capacity", "health"):
-        if name in given.model_fields_set:
-            charge = charge * (getattr(given, name) / getattr(rated, name))
-            given = given.model_copy(update={name: getattr(rated, name)})
+        if name in section.model_fields_set:
+            charge = charge * (getattr(section, name) / getattr(rated, name))
+            section = section.model_copy(update={name: getattr(rated, name)})
     mission = spec.mission.duration if spec.mission else None
-    drawn = [one.drawn(mission) for one in spec.equipment]
-    mean, peak = (sum(powers) for powers in zip(*drawn, strict=True)) if drawn else (0.0, 0.0)
-    return Feeding(pack_of(given, catalog), charge, mean, peak)
+    draws = [device.drawn(mission) for device in spec.equipment]
+    mean, peak = (sum(powers) for powers in zip(*draws, strict=True)) if draws else (0.0, 0.0)
+    return Feeding(pack_of(section, catalog), charge, mean, peak)
 
 
 def columns_of(spec: RobotSpec, feeds: Feeding, cycle: LoadCycle, draws: Sequence[Draw]) -> list[CheckColumn]:
     """Autonomy, range, peak and voltage, from what drives draw over a cycle, or samples each over its own."""
     share, total = spec.supply.regeneration, cycle.total
-    drawn, returned = (sum(getattr(one, name) for one in draws) for name in ("drawn", "returned"))
+    drawn, returned = (sum(getattr(draw, name) for draw in draws) for name in ("drawn", "returned"))
     mean = (drawn / (1.0 - spec.slip) - share * returned) / total + feeds.mean
     peak = np.maximum(draws[0].peak, 0.0) / (1.0 - spec.slip) + feeds.peak
     speed = distance_of(spec, cycle) / total
@@ -462,10 +461,10 @@ def _drawing(bus: Regenerated, axes: Sequence[AxisOnBus]) -> tuple[list[Consumpt
         before = f"{axis.name}: " if axis.name else ""
         lines += [line._replace(name=before + line.name) for line in _of_axis(axis)]
         losses += [before + text for text in loss_assumptions(axis.spec, axis.drive_set.controller)]
-    kept = fsum(axis.power.mean(axis.power.returned) for axis in axes) - total.mean(total.returned)
-    if kept > 0.0:
+    exchanged = fsum(axis.power.mean(axis.power.returned) for axis in axes) - total.mean(total.returned)
+    if exchanged > 0.0:
         share = 1.0 - spec.supply.regeneration
-        lines.append(Consumption("exchanged between axes", len(axes), -share * kept, 0.0, nan, False))
+        lines.append(Consumption("exchanged between axes", len(axes), -share * exchanged, 0.0, nan, False))
     if spec.supply.resistance is not None:
         lines.append(Consumption("resistance of the supply", 1, total.mean(total.resisted), 0.0, nan, False))
     return lines, list(dict.fromkeys(losses))
@@ -505,9 +504,9 @@ def _battery_load(spec: RobotSpec, pack: Pack, others: Sequence[Consumption], dr
     """
     power = np.asarray(drive.drawn - spec.supply.regeneration * drive.returned + sum(c.mean for c in others))
     mean, peak = drive.mean(power), float(drive.peak.max()) + sum(c.peak for c in others)
-    found = load_of(spec, pack, mean, peak, drive.distance / drive.total)
+    mean_load = load_of(spec, pack, mean, peak, drive.distance / drive.total)
     back, R = accepted(spec) * float(drive.returned_peak.max()), pack.resistance
-    load = Load(*map(float, found))._replace(rms=float(np.sqrt(drive.mean(power**2))), back=back,
+    load = Load(*map(float, mean_load))._replace(rms=float(np.sqrt(drive.mean(power**2))), back=back,
                                             others=sum(c.mean for c in others))  # fmt: skip
     raised = float(_resting_voltage(pack, mean))
     if pack.polarisation > 0.0:  # the cycle charges the pair, peak and return come on top
@@ -560,7 +559,7 @@ def _figures(spec: RobotSpec, pack: Pack, load: Load, worn: float) -> tuple[Figu
     battery = pack.section
     mission = spec.mission.duration if spec.mission else nan
     needed = capacity_needed(pack, load.mean, load.required * (1.0 + battery.reserve))
-    drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
+    charge_drawn = nan if load.full == inf else load.mean / pack.mean_voltage * load.full
     lacking = {"mission_energy": isnan(mission), "range": isnan(load.speed)}
     less, charging = load.full - float(run_time(pack, load.mean + 1.0)), nan
     if battery.charger is not None:  # the constant voltage at the end of a charge takes longer
@@ -575,7 +574,7 @@ def _figures(spec: RobotSpec, pack: Pack, load: Load, worn: float) -> tuple[Figu
         "mission_energy": load.mean * mission,
         "rated_energy": pack.capacity * pack.nominal_voltage,
         "mean_current": load.mean / pack.mean_voltage,
-        "charge_drawn": drawn,
+        "charge_drawn": charge_drawn,
         "autonomy": load.full * pack.available,
         "autonomy_per_watt": less * pack.available,
         "autonomy_worn": worn,
@@ -611,23 +610,25 @@ def charge_over_mission(budget: EnergyBudget, mission: float, most: int = _POINT
 
 def _assumptions(spec: RobotSpec, pack: Pack, assumed: Sequence[str]) -> tuple[str, ...]:
     unknown = "run time unknown: neither a discharge table nor a Peukert exponent with its rated time is known"
-    found = [
+    assumptions = [
         f"run time by {pack.rule}, at the mean power" if pack.rule else unknown,
         f"current of the run time at {show(pack.mean_voltage, 'V', 'voltage')}",
         "the cycle repeats without pause",
     ]
     if pack.section.rated_time and pack.table is None:
-        found.insert(1, f"capacity as rated over {show(pack.section.rated_time, 'h', 'time')}, as the spec says")
-    guessed = [one.name for one in spec.equipment if one.assumed]
+        assumptions.insert(1, f"capacity as rated over {show(pack.section.rated_time, 'h', 'time')}, as the spec says")
+    guessed = [device.name for device in spec.equipment if device.assumed]
     if guessed:
-        found.append(f"power of {', '.join(guessed)} assumed")
-    found += assumed
+        assumptions.append(f"power of {', '.join(guessed)} assumed")
+    assumptions += assumed
     if spec.platform and not spec.platform.slip and any(w.kind == "mecanum" for w in spec.platform.places):
-        found.append("slip of the rollers on the floor is not counted: platform.slip")
+        assumptions.append("slip of the rollers on the floor is not counted: platform.slip")
     if pack.section.charger:
-        found.append("charging at a constant current to the end: with a constant voltage at the end it takes longer")
+        assumptions.append(
+            "charging at a constant current to the end: with a constant voltage at the end it takes longer"
+        )
     if not pack.rests:
-        found.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
+        assumptions.append("voltage at rest taken as the nominal one: towards the end of the charge it is less")
     if spec.supply.regeneration == 0.0:
-        found.append("no regenerated energy is stored")
-    return tuple(found)
+        assumptions.append("no regenerated energy is stored")
+    return tuple(assumptions)

@@ -43,34 +43,34 @@ def drives_for(required: Pulleys, catalog: Catalog, where: str) -> BeltDrives:
     teeth = np.unique(catalog.pulleys["teeth"][pulleys]), np.unique(catalog.belts["teeth"][belts])
     driving, driven, belt, distance = _layouts(required, *teeth, where)
     ratio, wish = driven / driving, required.centre_distance  # the same teeth reduced are the same float
-    held = teeth_in_mesh(driving, driven, required.pitch, distance)
-    lacking = np.maximum(LEAST_IN_MESH - np.floor(held), 0.0)
+    in_mesh = teeth_in_mesh(driving, driven, required.pitch, distance)
+    lacking = np.maximum(LEAST_IN_MESH - np.floor(in_mesh), 0.0)
     order = np.lexsort((belt, belt if wish is None else np.abs(distance - wish), driving, lacking, ratio))
     first = order[np.unique(ratio[order], return_index=True)[1]]
     few = first
     if len(first) > MOST_RATIOS:
-        enough = held[first] >= LEAST_IN_MESH
+        enough = in_mesh[first] >= LEAST_IN_MESH
         able = first[enough] if enough.any() else first
         few = able[spread(np.log(ratio[able]), MOST_RATIOS)]
 
     def parts(row: int) -> BeltDrive:
         """Pulleys of the belt's maker where there are some, the narrowest that take the belt."""
         makers, choices = catalog.pulleys["manufacturer"], []
-        for one in belts[catalog.belts["teeth"][belts] == belt[row]].tolist():
-            maker, pair = catalog.belts["manufacturer"][one], list[int]()
+        for belt_row in belts[catalog.belts["teeth"][belts] == belt[row]].tolist():
+            maker, pair = catalog.belts["manufacturer"][belt_row], list[int]()
             for z in (driving[row], driven[row]):
                 alike: list[int] = pulleys[catalog.pulleys["teeth"][pulleys] == z].tolist()
                 width, name = catalog.pulleys["width"], catalog.pulleys["part"]
                 pair.append(min(alike, key=lambda r, m=maker: (makers[r] != m, width[r], name[r], r)))  # type: ignore[misc]
             foreign = sum(bool(makers[r] != maker) for r in pair)
-            choices.append((foreign, str(catalog.belts["part"][one]), pair, one))
-        _, _, pair, chosen = min(choices)
+            choices.append((foreign, str(catalog.belts["part"][belt_row]), pair, belt_row))
+        _, _, pair, best = min(choices)
         return BeltDrive(
             driving=catalog.pulleys.record(pair[0]),
             driven=catalog.pulleys.record(pair[1]),
-            belt=catalog.belts.record(chosen),
+            belt=catalog.belts.record(best),
             centre_distance=float(distance[row]),
-            teeth_in_mesh=float(held[row]),
+            teeth_in_mesh=float(in_mesh[row]),
         )
 
     return BeltDrives(tuple(map(parts, few.tolist())), len(first))
@@ -91,13 +91,13 @@ def _fitting(required: Pulleys, table: Table[Any], section: str, where: str) -> 
         kinds.setdefault(kind, set()).add(float(table["width"][row]))
     stock = f"they list no {section}: select.catalogs needs some that do, e.g. wcp, or all"
     if kinds:
-        each = [
+        widths = [
             f"{name} {_mm(pitch)} of {', '.join(map(_mm, sorted(w)))}" for (name, pitch), w in sorted(kinds.items())
         ]
-        stock = f"there are {'; '.join(each)} width"
+        stock = f"there are {'; '.join(widths)} width"
     takes = "of" if section == "belts" else "for a belt of"
-    wanted = f"{quoted(required.profile)} {_mm(required.pitch)} {takes} {_mm(required.width)} width"
-    raise InputError(f"{where}: no {section} {wanted} in the catalogues that the spec names; {stock}")
+    requirement = f"{quoted(required.profile)} {_mm(required.pitch)} {takes} {_mm(required.width)} width"
+    raise InputError(f"{where}: no {section} {requirement} in the catalogues that the spec names; {stock}")
 
 
 def _layouts(required: Pulleys, pulleys: Array, belts: Array, where: str) -> tuple[Array, Array, Array, Array]:
@@ -108,9 +108,9 @@ def _layouts(required: Pulleys, pulleys: Array, belts: Array, where: str) -> tup
     if not len(pairs):
         below, above = ratio[ratio < required.ratio_min], ratio[ratio > required.ratio_max]
         ends = [*([below.max()] if len(below) else []), *([above.min()] if len(above) else [])]
-        nearest = f"the nearest {'are' if len(ends) > 1 else 'is'} {' and '.join(f'{one:.4g}' for one in ends)}"
-        wanted = f"from {required.ratio_min:.4g} to {required.ratio_max:.4g}"
-        raise InputError(f"{where}: no two pulleys have a ratio {wanted}; {nearest}")
+        nearest = f"the nearest {'are' if len(ends) > 1 else 'is'} {' and '.join(f'{ratio:.4g}' for ratio in ends)}"
+        requirement = f"from {required.ratio_min:.4g} to {required.ratio_max:.4g}"
+        raise InputError(f"{where}: no two pulleys have a ratio {requirement}; {nearest}")
     driving, driven = (np.repeat(side[pairs], len(belts)) for side in (driving, driven))
     belt = np.tile(belts, len(pairs))
     a = centre_distance(driving, driven, required.pitch, belt)

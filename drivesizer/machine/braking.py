@@ -58,38 +58,39 @@ def resistor_choices(spec: RobotSpec, catalog: Catalog) -> list[BrakeResistor]:
                 hint, where = nearest(name, dict.fromkeys(table[field].tolist())), spec.where(("brake_resistor", field))
                 raise InputError(f"{where}: {quoted(name)} is not in {', '.join(catalog.digests)}{hint}")
             named.update(rows)
-    found = []
+    resistors = []
     for row in range(len(table)):
         if table.excluded[row] or (named and row not in named):
             continue
-        one = table.record(row)
-        if one.kind != _SHUNT and section.chopper_voltage is not None:  # by the chopper of the spec
-            volts, current = section.chopper_voltage, section.chopper_current or one.chopper_current
-            one = replace(one, chopper_voltage_min=volts, chopper_voltage_max=volts, chopper_current=current)
-        found.append(one)
+        resistor = table.record(row)
+        if resistor.kind != _SHUNT and section.chopper_voltage is not None:  # by the chopper of the spec
+            volts, current = section.chopper_voltage, section.chopper_current or resistor.chopper_current
+            resistor = replace(resistor, chopper_voltage_min=volts, chopper_voltage_max=volts, chopper_current=current)
+        resistors.append(resistor)
     if not section.part:  # a choice beside others: a resistor for the chopper that is given, else a shunt regulator
         kind = _SHUNT if section.chopper_voltage is None else "resistor"
         highest = max(case.supply.highest for _, case in spec.load_cases)
-        found = [one for one in found if one.kind == kind and not one.chopper_voltage_min < highest
-                 and not (isnan(one.resistance) and isnan(one.resistance_max))]  # fmt: skip
-    known = [one for one in found if not isnan(one.chopper_voltage_max)]
+        resistors = [resistor for resistor in resistors if resistor.kind == kind
+                 and not resistor.chopper_voltage_min < highest
+                 and not (isnan(resistor.resistance) and isnan(resistor.resistance_max))]  # fmt: skip
+    known = [resistor for resistor in resistors if not isnan(resistor.chopper_voltage_max)]
     if named and not known:
         raise InputError(
-            f"{spec.where(('brake_resistor',))}: {found[0].part if found else 'it'} has no chopper of its own; "
+            f"{spec.where(('brake_resistor',))}: {resistors[0].part if resistors else 'it'} has no chopper of its own; "
             "expected chopper_voltage, at which that of the drives switches on"
         )
     return known
 
 
-def suited(one: BrakeResistor, cases: Sequence[Regenerated]) -> BrakeResistor:
+def suited(resistor: BrakeResistor, cases: Sequence[Regenerated]) -> BrakeResistor:
     """A size that is made in any resistance with the one to order."""
-    if not isnan(one.resistance) or isnan(one.resistance_max):
-        return one
-    volts = one.chopper_voltage_min
-    peaks = [case.burnt(_capacity(case, one, volts), 1.0).peak for case in cases]
+    if not isnan(resistor.resistance) or isnan(resistor.resistance_max):
+        return resistor
+    volts = resistor.chopper_voltage_min
+    peaks = [case.burnt(_capacity(case, resistor, volts), 1.0).peak for case in cases]
     most = min((float(laws.largest_resistance(volts, peak)) for peak in peaks), default=inf)
-    ends = one.resistance_min, one.resistance_max
-    return replace(one, resistance=nan if isnan(most) else laws.preferred_resistance(most, ends))
+    ends = resistor.resistance_min, resistor.resistance_max
+    return replace(resistor, resistance=nan if isnan(most) else laws.preferred_resistance(most, ends))
 
 
 def _capacity(case: Regenerated, resistor: BrakeResistor | None, volts: float) -> float:
@@ -99,35 +100,41 @@ def _capacity(case: Regenerated, resistor: BrakeResistor | None, volts: float) -
     return 0.0 if isnan(volts) else float(laws.storable_energy(capacitance, volts, case.spec.supply.highest))
 
 
-def resistor_columns(section: Section, one: BrakeResistor, case: Regenerated, withstood: float) -> list[CheckColumn]:
+def resistor_columns(
+    section: Section, resistor: BrakeResistor, case: Regenerated, withstood: float
+) -> list[CheckColumn]:
     """Limits of a brake resistor and its chopper in a load case.
 
     A shunt regulator is rated as a whole: it has no more current and power than it has to burn. A resistor withstands
     for a short time what is printed, no less than its continuous power where that is unknown.
     """
-    spec, (low, high) = case.spec, (one.chopper_voltage_min, one.chopper_voltage_max)
-    power = laws.derated_power(one.power, spec.environment.ambient, one.rated_ambient, one.zero_power_ambient)
-    burnt = case.burnt(_capacity(case, one, low), section.averaging_time, power)
-    on, current = float(laws.power_while_on(high, one.resistance)), float(high / one.resistance)
-    short = one.peak_power if not isnan(one.peak_power) else power if power >= on else nan
-    if one.kind == _SHUNT:
-        by_current, by_resistance = low * one.chopper_current, laws.power_while_on(low, one.resistance)
+    spec, (low, high) = case.spec, (resistor.chopper_voltage_min, resistor.chopper_voltage_max)
+    power = laws.derated_power(
+        resistor.power, spec.environment.ambient, resistor.rated_ambient, resistor.zero_power_ambient
+    )
+    burnt = case.burnt(_capacity(case, resistor, low), section.averaging_time, power)
+    on, current = float(laws.power_while_on(high, resistor.resistance)), float(high / resistor.resistance)
+    short = resistor.peak_power if not isnan(resistor.peak_power) else power if power >= on else nan
+    if resistor.kind == _SHUNT:
+        by_current, by_resistance = low * resistor.chopper_current, laws.power_while_on(low, resistor.resistance)
         on, current = burnt.peak, min(current, burnt.peak / low)
-        short = float(np.nanmin([one.peak_power, by_current, by_resistance]))
+        short = float(np.nanmin([resistor.peak_power, by_current, by_resistance]))
     if burnt.peak == 0.0:
         on = current = 0.0
-    found = [
+    columns = [
         at_least("chopper_voltage", spec.supply.highest, low, by_choice=True),
-        at_most("chopper_bus_voltage", high, float(np.fmin(withstood, one.max_voltage))),
-        at_most("resistor_resistance", one.resistance, laws.largest_resistance(low, burnt.peak)),
-        at_most("chopper_current", current, one.chopper_current, needed=spec.margins.torque, undecided=_NO_CURRENT),
+        at_most("chopper_bus_voltage", high, float(np.fmin(withstood, resistor.max_voltage))),
+        at_most("resistor_resistance", resistor.resistance, laws.largest_resistance(low, burnt.peak)),
+        at_most(
+            "chopper_current", current, resistor.chopper_current, needed=spec.margins.torque, undecided=_NO_CURRENT
+        ),
         at_most("resistor_peak_power", on, short, undecided=_NO_PEAK),
         at_most("resistor_mean_power", burnt.mean, power),
-        at_most("resistor_pulse_energy", burnt.pulse, one.pulse_energy, undecided=_NO_PEAK),
+        at_most("resistor_pulse_energy", burnt.pulse, resistor.pulse_energy, undecided=_NO_PEAK),
     ]
-    if one.kind in (_SHUNT, _INSIDE) and isnan(one.chopper_current):  # one part, and its maker's concern
-        found = [check for check in found if check.name != "chopper_current"]
-    return found
+    if resistor.kind in (_SHUNT, _INSIDE) and isnan(resistor.chopper_current):  # one part, and its maker's concern
+        columns = [check for check in columns if check.name != "chopper_current"]
+    return columns
 
 
 # -- Parts of a catalogue that a spec names for its supply: a power supply, and the chopper of a brake resistor.
@@ -147,9 +154,11 @@ def with_parts_of_supply(machine: RobotSpec, catalog: Catalog) -> RobotSpec:
             raise InputError(f"{where}: {supply.nominal:g} V; power supply {unit.part} gives {gives}")
         machine = machine.changed(lambda spec: spec.model_copy(update={"supply": _filled(spec.supply, unit)}))
     if section is not None and section.chopper_voltage is None:
-        every = resistor_choices(machine, catalog)
-        if every:
-            known = section.among([one.part for one in every], min(one.chopper_voltage_max for one in every))
+        resistors = resistor_choices(machine, catalog)
+        if resistors:
+            known = section.among(
+                [resistor.part for resistor in resistors], min(resistor.chopper_voltage_max for resistor in resistors)
+            )
             machine = machine.changed(lambda spec: spec.model_copy(update={"brake_resistor": known}))
     return machine
 
@@ -220,16 +229,21 @@ def _chosen_resistor(
 
     What passes comes first, then the smaller continuous power, mass and price.
     """
-    found = []
-    for one in (suited(one, cases) for one in resistor_choices(spec, catalog)):
-        own = _worst(cases, partial(resistor_columns, section, one, withstood=withstood))
-        over = _worst(cases, partial(_over_voltage, resistor=one))
+    choices = []
+    for resistor in (suited(resistor, cases) for resistor in resistor_choices(spec, catalog)):
+        own = _worst(cases, partial(resistor_columns, section, resistor, withstood=withstood))
+        over = _worst(cases, partial(_over_voltage, resistor=resistor))
         bad = tuple(sum(check.status == status for check in own + over) for status in ("fail", "unknown"))
-        order = -GRAVEST.index(verdict(own + over)), *bad, *map(_most, (one.power, one.mass, one.price)), one.part
-        found.append((order, one, own))
-    if not found:
+        order = (
+            -GRAVEST.index(verdict(own + over)),
+            *bad,
+            *map(_most, (resistor.power, resistor.mass, resistor.price)),
+            resistor.part,
+        )
+        choices.append((order, resistor, own))
+    if not choices:
         return None, (fits("resistor_available", False, False)._replace(note=_NONE_LISTED).at((), "budget"),)
-    return min(found, key=lambda each: each[0])[1:]
+    return min(choices, key=lambda choice: choice[0])[1:]
 
 
 def _supply_limits(case: Regenerated, resistor: BrakeResistor | None) -> Iterator[CheckColumn]:
@@ -275,8 +289,8 @@ def _figures(case: Regenerated, resistor: BrakeResistor | None, volts: float, li
     if current is not None:
         values["resistance_smallest"] = laws.smallest_resistance(volts, current)
     at, worst = f", at {show(volts, 'V', 'voltage')}", show(window, "s", "time")
-    found = figures_of("braking", values, at=at, window=worst)
-    return tuple(replace(one, value=resolved(one.value, one.kind)) for one in found)
+    figures = figures_of("braking", values, at=at, window=worst)
+    return tuple(replace(figure, value=resolved(figure.value, figure.kind)) for figure in figures)
 
 
 def _assumptions(

@@ -54,12 +54,12 @@ def items_bought(
     drives: Iterable[tuple[Problem, DriveParts]], part: str | None, braking: BrakingBudget | None, catalog: Catalog
 ) -> Iterator[Item]:
     """Parts of all drives of a machine, power supply and brake resistor, as far as they are out of catalogues."""
-    for problem, one in drives:
+    for problem, drive in drives:
         spec = problem.spec
-        needless = "encoder" if one.encoder is None and not spec.wants_encoder else ""
-        parts = {role: known for role, known in one.parts.items() if role != needless}
-        unknown = ["brake"] * (spec.names_brake and one.brake is None)
-        unknown += ["belt and pulleys"] * (one.belt_ratio != 1.0 and one.belt_drive is None)
+        needless = "encoder" if drive.encoder is None and not spec.wants_encoder else ""
+        parts = {role: known for role, known in drive.parts.items() if role != needless}
+        unknown = ["brake"] * (spec.names_brake and drive.brake is None)
+        unknown += ["belt and pulleys"] * (drive.belt_ratio != 1.0 and drive.belt_drive is None)
         unknown += [spec.gear.kind] if spec.gear else []
         for role, bought in (*parts.items(), *((role, None) for role in unknown)):
             yield role, bought, spec.load.motors
@@ -103,8 +103,8 @@ def _price(catalog: Catalog, part: Any, pieces: int) -> float:
     section = section_of(part)
     if part.part not in catalog.table(section).rows:
         return float(part.price)
-    found = price_of(catalog, section, part.part, pieces)
-    return found.amount * catalog.rates.get(found.currency, nan) if found else nan
+    price = price_of(catalog, section, part.part, pieces)
+    return price.amount * catalog.rates.get(price.currency, nan) if price else nan
 
 
 # --- mass
@@ -163,18 +163,18 @@ class MassBudget:
         )
         if self.estimated:
             middle = [over_ends(mid, pair, np.array([0])) for mid, *pair in zip(middle, *ends, strict=True)]
-        found = []
+        checks = []
         for check in (column.at(0, "budget") for column in middle):
             if check.status == "unknown":
-                found.append(replace(check, note=f"unknown: {', '.join(dict.fromkeys(self.unknown))}"))
+                checks.append(replace(check, note=f"unknown: {', '.join(dict.fromkeys(self.unknown))}"))
             elif check.status == "open":  # from where on, and how probable it is that it holds
                 room = check.limit / (1.0 + check.needed) - (self.known - self.guessed)
                 note = f"passes where {', '.join(dict.fromkeys(self.estimated))}, which are estimated, have at most "
                 note += f"{show(room, check.unit, 'mass', 2)} together"
-                found.append(replace(check, probability=self.probability(check.limit), note=note))
+                checks.append(replace(check, probability=self.probability(check.limit), note=note))
             else:
-                found.append(check)
-        return tuple(found)
+                checks.append(check)
+        return tuple(checks)
 
     def figures(self) -> tuple[Figure, ...]:
         """The sum of what is known, and what the limit leaves beside it."""
@@ -198,18 +198,18 @@ def drive_rows(
     for role, part in drive_set.parts.items():
         if part is None and role == "encoder" and not encoder:
             continue
-        each, band = (nan if part is None else part.mass), None
+        mass, band = (nan if part is None else part.mass), None
         if part is None and estimates and role in ("encoder", "controller"):  # that no catalogue lists
-            each, low, high = assumed_mass(_SECTIONS[role])
+            mass, low, high = assumed_mass(_SECTIONS[role])
             band = low, high
         elif part is not None and catalog is not None and role in _SECTIONS:
             section = _SECTIONS[role]
-            found = catalog.estimate_of(section, catalog.table(section).rows[part.part], "mass")
-            band = found[1:3] if found else None
-        rows.append(MassRow(name=role, number=sets, each=each, band=band))
+            estimate = catalog.estimate_of(section, catalog.table(section).rows[part.part], "mass")
+            band = estimate[1:3] if estimate else None
+        rows.append(MassRow(name=role, number=sets, each=mass, band=band))
     if drive_set.belt_ratio != 1.0 and drive_set.belt_drive is None:
-        each, band = (belt, None) if belt is not None else BELT if estimates else (nan, None)
-        rows.append(MassRow(name="belt and pulleys", each=each, number=sets, band=band))
+        mass, band = (belt, None) if belt is not None else BELT if estimates else (nan, None)
+        rows.append(MassRow(name="belt and pulleys", each=mass, number=sets, band=band))
     return tuple(rows)
 
 
@@ -270,7 +270,9 @@ def settle(sized: Sized, base: float, *, tolerance: float = 1e-3, most: int = 40
         earlier = [n for n, (mass, _) in enumerate(rounds) if abs(total - mass) <= tolerance]
         if earlier:
             cycle = rounds[earlier[0] :]
-            heaviest, own = max(cycle, key=lambda one: one[0])  # what comes after it is lighter, or it would not be
+            heaviest, own = max(
+                cycle, key=lambda masses: masses[0]
+            )  # what comes after it is lighter, or it would not be
             words = f"{len(cycle)} sets follow each other; taken is the one for the heaviest machine, "
             return Settled(heaviest, True, f"{words}{kg(heaviest)}, of which it leaves {kg(heaviest - base - own)}.")
         if total > _HEAVIEST:
@@ -290,7 +292,7 @@ def mass_budget(
     budget: Budget, drives: Sequence[tuple[Problem, DriveParts]], battery: Battery | None, catalog: Catalog
 ) -> MassBudget:
     """The mass budget of a machine with its drives, of one axis or of several, and the payloads of its platform."""
-    rows = [row for problem, one in drives for row in rows_of_drive(problem, one)]
+    rows = [row for problem, drive in drives for row in rows_of_drive(problem, drive)]
     platform = next((problem.spec.platform for problem, _ in drives if problem.spec.platform), None)
     return machine_mass(budget, rows, platform=platform, battery=mass_of(battery, catalog))
 
@@ -323,24 +325,24 @@ def machine_requirements(spec: RobotSpec, *, brief: bool = False) -> MachineBudg
     return MachineBudget(*worst_case_budget(spec, brief=brief))
 
 
-def machine_budget(problem: Problem, one: DriveParts, machine: MachineBudget | None = None) -> MachineBudget:
+def machine_budget(problem: Problem, drive: DriveParts, machine: MachineBudget | None = None) -> MachineBudget:
     """The machine with a drive in it, against its budgets: with what is required of it whatever drives it."""
     spec, catalog = problem.spec, problem.catalog
     checks, figures, masses = list[Check](), list[Figure](), tuple[MassRow, ...]()
     if spec.budget and spec.budget.weighs:
-        load, mass = problem.machine.load, mass_budget(spec.budget, [(problem, one)], spec.battery, catalog)
+        load, mass = problem.machine.load, mass_budget(spec.budget, [(problem, drive)], spec.battery, catalog)
         checks += mass.checks(load.mass if isinstance(load, WheeledVehicle) else None)
         figures += mass.figures()
         masses = mass.rows
     if machine:
         checks += machine.checks
         figures += machine.figures
-    feeds = on_its_supply(problem, one) if spec.battery or problem.machine.limits_the_bus else MachineBudget()
+    feeds = on_its_supply(problem, drive) if spec.battery or problem.machine.limits_the_bus else MachineBudget()
     checks += feeds.checks
     if spec.supply.stalled and not spec.on_common_bus:
-        checks.append(stall_check(spec.supply, [(spec, one)]))
+        checks.append(stall_check(spec.supply, [(spec, drive)]))
     if spec.budget and spec.budget.price is not None:
-        checks.append(price_check(spec.budget.price, [(problem, one)], spec.supply, feeds.braking, catalog))
+        checks.append(price_check(spec.budget.price, [(problem, drive)], spec.supply, feeds.braking, catalog))
     return MachineBudget(tuple(checks), tuple(figures), masses, feeds.energy, feeds.braking)
 
 
@@ -348,31 +350,33 @@ def feeds_of(spec: RobotSpec, catalog: Catalog, cases: Sequence[CommonBus]) -> M
     """Battery, brake resistor and power supply of a machine, of one axis or of several, in its load cases."""
     if spec.battery is None:
         volts = (axis.drive_set.controller.supply_max for axis in cases[0].axes if axis.drive_set.controller)
-        withstood = min((each for each in volts if not isnan(each)), default=nan)  # the least of any controller
+        withstood = min(
+            (voltage for voltage in volts if not isnan(voltage)), default=nan
+        )  # the least of any controller
         on_battery = spec.supply.kind == "battery"
         braking = None if on_battery else bus_budget(spec, catalog, [case.on_bus for case in cases], withstood)
         return MachineBudget(braking=braking, checks=braking.checks if braking else ())
     energies = [(case.on_bus.case, energy_budget(case.on_bus, case.axes, catalog)) for case in cases]
-    least = min((one for _, one in energies), key=lambda one: (not isnan(one.autonomy), one.autonomy))
-    return MachineBudget(energy=least, checks=worst_of_cases([(name, one.checks) for name, one in energies]))
+    least = min((energy for _, energy in energies), key=lambda energy: (not isnan(energy.autonomy), energy.autonomy))
+    return MachineBudget(energy=least, checks=worst_of_cases([(name, energy.checks) for name, energy in energies]))
 
 
-def on_its_supply(problem: Problem, one: DriveParts) -> MachineBudget:
+def on_its_supply(problem: Problem, drive: DriveParts) -> MachineBudget:
     """Supply, battery and brake resistor of a machine of one axis with a drive."""
-    axis = AxisPower("", problem, one)
+    axis = AxisPower("", problem, drive)
     cases = [(problem.name_of(numbers), problem.cases[numbers[0]].spec) for numbers in problem.machine_cases]
     buses = [common_bus(name, spec, [axis], synchronised=True, cycle_time=None) for name, spec in cases]
     return feeds_of(problem.machine, problem.catalog, buses)
 
 
-def stall_current(spec: RobotSpec, one: DriveParts) -> float:
+def stall_current(spec: RobotSpec, drive: DriveParts) -> float:
     """Current out of the supply for one drive that stalls with a cold winding, at the nominal voltage [A].
 
     The winding takes what the stage applies over its resistance, or what the controller lets through, or the printed
     stall current where that is less, as of motors with electronics inside; of it the supply gives R I² and what the
     stage loses.
     """
-    motor, controller, volts = one.motor, one.controller, spec.supply.nominal
+    motor, controller, volts = drive.motor, drive.controller, spec.supply.nominal
     feed = spec.feed_of(controller)._replace(voltage=volts)
     cold = float(resistance_at(resistance_25(motor), spec.environment.ambient))
     permitted = controller.peak_current if controller else nan
@@ -384,40 +388,40 @@ def stall_current(spec: RobotSpec, one: DriveParts) -> float:
 
 def stall_check(supply: Supply, drives: Iterable[tuple[RobotSpec, DriveParts]]) -> Check:
     """The current of all drives of some axes stalled at once against what the supply delivers."""
-    drawn = math.fsum(spec.load.motors * stall_current(spec, one) for spec, one in drives)
+    current = math.fsum(spec.load.motors * stall_current(spec, drive) for spec, drive in drives)
     limit = nan if supply.most_current is None else supply.most_current
-    return at_most("supply_stall", drawn, limit).at((), "budget")
+    return at_most("supply_stall", current, limit).at((), "budget")
 
 
-def rows_of_drive(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
+def rows_of_drive(problem: Problem, drive: DriveParts) -> tuple[MassRow, ...]:
     """Masses of all drives of a machine, by part."""
     spec = problem.spec
     belt = spec.belt.mass if spec.belt else None
-    rows = drive_rows(one, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
+    rows = drive_rows(drive, spec.load.motors, problem.catalog, belt, spec.wants_encoder)
     if spec.gear is None:
         return rows
-    each = nan if spec.gear.mass is None else spec.gear.mass
-    return *rows, MassRow(name=spec.gear.kind, each=each, number=spec.load.motors)
+    mass = nan if spec.gear.mass is None else spec.gear.mass
+    return *rows, MassRow(name=spec.gear.kind, each=mass, number=spec.load.motors)
 
 
-def riding_rows(problem: Problem, one: DriveParts) -> tuple[MassRow, ...]:
+def riding_rows(problem: Problem, drive: DriveParts) -> tuple[MassRow, ...]:
     """Masses of an axis' drives that ride on another, part by part: all but the controllers."""
-    return tuple(row for row in rows_of_drive(problem, one) if row.name != "controller")
+    return tuple(row for row in rows_of_drive(problem, drive) if row.name != "controller")
 
 
-def riding_unknown(problem: Problem, one: DriveParts) -> tuple[str, ...]:
+def riding_unknown(problem: Problem, drive: DriveParts) -> tuple[str, ...]:
     """Parts of unknown mass among these."""
-    return tuple(row.name for row in riding_rows(problem, one) if isnan(row.each))
+    return tuple(row.name for row in riding_rows(problem, drive) if isnan(row.each))
 
 
-def riding_mass(problem: Problem, one: DriveParts) -> float:
+def riding_mass(problem: Problem, drive: DriveParts) -> float:
     """Mass of an axis' drives that ride on another [kg]: what is estimated at the upper end of its band."""
-    return math.fsum(row.ends[1] for row in riding_rows(problem, one) if not isnan(row.each))
+    return math.fsum(row.ends[1] for row in riding_rows(problem, drive) if not isnan(row.each))
 
 
-def drive_mass(problem: Problem, one: DriveParts) -> float:
+def drive_mass(problem: Problem, drive: DriveParts) -> float:
     """Mass of all drives together that the machine must carry [kg]: what is estimated at the upper end of its band."""
-    return math.fsum(row.ends[1] for row in rows_of_drive(problem, one) if not isnan(row.each))
+    return math.fsum(row.ends[1] for row in rows_of_drive(problem, drive) if not isnan(row.each))
 
 
 def mass_without_drive(spec: RobotSpec, catalog: Catalog) -> float:

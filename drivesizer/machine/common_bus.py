@@ -85,32 +85,36 @@ def common_period(periods: Sequence[float], pieces: Sequence[int] = ()) -> float
     """
     if max(periods) - min(periods) <= _SAME * max(periods):
         return max(periods)
-    found = [Fraction(period).limit_denominator(_FINEST) for period in periods]
-    if any(abs(float(one) - period) > _SAME * period for one, period in zip(found, periods, strict=True)):
+    fractions = [Fraction(period).limit_denominator(_FINEST) for period in periods]
+    if any(abs(float(fraction) - period) > _SAME * period for fraction, period in zip(fractions, periods, strict=True)):
         return nan
-    whole = float(Fraction(lcm(*(one.numerator for one in found)), gcd(*(one.denominator for one in found))))
-    taken = sum(number * whole / period for number, period in zip(pieces, periods, strict=False))
-    return whole if whole <= _LONGEST * max(periods) and taken <= MOST_PIECES else nan
+    whole = float(
+        Fraction(
+            lcm(*(fraction.numerator for fraction in fractions)), gcd(*(fraction.denominator for fraction in fractions))
+        )
+    )
+    count = sum(number * whole / period for number, period in zip(pieces, periods, strict=False))
+    return whole if whole <= _LONGEST * max(periods) and count <= MOST_PIECES else nan
 
 
 def exchanged(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
     """Power of several axes at the same time, each drawing what others regenerate, (1) to (3)."""
     if len(powers) == 1:
         return powers[0]
-    both = summed_up(powers, feed)
-    mean = both.bus_drawn - both.returned
-    low, high = np.minimum(both.least, mean), np.maximum(both.most, mean)
+    total = summed_up(powers, feed)
+    mean = total.bus_drawn - total.returned
+    low, high = np.minimum(total.least, mean), np.maximum(total.most, mean)
     with np.errstate(divide="ignore", invalid="ignore"):
         crossed = -low * (high - mean) / (high - low)
     most = np.where(low >= 0.0, 0.0, np.where(high <= 0.0, -mean, crossed))
-    left = np.minimum(np.maximum(most, -mean), both.returned)
+    left = np.minimum(np.maximum(most, -mean), total.returned)
     drawn = mean + left
     out = _source_mean(drawn, np.maximum(low, 0.0), np.maximum(high, 0.0), feed)
-    return both._replace(
+    return total._replace(
         drawn=out,
         bus_drawn=drawn,
         returned=left,
-        returned_peak=np.minimum(np.maximum(-both.least, 0.0), both.returned_peak),
+        returned_peak=np.minimum(np.maximum(-total.least, 0.0), total.returned_peak),
         resisted=out - drawn,
     )
 
@@ -119,13 +123,13 @@ def summed_up(powers: Sequence[DrivePower], feed: Feed) -> DrivePower:
     """Power of several axes as if none drew what another regenerates: no course of them draws or returns more."""
     if len(powers) == 1:
         return powers[0]
-    both = together(powers)
-    high = np.maximum(both.most, both.bus_drawn)
-    out = _source_mean(both.bus_drawn, np.maximum(both.least, 0.0), np.maximum(high, 0.0), feed)
-    travels = [one.distance for one in powers if one.distance == one.distance]
-    peak = of_the_source(np.maximum(both.most, 0.0), feed)
+    total = together(powers)
+    high = np.maximum(total.most, total.bus_drawn)
+    out = _source_mean(total.bus_drawn, np.maximum(total.least, 0.0), np.maximum(high, 0.0), feed)
+    travels = [power.distance for power in powers if power.distance == power.distance]
+    peak = of_the_source(np.maximum(total.most, 0.0), feed)
     distance = max(travels, default=nan)
-    return both._replace(drawn=out, resisted=out - both.bus_drawn, peak=peak, distance=distance)
+    return total._replace(drawn=out, resisted=out - total.bus_drawn, peak=peak, distance=distance)
 
 
 def _source_mean(mean: Array, low: Array, high: Array, feed: Feed) -> Array:
@@ -179,12 +183,12 @@ class AtAnyPhase(Regenerated):
     @property
     def powers(self) -> list[DrivePower]:
         """Power of each of them."""
-        return [one.power for one in self.singles]
+        return [axis.power for axis in self.singles]
 
     @cached_property
     def known(self) -> bool:
         """Whether the energies are."""
-        return all(one.known for one in self.singles)
+        return all(axis.known for axis in self.singles)
 
     @property
     def longest(self) -> float:
@@ -197,7 +201,7 @@ class AtAnyPhase(Regenerated):
 
         Of two axes with one period that of the worst phase, as far as their pieces are few enough to look at all pairs.
         """
-        mean = fsum(one.energy / power.total for one, power in zip(self.singles, self.powers, strict=True))
+        mean = fsum(axis.energy / power.total for axis, power in zip(self.singles, self.powers, strict=True))
         pairs = float(np.prod([len(power.duration) for power in self.powers]))
         if len(self.powers) == 2 and self.known and pairs <= _PAIRS:
             periods = [power.total for power in self.powers]
@@ -210,7 +214,7 @@ class AtAnyPhase(Regenerated):
     @cached_property
     def stored(self) -> float:
         """Largest energy that is regenerated and not drawn again [J], (4)."""
-        return fsum(one.stored for one in self.singles) if self.known else nan
+        return fsum(axis.stored for axis in self.singles) if self.known else nan
 
     @cached_property
     def mean_drawn(self) -> float:
@@ -230,14 +234,14 @@ class AtAnyPhase(Regenerated):
         least = fsum(float(power.least.min()) for power in self.powers)
         back = min(max(-least, 0.0), fsum(float(power.returned_peak.max()) for power in self.powers))
         peak = (1.0 - self.spec.supply.regeneration) * back
-        mean = fsum(largest_mean(one.power.duration, one.returned, window) for one in self.singles)
+        mean = fsum(largest_mean(axis.power.duration, axis.returned, window) for axis in self.singles)
         pulse = 0.0 if peak <= (0.0 if isnan(continuous) else continuous) else self._pulse()
         return Burnt(self.energy, peak, mean, pulse)
 
     def _pulse(self) -> float:
         """Largest energy of an uninterrupted braking [J], (6)."""
-        total = [one.power.total for one in self.singles]
-        braking = [float(one.power.duration[one.returned > 0.0].sum()) for one in self.singles]
+        total = [axis.power.total for axis in self.singles]
+        braking = [float(axis.power.duration[axis.returned > 0.0].sum()) for axis in self.singles]
         shares = [part / whole for part, whole in zip(braking, total, strict=True)]
         free = 1.0 - fsum(shares)
         if not free > 0.0:
@@ -245,27 +249,27 @@ class AtAnyPhase(Regenerated):
         long = fsum(part * (1.0 - share) for part, share in zip(braking, shares, strict=True)) / free
         if long == 0.0:
             return 0.0
-        return fsum(long * largest_mean(one.power.duration, one.returned, long) for one in self.singles)
+        return fsum(long * largest_mean(axis.power.duration, axis.returned, long) for axis in self.singles)
 
     def longest_above(self, power: float) -> float:
         """Longest uninterrupted time in which the power out of the source exceeds one [s], (5)."""
         if not self.known:
             return nan
-        limit, most = bus_power(power, self.feed), [float(one.most.max()) for one in self.powers]
+        limit, most = bus_power(power, self.feed), [float(axis.most.max()) for axis in self.powers]
         runs = []
-        for one, own in zip(self.powers, most, strict=True):
-            above = one.most > limit - (fsum(most) - own)
-            runs.append(largest_pulse(one.duration, np.where(above, one.duration, 0.0)))
-        if len(self.powers) != 2 or isnan(common_period([one.total for one in self.powers])):
+        for axis, own in zip(self.powers, most, strict=True):
+            above = axis.most > limit - (fsum(most) - own)
+            runs.append(largest_pulse(axis.duration, np.where(above, axis.duration, 0.0)))
+        if len(self.powers) != 2 or isnan(common_period([axis.total for axis in self.powers])):
             return min(runs)
-        return min(*runs, longest_run_of_two([(one.duration, one.most) for one in self.powers], limit))
+        return min(*runs, longest_run_of_two([(axis.duration, axis.most) for axis in self.powers], limit))
 
 
 def bus_power(power: float, feed: Feed) -> float:
     """Power at the bus for one out of its source: without what the source's resistance turns to heat."""
     most = feed.voltage**2 / (2.0 * feed.resistance) if feed.resistance else inf  # no source gives more to its bus
-    taken = min(power, most)
-    return float(taken - feed.resistance * (taken / feed.voltage) ** 2)
+    limit = min(power, most)
+    return float(limit - feed.resistance * (limit / feed.voltage) ** 2)
 
 
 def worst_start(power: DrivePower) -> float:
@@ -397,15 +401,17 @@ class Moving(NamedTuple):
 
 def cycle_of(axes: Sequence[Moving], cycle_time: float | None) -> float:
     """Length of the machine's cycle: as given, or until the last axis that waits for the others is done."""
-    ones = [one for one in axes if one.waits]
+    ones = [axis for axis in axes if axis.waits]
     if not ones:
-        return max(one.period for one in axes)
+        return max(axis.period for axis in axes)
     if cycle_time is None:
-        return max(one.start + one.period for one in ones)
-    late = next((one for one in ones if one.period > cycle_time * (1.0 + _NO_TIME)), None)
+        return max(axis.start + axis.period for axis in ones)
+    late = next((axis for axis in ones if axis.period > cycle_time * (1.0 + _NO_TIME)), None)
     if late is not None:
-        taken, given = (show(value, "s", "time") for value in (late.period, cycle_time))
-        raise FieldError(("cycle_time",), f"axis {quoted(late.name)} moves for {taken}; expected no less, not {given}")
+        duration, cycle = (show(value, "s", "time") for value in (late.period, cycle_time))
+        raise FieldError(
+            ("cycle_time",), f"axis {quoted(late.name)} moves for {duration}; expected no less, not {cycle}"
+        )
     return cycle_time
 
 
@@ -413,7 +419,7 @@ def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> 
     """Until when each axis waits at rest: for the others, or for the machine's ``cycle_time``."""
     if not machine.synchronised:
         return {}
-    found = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}
+    motions = {axis.name: _motions(spec_of(axis.name)) for axis in machine.axes if not axis.own_supply}
 
     def moving(name: str, period: float, at_rest: bool) -> Moving:
         axis = machine.axis(name)
@@ -421,25 +427,25 @@ def waiting_times(machine: MachineSpec, spec_of: Callable[[str], RobotSpec]) -> 
 
     def cycle_in(case: str) -> float:
         """The machine's cycle in a load case [s]; an axis without that case has its first."""
-        every = []
-        for name, own in found.items():
+        moves = []
+        for name, own in motions.items():
             period, at_rest = own.get(case) or own.get(AS_SPECIFIED) or next(iter(own.values()))
-            every.append(moving(name, period, at_rest))
-            if every[-1].waits and not at_rest:
+            moves.append(moving(name, period, at_rest))
+            if moves[-1].waits and not at_rest:
                 where = machine.where(("axes", name, "repeats"))
                 raise InputError(f"{where}: its motion is not at rest at both ends; expected true, or a motion that is")
         try:
-            return cycle_of(every, machine.cycle_time)
+            return cycle_of(moves, machine.cycle_time)
         except FieldError as error:
             raise InputError(f"{machine.where(error.field)}: {error}") from None
 
-    more = list(dict.fromkeys(name for own in found.values() for name in own if name))
-    cycles = {case: cycle_in(case) for case in more or [""]} if found else {}
-    waiting: dict[str, dict[str, float | None]] = {name: {} for name in found}
-    for name, own in found.items():
+    more = list(dict.fromkeys(name for own in motions.values() for name in own if name))
+    cycles = {case: cycle_in(case) for case in more or [""]} if motions else {}
+    waiting: dict[str, dict[str, float | None]] = {name: {} for name in motions}
+    for name, own in motions.items():
         for case, motion in own.items():
-            cycle, one = cycles[case or next(iter(cycles))], moving(name, *motion)
-            waiting[name][case] = cycle if one.waits and rest_left(one.period, cycle) else None
+            cycle, move = cycles[case or next(iter(cycles))], moving(name, *motion)
+            waiting[name][case] = cycle if move.waits and rest_left(move.period, cycle) else None
     return waiting
 
 
@@ -451,13 +457,13 @@ def _rests(first: float, last: float, fastest: float) -> bool:
 def _motions(spec: RobotSpec) -> Motions:
     """The motion of an axis in its load cases."""
     names = [name for name, _ in spec.load_cases]
-    found: Motions = {}
+    motions: Motions = {}
     for number, _, case in load_cases(spec):
         motion = motion_of(case)
         still = _rests(motion.speed[0], motion.speed[-1], motion.top_speed)
-        _, before = found.get(names[number], (0.0, True))
-        found[names[number]] = motion.duration, still and before
-    return found
+        _, before = motions.get(names[number], (0.0, True))
+        motions[names[number]] = motion.duration, still and before
+    return motions
 
 
 # -- An axis that waits at rest, its motion done, until the machine's cycle is over, as its power on the bus.
@@ -479,8 +485,8 @@ def waiting(case: LoadCase, until: float) -> CycleAtBelt:
     if not rest_left(case.cycle.total, until):
         return case.at_belt
     cycle = load_cycle(case.spec.waiting(dict.fromkeys([name for name, _ in case.spec.load_cases], until)))
-    held = static_torque(cycle)
-    cycle = with_rest(cycle, until, 0.0 if isnan(held) else held)
+    torque = static_torque(cycle)
+    cycle = with_rest(cycle, until, 0.0 if isnan(torque) else torque)
     return CycleAtBelt(cycle, case.spec.belt_efficiency, case.at_belt.quickest)
 
 
@@ -506,7 +512,7 @@ class AxisPower(NamedTuple):
 
     name: str
     problem: Problem
-    one: DriveParts
+    drive: DriveParts
     start: float = 0.0  # s, of its motion in the machine's cycle
     repeats: bool | None = None  # goes on repeating; where not said, if it is not at rest at both ends of its motion
 
@@ -514,7 +520,7 @@ class AxisPower(NamedTuple):
         """Its drives in the load case of a name; in the first one where none of that name is sized by itself."""
         numbers = {own: number for number, (own, _) in enumerate(self.problem.machine.load_cases)}
         cases, number = self.problem.cases, numbers.get(name, 0)
-        return [one for one in cases if one.number == number] or [one for one in cases if one.number == 0]
+        return [case for case in cases if case.number == number] or [case for case in cases if case.number == 0]
 
     def waits(self, cases: Sequence[LoadCase]) -> bool:
         """Whether it waits for the others when it is done."""
@@ -546,7 +552,7 @@ class CommonBus(NamedTuple):
     @property
     def exchanged(self) -> float:
         """Energy that one axis regenerates and another draws, at random phases none that is certain [J]."""
-        apart = fsum(float(one.returned @ one.duration) for one in self.powers)
+        apart = fsum(float(power.returned @ power.duration) for power in self.powers)
         return max(apart - float(self.total.returned @ self.total.duration), 0.0)
 
 
@@ -556,9 +562,9 @@ def common_bus(
     """All axes of a machine on its bus in a load case."""
     feed = shared.feed_of(None)._replace(drives=1)
     cases = [axis.case(name) for axis in axes]
-    waits = [synchronised and axis.waits(some) for axis, some in zip(axes, cases, strict=True)]
+    waits = [synchronised and axis.waits(own) for axis, own in zip(axes, cases, strict=True)]
     rows = zip(axes, cases, waits, strict=True)
-    moving = [Moving(axis.name, axis.start, own[0].cycle.total, one) for axis, own, one in rows]
+    moving = [Moving(axis.name, axis.start, own[0].cycle.total, rests) for axis, own, rests in rows]
     cycle = cycle_of(moving, cycle_time)
     alone = len(axes) == 1
     powers = [_axis_power(shared, *row, cycle, alone=alone) for row in zip(axes, cases, waits, strict=True)]
@@ -568,25 +574,25 @@ def common_bus(
 
     def named(powers: Sequence[DrivePower]) -> list[AxisOnBus]:
         rows = zip(axes, cases, powers, strict=True)
-        return [AxisOnBus(axis.name, own[0].spec, axis.one, power) for axis, own, power in rows]
+        return [AxisOnBus(axis.name, own[0].spec, axis.drive, power) for axis, own, power in rows]
 
     if alone or (synchronised and not isnan(window)):
         total = exchanged(powers, feed)
         on_bus = Regenerated(name, shared, total)
         return CommonBus(shared, feed, named(powers), total, on_bus, (total,), cycle, (), synchronised, ())
-    side_by_side = [k for k, one in enumerate(waits) if one]  # the others run each at any phase
+    side_by_side = [k for k, rests in enumerate(waits) if rests]  # the others run each at any phase
     for k in side_by_side:
         powers[k] = from_start(powers[k], axes[k].start)
-    groups = ([side_by_side] if side_by_side else []) + [[k] for k, one in enumerate(waits) if not one]
+    groups = ([side_by_side] if side_by_side else []) + [[k] for k, rests in enumerate(waits) if not rests]
     apart = tuple(exchanged([powers[k] for k in group], feed) for group in groups)
     window = _shown(powers) if isnan(window) else window
     phases = {k: worst_start(fitted(whole, window)) for group, whole in zip(groups, apart, strict=True) for k in group}
-    shown = [from_start(fitted(power, window), phases[k]) for k, power in enumerate(powers)]
+    in_phase = [from_start(fitted(power, window), phases[k]) for k, power in enumerate(powers)]
     aligned = [from_start(fitted(p, window), phases[group[0]]) for group, p in zip(groups, apart, strict=True)]
     starts = tuple(phases[k] % power.total for k, power in enumerate(powers))
     total, exceeded = summed_up(aligned, feed), _exceeded(shared, apart, feed)
     at_any = AtAnyPhase(name, shared, total, tuple(Regenerated(name, shared, power) for power in apart), feed)
-    return CommonBus(shared, feed, named(shown), total, at_any, apart, cycle, starts, synchronised, exceeded)
+    return CommonBus(shared, feed, named(in_phase), total, at_any, apart, cycle, starts, synchronised, exceeded)
 
 
 def _shown(powers: Sequence[DrivePower]) -> float:
@@ -611,17 +617,17 @@ def _axis_power(
     Wheels that slip draw more of a battery. Alone on a bus, what one wheel draws of another's return goes no further,
     and over a long cycle each moment counts where the supply's peak current is limited.
     """
-    supply, kept = shared.supply, 1.0 - shared.supply.regeneration
+    supply, reuse = shared.supply, 1.0 - shared.supply.regeneration
     cycles = [waiting(case, cycle) if waits else case.at_belt for case in cases]
     timed = supply.peak_current is not None and supply.current is not None
     merged = alone and len(cases) == 1 and not timed and shared.battery is None
-    found = power_of_cases(cases, axis.one, cycles, merged=merged)
+    power = power_of_cases(cases, axis.drive, cycles, merged=merged)
     if shared.battery is not None:
-        found = found.slipping(cases[0].spec.slip)
+        power = power.slipping(cases[0].spec.slip)
     elif alone and len(cases) > 1:
-        net: Array = found.bus_drawn - kept * found.returned
-        found = found._replace(bus_drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0) / (kept or 1.0))
-    return found.times(nan) if waits and cycle > cases[0].cycle.total and unknown_at_rest(cases) else found
+        net: Array = power.bus_drawn - reuse * power.returned
+        power = power._replace(bus_drawn=np.maximum(net, 0.0), returned=np.maximum(-net, 0.0) / (reuse or 1.0))
+    return power.times(nan) if waits and cycle > cases[0].cycle.total and unknown_at_rest(cases) else power
 
 
 def _exceeded(shared: RobotSpec, apart: Sequence[DrivePower], feed: Feed) -> tuple[Exceeded, ...]:
@@ -632,14 +638,14 @@ def _exceeded(shared: RobotSpec, apart: Sequence[DrivePower], feed: Feed) -> tup
         ("supply_current", supply.most_current, supply.lowest),
         ("supply_power", supply.power, 1.0),
     ]
-    found = []
+    exceeded = []
     for name, limit, scale in limits:
         if limit is None:
             continue
         power = bus_power(limit * scale, feed)
         least, most = (
-            share_above([(one.duration, getattr(one, end)) for one in apart], power, up=up)
+            share_above([(group.duration, getattr(group, end)) for group in apart], power, up=up)
             for end, up in (("least", False), ("most", True))
         )
-        found.append(Exceeded(name, limit * scale, least, most))
-    return tuple(found)
+        exceeded.append(Exceeded(name, limit * scale, least, most))
+    return tuple(exceeded)

@@ -58,14 +58,17 @@ def shared_sections(machine: MachineSpec, axes: Sequence[RobotSpec]) -> RobotSpe
 
 def _stated(own: Any, of_axes: Sequence[Any]) -> Any:
     """A section with the fields of the machine, and of those that it does not have the strictest of the axes."""
-    given = [section for section in of_axes if section is not None]
-    if own is None and not given:
+    sections = [section for section in of_axes if section is not None]
+    if own is None and not sections:
         return None
-    whole = given[0] if own is None else own
-    names = {name for section in given for name in section.model_fields_set}
+    whole = sections[0] if own is None else own
+    names = {name for section in sections for name in section.model_fields_set}
     lacking = names - (own.model_fields_set if own is not None else set())
-    found = {name: [getattr(one, name) for one in given if name in one.model_fields_set] for name in sorted(lacking)}
-    return whole.model_copy(update={name: max(values) for name, values in found.items()})
+    figures = {
+        name: [getattr(section, name) for section in sections if name in section.model_fields_set]
+        for name in sorted(lacking)
+    }
+    return whole.model_copy(update={name: max(values) for name, values in figures.items()})
 
 
 def _sections_in_case(shared: RobotSpec, name: str, axes: Sequence[RobotSpec]) -> RobotSpec:
@@ -73,10 +76,10 @@ def _sections_in_case(shared: RobotSpec, name: str, axes: Sequence[RobotSpec]) -
     pairs = [(axis, case) for axis in axes for own, case in axis.load_cases[1:] if own == name]
     sections = {}
     for section, strictest in _CHANGED.items():
-        both = [(getattr(axis, section), getattr(case, section)) for axis, case in pairs]
-        moved = {field: [getattr(b, field) for a, b in both if getattr(a, field) != getattr(b, field)]
+        section_pairs = [(getattr(axis, section), getattr(case, section)) for axis, case in pairs]
+        changes = {field: [getattr(b, field) for a, b in section_pairs if getattr(a, field) != getattr(b, field)]
                  for field in strictest}  # fmt: skip
-        update = {field: strictest[field](values) for field, values in moved.items() if values}
+        update = {field: strictest[field](values) for field, values in changes.items() if values}
         sections[section] = getattr(shared, section).model_copy(update=update)
     return shared.alone(**sections)
 
@@ -89,7 +92,7 @@ OF_THE_SUPPLY = ("supply", "battery", "equipment", "brake_resistor", "environmen
 
 def toleranced(machine: MachineSpec) -> dict[Path_, Toleranced]:
     """Figures with a tolerance by their places in the file."""
-    return {one.path: one for one in split_tolerances(machine.source)[1]}
+    return {tolerance.path: tolerance for tolerance in split_tolerances(machine.source)[1]}
 
 
 def place_of(figures: Mapping[Path_, Toleranced], axis: str, path: Path_) -> Path_:
@@ -101,9 +104,11 @@ def place_of(figures: Mapping[Path_, Toleranced], axis: str, path: Path_) -> Pat
 def without_effect(machine: MachineSpec) -> tuple[str, ...]:
     """Figures with a tolerance that neither an axis nor the supply takes."""
     figures = toleranced(machine)
-    used = {place_of(figures, axis.name, one.path) for axis in machine.axes for one in axis.spec.toleranced}
-    used |= {("axes", axis.name, "start") for axis in machine.axes}
-    lost = (path for path in figures if path not in used and path[0] not in OF_THE_SUPPLY)
+    paths = {
+        place_of(figures, axis.name, tolerance.path) for axis in machine.axes for tolerance in axis.spec.toleranced
+    }
+    paths |= {("axes", axis.name, "start") for axis in machine.axes}
+    lost = (path for path in figures if path not in paths and path[0] not in OF_THE_SUPPLY)
     return tuple("".join(f"[{n + 1}]" if isinstance(n, int) else f".{n}" for n in path).lstrip(".") for path in lost)
 
 
@@ -145,7 +150,7 @@ def common_supply(
 
 def _withstood(axes: Sequence[AxisPower]) -> dict[str, float]:
     """Voltage that the controllers of each axis withstand [V]."""
-    return {axis.name: axis.one.controller.supply_max if axis.one.controller else nan for axis in axes}
+    return {axis.name: axis.drive.controller.supply_max if axis.drive.controller else nan for axis in axes}
 
 
 def _peak_time(total: DrivePower) -> float:
@@ -156,19 +161,19 @@ def _peak_time(total: DrivePower) -> float:
 def _supplied(bus: CommonBus) -> tuple[Check, ...]:
     """Largest current and power out of the supply against what it delivers."""
     supply, needed, peak = bus.spec.supply, bus.spec.margins.torque, float(bus.total.peak.max())
-    time, found = np.asarray(_peak_time(bus.total)), []
+    time, checks = np.asarray(_peak_time(bus.total)), []
     for name, limit, scale in (
         ("supply_current", supply.most_current, supply.lowest),
         ("supply_power", supply.power, 1.0),
     ):
         if limit is None:
             continue
-        note, one = "", next((one for one in bus.exceeded if one.check == name), None)
-        if one is not None and not isnan(one.most):  # axes at random phases
-            share = show(one.most, "%", "dimensionless")
+        note, excess = "", next((excess for excess in bus.exceeded if excess.check == name), None)
+        if excess is not None and not isnan(excess.most):  # axes at random phases
+            share = show(excess.most, "%", "dimensionless")
             note = f"at the worst phase; exceeded for {share} of the time at most"
-        found.append(at_most(name, peak / scale, limit, needed=needed, time=time, note=note).at((), "budget"))
-    return tuple(found)
+        checks.append(at_most(name, peak / scale, limit, needed=needed, time=time, note=note).at((), "budget"))
+    return tuple(checks)
 
 
 def _voltage(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisPower]) -> Check:
@@ -201,7 +206,7 @@ def _highest(bus: CommonBus, braking: BrakingBudget | None, axes: Sequence[AxisP
         return nan if isnan(stored) else max(chopper, supply.highest)
     own = 0.0
     for axis in axes:
-        current = axis.one.controller.continuous_current if axis.one.controller else nan
+        current = axis.drive.controller.continuous_current if axis.drive.controller else nan
         own += float(least_capacitance(current, supply.highest)) * axis.problem.spec.load.motors
     bound = float(bus_voltage(supply.highest, stored, own))
     return bound if all(bound <= limit for limit in _withstood(axes).values()) else nan
@@ -218,7 +223,7 @@ def _record(
     if not isnan(peak):  # the axis that draws most in the piece that begins at the moment
         starts = np.cumsum(cut[0].duration) - cut[0].duration
         piece = int(np.abs(starts - time).argmin())
-        peak_axis = axes[int(np.argmax([one.most[piece] for one in cut]))].name
+        peak_axis = axes[int(np.argmax([power.most[piece] for power in cut]))].name
     unknown = []
     for axis, power in zip(axes, bus.powers, strict=True):
         if isnan(float(power.most.sum() + power.returned.sum() + power.bus_drawn.sum())):
@@ -229,8 +234,8 @@ def _record(
         case=name,
         synchronised=single,
         time=np.concatenate([[0.0], np.cumsum(cut[0].duration)]),
-        drawn=np.array([one.bus_drawn for one in cut]),
-        returned=np.array([one.returned for one in cut]),
+        drawn=np.array([power.bus_drawn for power in cut]),
+        returned=np.array([power.returned for power in cut]),
         total=total.drawn,
         left=total.returned,
         peak=peak,
@@ -253,17 +258,17 @@ def _record(
 def _figures(bus: CommonBus, time: float) -> Iterator[Figure]:
     total, powers, peak = bus.total, bus.powers, float(bus.total.peak.max())
     at = None if bus.phases or isnan(time) else time
-    yield figure("machine_cycle", total.total if not bus.phases else max(one.total for one in bus.together))
+    yield figure("machine_cycle", total.total if not bus.phases else max(power.total for power in bus.together))
     yield figure("supply_peak", peak, at)
-    yield figure("supply_peak_summed", fsum(float(one.peak.max()) for one in powers))
+    yield figure("supply_peak_summed", fsum(float(power.peak.max()) for power in powers))
     yield figure("supply_mean", bus.on_bus.mean_drawn)
     yield figure("energy_left", bus.on_bus.energy)
     if bus.feed.resistance:
         yield figure("bus_voltage_least", bus.feed.voltage - bus.feed.resistance * peak / bus.feed.voltage, at)
     if not bus.phases:
         yield figure("exchanged", bus.exchanged)
-    for one in bus.exceeded:
-        yield figure(f"{one.check}_exceeded", one.most, limit=show(one.limit, "W", "power"))
+    for excess in bus.exceeded:
+        yield figure(f"{excess.check}_exceeded", excess.most, limit=show(excess.limit, "W", "power"))
 
 
 def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterator[str]:
@@ -274,13 +279,13 @@ def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterat
     elif cases:
         yield "what one axis regenerates another draws at the same moment"
     if bus.synchronised and cases:
-        waits = [one for one in done if cases[one][0].cycle.total < bus.cycle * (1.0 - _ROUNDING)]
+        waits = [axis for axis in done if cases[axis][0].cycle.total < bus.cycle * (1.0 - _ROUNDING)]
         if waits:
             cycle = show(bus.cycle, "s", "time")
             yield f"{', '.join(waits)}: at rest after the motion until the machine's cycle of {cycle} is over"
-        for one, own in cases.items():
-            if one not in done:
-                yield f"{one}: repeats its cycle of {show(own[0].cycle.total, 's', 'time')}"
+        for axis, own in cases.items():
+            if axis not in done:
+                yield f"{axis}: repeats its cycle of {show(own[0].cycle.total, 's', 'time')}"
         if bus.phases:
             yield "periods have no common multiple that is short enough: those that repeat run at any phase"
     if bus.feed.resistance:
@@ -289,27 +294,27 @@ def _assumptions(axes: Sequence[AxisPower], bus: CommonBus, name: str) -> Iterat
 
 def machine_power(machine: MachineSpec, axes: Sequence[AxisSizing]) -> MachinePower | None:
     """Power of the best drives of all axes on the machine's supply."""
-    found = supplied_axes(machine, axes)
-    if found is None:
+    on_supply = supplied_axes(machine, axes)
+    if on_supply is None:
         return None
-    shared = found[0]
+    shared = on_supply[0]
     try:
-        power = common_supply(*found, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
+        power = common_supply(*on_supply, synchronised=machine.synchronised, cycle_time=machine.cycle_time)
     except FieldError as error:
         raise InputError(f"{machine.where(error.field)}: {error}") from None
-    ohm, lowest, each = shared.supply.resistance or 0.0, shared.supply.lowest, list[tuple[str, tuple[Check, ...]]]()
+    ohm, lowest, by_axis = shared.supply.resistance or 0.0, shared.supply.lowest, list[tuple[str, tuple[Check, ...]]]()
     # voltage of the motors while the supply's resistance carries the current of all axes: an axis' own counts twice, in
     # the demand of its own check and in the sum, so that what passes is certain, and what does not is unknown
-    for one in axes if ohm and len(found[2]) > 1 else ():
-        own = next((check for check in one.best.checks if check.name == "supply_voltage"), None) if one.best else None
-        if own is None or machine.axis(one.name).own_supply:
+    for axis in axes if ohm and len(on_supply[2]) > 1 else ():
+        own = next((check for check in axis.best.checks if check.name == "supply_voltage"), None) if axis.best else None
+        if own is None or machine.axis(axis.name).own_supply:
             continue
         limit = own.limit - ohm * power.peak / lowest
         certain = own.demand * (1.0 + own.needed) <= limit
-        said = f"of {one.name}" if certain else f"of {one.name}: unknown while all axes draw: give supply.min"
-        column = at_most("supply_voltage", own.demand, limit if certain else nan, needed=own.needed, note=said)
-        each.append(("", (column.at((), "budget"),)))
-    return replace(power, checks=(*power.checks, *worst_of_cases(each)))
+        note = f"of {axis.name}" if certain else f"of {axis.name}: unknown while all axes draw: give supply.min"
+        column = at_most("supply_voltage", own.demand, limit if certain else nan, needed=own.needed, note=note)
+        by_axis.append(("", (column.at((), "budget"),)))
+    return replace(power, checks=(*power.checks, *worst_of_cases(by_axis)))
 
 
 def supplied_axes(
@@ -319,47 +324,49 @@ def supplied_axes(
 
     None where one of them has no drive, or each axis has its own supply.
     """
-    on_it = [one for one in axes if not machine.axis(one.name).own_supply]
+    on_it = [sizing for sizing in axes if not machine.axis(sizing.name).own_supply]
     if not on_it:
         return None
-    found = []
-    for one in on_it:
-        if one.best is None:
+    powers = []
+    for sizing in on_it:
+        if sizing.best is None:
             return None
-        axis = machine.axis(one.name)
-        found.append(AxisPower(one.name, moving_alone(one.result.problem), one.best, axis.start, axis.repeats))
-    shared = shared_sections(machine, [one.spec for one in on_it])
-    return shared, _listing(machine, [one.result.problem.catalog for one in on_it]), found
+        axis = machine.axis(sizing.name)
+        powers.append(
+            AxisPower(sizing.name, moving_alone(sizing.result.problem), sizing.best, axis.start, axis.repeats)
+        )
+    shared = shared_sections(machine, [sizing.spec for sizing in on_it])
+    return shared, _listing(machine, [sizing.result.problem.catalog for sizing in on_it]), powers
 
 
 def budget_checks(machine: MachineSpec, axes: Sequence[AxisSizing], power: MachinePower | None) -> tuple[Check, ...]:
     """Mass and price of all axes against the machine's budget, and their stall against its supply."""
-    budget, drives = machine.budget, [(one.result.problem, one.best) for one in axes if one.best]
+    budget, drives = machine.budget, [(axis.result.problem, axis.best) for axis in axes if axis.best]
     if len(drives) < len(axes):
         return ()
-    found = list[Check]()
+    checks = list[Check]()
     if machine.supply.stalled:
-        on_it = [(problem.spec, one) for problem, one in drives if problem.spec.on_common_bus]
-        found.append(stall_check(machine.supply, on_it))
+        on_it = [(problem.spec, drive) for problem, drive in drives if problem.spec.on_common_bus]
+        checks.append(stall_check(machine.supply, on_it))
     if budget is None:
-        return tuple(found)
+        return tuple(checks)
     catalog = _listing(machine, [problem.catalog for problem, _ in drives])
     if budget.weighs:
-        found += mass_budget(budget, drives, machine.battery, catalog).checks()
+        checks += mass_budget(budget, drives, machine.battery, catalog).checks()
     if budget.price is not None:
         braking = power.braking if power else None
-        found.append(price_check(budget.price, drives, machine.supply, braking, catalog))
-    return tuple(found)
+        checks.append(price_check(budget.price, drives, machine.supply, braking, catalog))
+    return tuple(checks)
 
 
 def with_choppers(machine: MachineSpec, catalog_of: Callable[[RobotSpec], Catalog]) -> MachineSpec:
     """The machine on a bus that rises to the lowest voltage of the choppers among which its spec leaves the choice."""
-    section, on_it = machine.brake_resistor, [one.spec for one in machine.axes if not one.own_supply]
+    section, on_it = machine.brake_resistor, [axis.spec for axis in machine.axes if not axis.own_supply]
     if section is None or section.chopper_voltage is not None or not on_it:
         return machine
     catalog = _listing(machine, [catalog_of(spec) for spec in on_it])
     resistor = with_parts_of_supply(shared_sections(machine, on_it), catalog).brake_resistor
-    return replace(machine, axes=tuple(with_common_bus(one, resistor) for one in machine.axes))
+    return replace(machine, axes=tuple(with_common_bus(axis, resistor) for axis in machine.axes))
 
 
 def _listing(machine: MachineSpec, catalogs: Sequence[Catalog]) -> Catalog:

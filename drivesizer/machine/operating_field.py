@@ -48,20 +48,26 @@ class Operation(NamedTuple):
     efficiency: Array  # of the direction in which power flows [1]; NaN at rest and without torque
 
 
-def operation(found: SetCycle, torque: Array, speed: Array) -> Operation:
+def operation(set_cycle: SetCycle, torque: Array, speed: Array) -> Operation:
     """A drive at constant speeds."""
-    c, k_t, ambient = found.demands.coefficients[0], found.motor["torque_constant"], found.spec.environment.ambient
+    c, k_t, ambient = (
+        set_cycle.demands.coefficients[0],
+        set_cycle.motor["torque_constant"],
+        set_cycle.spec.environment.ambient,
+    )
     own = c[DIRECTION] * np.sign(speed) + c[SPEED] * speed
     current = (c[DRIVING] * np.maximum(torque, 0.0) + c[BRAKING] * np.minimum(torque, 0.0) + own) / k_t
-    hot = resistance_at(resistance_25(found.motor), found.winding if np.isfinite(found.winding) else ambient)
-    turning = found.demands.total_ratio * speed
-    voltage = hot * current + found.demands.back_emf * turning
-    surplus = found.demands.surplus(k_t) * speed * current  # what the two constants differ by is lost both ways
+    hot = resistance_at(
+        resistance_25(set_cycle.motor), set_cycle.winding if np.isfinite(set_cycle.winding) else ambient
+    )
+    turning = set_cycle.demands.total_ratio * speed
+    voltage = hot * current + set_cycle.demands.back_emf * turning
+    surplus = set_cycle.demands.surplus(k_t) * speed * current  # what the two constants differ by is lost both ways
     electrical, mechanical = current * voltage + np.maximum(-2.0 * surplus, 0.0), torque * speed
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(mechanical > 0.0, mechanical / electrical, np.maximum(electrical / mechanical, 0.0))
-    taken = commutation(found.motor) * np.abs(turning) * np.where(turning * current > 0.0, current, 0.0)
-    return Operation(current, voltage + taken, np.where(mechanical == 0.0, np.nan, share))
+    drop = commutation(set_cycle.motor) * np.abs(turning) * np.where(turning * current > 0.0, current, 0.0)
+    return Operation(current, voltage + drop, np.where(mechanical == 0.0, np.nan, share))
 
 
 # -- The torque-speed field of a drive's motor, winding cold and hot, and the load cycle in it: data for figures.
@@ -102,10 +108,10 @@ class OperatingField:
     factor: float = nan  # by which that must exceed the cycle
 
 
-def hot_winding(found: OperatingField) -> str:
+def hot_winding(field: OperatingField) -> str:
     """Temperature of the hot winding, in words; one that is not the permitted one is named as what it is."""
-    temperature = show(found.hot, "degC", "temperature", 3)
-    return temperature if found.hot_permitted or np.isnan(found.hot) else f"{temperature}, the cycle's mean"
+    temperature = show(field.hot, "degC", "temperature", 3)
+    return temperature if field.hot_permitted or np.isnan(field.hot) else f"{temperature}, the cycle's mean"
 
 
 def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
@@ -164,7 +170,7 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         continuous = np.broadcast_to(motor["nominal_torque"] * share, w.shape).copy()
     peak = drive_set.controller.peak_current if drive_set.controller else nan
     rms_speed = float(np.sqrt(cycle.moment(SPEED, SPEED)) * ratio)
-    found = OperatingField(
+    record = OperatingField(
         voltage=voltage,
         ambient=ambient,
         hot=hot,
@@ -182,6 +188,6 @@ def field(spec: RobotSpec, drive_set: DriveSet) -> OperatingField:
         rms_torque=float(np.maximum(k_t * demand.rms_current[0] - rubbed(rms_speed), 0.0)),
     )
     if not drive_set.steps:
-        return found
+        return record
     torque = torque_of_drive(drive_set, 1.5 * w, spec.supply.lowest)
-    return replace(found, speed=1.5 * w, pull_out=torque, factor=spec.margins.pull_out)
+    return replace(record, speed=1.5 * w, pull_out=torque, factor=spec.margins.pull_out)

@@ -41,9 +41,8 @@ def curves_of(catalog: Catalog, row: int) -> PullOuts:
 
 def torque_of_drive(drive: DriveParts, speed: Array, voltage: float) -> Array:
     """Pull-out torque of the stepper of a drive."""
-    one: dict[str, Any] = {name: np.array([getattr(drive.motor, name)]) for name in _FIGURES}
-    found: Array = available_torque(one | {STEPPER: np.zeros(1, int)}, drive.pull_outs, speed[None], voltage)[0]
-    return found
+    figures: dict[str, Any] = {name: np.array([getattr(drive.motor, name)]) for name in _FIGURES}
+    return available_torque(figures | {STEPPER: np.zeros(1, int)}, drive.pull_outs, speed[None], voltage)[0]
 
 
 def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: Alike) -> Array:
@@ -57,26 +56,26 @@ def available_torque(motor: Figures, curves: PullOuts, speed: Array, voltage: Al
                              ("resistance", "resistance"), ("inductance", "inductance"), ("teeth", "pole_pairs"))
     }  # fmt: skip
     volts = np.broadcast_to(voltage, len(speed))
-    found: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, volts[:, None], **figures)
+    torque: Array = motor["pull_out_share"][:, None] * pull_out_torque(speed, volts[:, None], **figures)
     if not len(curves.speed):
-        return found
+        return torque
     which = _curves_of(curves, volts, motor[STEPPER])
     rows = np.flatnonzero(which >= 0)
     if len(rows):
         at_speed, at_torque, at_voltage = (column[which[rows]] for column in _as_rows(curves))
-        found[rows] = rescaled_torque(speed[rows], volts[rows], at_speed, at_torque, at_voltage)
-    return found
+        torque[rows] = rescaled_torque(speed[rows], volts[rows], at_speed, at_torque, at_voltage)
+    return torque
 
 
 def _curves_of(curves: PullOuts, voltage: Array, steppers: Whole) -> Whole:
     """Number of the curve of each stepper on its voltage; -1 where it has none."""
     count = int(steppers.max(initial=0)) + 1
     reached = np.searchsorted(np.unique(curves.voltage), voltage, side="right")  # between charts the choice is the same
-    found = np.full(len(steppers), -1)
+    numbers = np.full(len(steppers), -1)
     for level in np.unique(reached):
         rows = np.flatnonzero(reached == level)
-        found[rows] = _curve_of(curves, float(voltage[rows[0]]), count)[steppers[rows]]
-    return found
+        numbers[rows] = _curve_of(curves, float(voltage[rows[0]]), count)[steppers[rows]]
+    return numbers
 
 
 def _curve_of(curves: PullOuts, voltage: float, count: int) -> Whole:
@@ -84,11 +83,11 @@ def _curve_of(curves: PullOuts, voltage: float, count: int) -> Whole:
     _, first = np.unique(curves.curve, return_index=True)
     volts = curves.voltage[first]
     nearness = np.where(volts <= voltage, volts, -volts)  # the highest below, else the lowest above
-    found = np.full(count, -1)
+    numbers = np.full(count, -1)
     for number in np.argsort(nearness, kind="stable").tolist():
         if curves.stepper[first[number]] < count:
-            found[curves.stepper[first[number]]] = number
-    return found
+            numbers[curves.stepper[first[number]]] = number
+    return numbers
 
 
 def _as_rows(curves: PullOuts) -> tuple[Array, Array, Array]:
@@ -133,33 +132,33 @@ class Line(NamedTuple):
     computed: bool  # whether an end is not the maker's
 
 
-def line(hit: PartFigures) -> Line:
+def line(part: PartFigures) -> Line:
     """No load and stall of a motor, or of an actuator's output, with a cold winding."""
-    voltage, R, k_t = hit["nominal_voltage"], hit["resistance"], _torque_constant(hit)
-    if hit.section == "actuators":
-        inside, own = hit["motor_torque_constant"], hit["motor_back_emf_constant"]
-        k_e = (inside if isnan(own) else own) * hit["ratio"]
+    voltage, R, k_t = part["nominal_voltage"], part["resistance"], _torque_constant(part)
+    if part.section == "actuators":
+        inside, own = part["motor_torque_constant"], part["motor_back_emf_constant"]
+        k_e = (inside if isnan(own) else own) * part["ratio"]
     else:
-        k_e = float(back_emf_constant(hit))
-    speed, torque = hit["no_load_speed"], hit["stall_torque"]
+        k_e = float(back_emf_constant(part))
+    speed, torque = part["no_load_speed"], part["stall_torque"]
     computed = isnan(speed) or isnan(torque)
     if isnan(speed) and k_e > 0.0:
-        speed = (voltage - R * hit["no_load_current"]) / k_e
+        speed = (voltage - R * part["no_load_current"]) / k_e
     if isnan(torque) and R > 0.0:
         torque = k_t * k_e / R * speed
     known = speed > 0.0 and torque > 0.0
     return Line(speed, torque, computed) if known else Line(nan, nan, computed)
 
 
-def _torque_constant(hit: PartFigures) -> float:
+def _torque_constant(part: PartFigures) -> float:
     """Of a motor, or of an actuator at its output, losses of the gear included [N*m/A]."""
-    k_t = float(hit["torque_constant"])
-    if hit.section == "actuators" and isnan(k_t):
-        return float(hit["motor_torque_constant"] * hit["ratio"] * hit["efficiency"])
+    k_t = float(part["torque_constant"])
+    if part.section == "actuators" and isnan(k_t):
+        return float(part["motor_torque_constant"] * part["ratio"] * part["efficiency"])
     return k_t
 
 
-def nominal_voltage_curves(hit: PartFigures, torque: Array) -> tuple[Array, ...]:
+def nominal_voltage_curves(part: PartFigures, torque: Array) -> tuple[Array, ...]:
     r"""Speed, current and efficiency on the straight line at nominal voltage.
 
     .. math:: w = w_0 \left(1 - \frac{M}{M_H}\right), \qquad I = I_0 + \frac{M}{k_t}, \qquad \eta = \frac{M w}{V I}
@@ -167,31 +166,31 @@ def nominal_voltage_curves(hit: PartFigures, torque: Array) -> tuple[Array, ...]
     Above the permitted speed, where the voltage must be lower, all three are unknown. Of a motor with its controller
     inside, which limits the no-load speed, current and efficiency are unknown.
     """
-    ends = line(hit)
+    ends = line(part)
     speed = ends.speed * (1.0 - torque / ends.torque)
-    speed = np.where(speed > hit["max_speed"], np.nan, speed)
-    own = hit["no_load_current"] if hit.section == "actuators" or hit["commutation"] != ELECTRONICS else np.nan
-    current = own + torque / _torque_constant(hit) + 0.0 * speed
-    return speed, current, torque * speed / (hit["nominal_voltage"] * current)
+    speed = np.where(speed > part["max_speed"], np.nan, speed)
+    own = part["no_load_current"] if part.section == "actuators" or part["commutation"] != ELECTRONICS else np.nan
+    current = own + torque / _torque_constant(part) + 0.0 * speed
+    return speed, current, torque * speed / (part["nominal_voltage"] * current)
 
 
-def gear_efficiency(hit: PartFigures, torque: Array) -> Array:
+def gear_efficiency(part: PartFigures, torque: Array) -> Array:
     r"""Efficiency of a gearhead over the torque at its output, its losses without load apart (``gear_loss``).
 
     .. math:: \frac{1}{\eta} = \frac{1}{e'} + \frac{i\,T_0}{T}
     """
-    efficiency, _ = gear_loss(hit)
-    return np.asarray(1.0 / (1.0 / efficiency + hit["ratio"] * hit["no_load_torque"] / torque))
+    efficiency, _ = gear_loss(part)
+    return np.asarray(1.0 / (1.0 / efficiency + part["ratio"] * part["no_load_torque"] / torque))
 
 
-def continuous_curve(hit: PartFigures) -> tuple[list[float], list[float]]:
+def continuous_curve(part: PartFigures) -> tuple[list[float], list[float]]:
     """Continuous torque [N*m] and speed [rad/s] through the maker's three points; nothing where one is unknown.
 
     Iron losses at speed reduce the permitted copper losses: the square of the torque falls with a power of the speed.
     """
-    if hit.section != "motors":
+    if part.section != "motors":
         return [], []
-    top, torques = hit["max_speed"], [hit[f"{at}_torque"] for at in ("standstill", "half_speed", "top_speed")]
+    top, torques = part["max_speed"], [part[f"{at}_torque"] for at in ("standstill", "half_speed", "top_speed")]
     if isnan(top + sum(torques)):
         return [], []
     rest, half, end = (torque**2 for torque in torques)
@@ -202,18 +201,18 @@ def continuous_curve(hit: PartFigures) -> tuple[list[float], list[float]]:
     return np.sqrt(squares).tolist(), (share * top).tolist()
 
 
-def permitted_current(hit: PartFigures, ambient: float) -> float:
+def permitted_current(part: PartFigures, ambient: float) -> float:
     """Continuous current in an ambient [K]: the nominal one, derated; else by heat alone, at standstill [A].
 
     NaN above the permitted ambient, and where a figure is unknown.
     """
-    limit = hit["max_winding_temperature"]
-    if ambient > hit["ambient_max"]:
+    limit = part["max_winding_temperature"]
+    if ambient > part["ambient_max"]:
         return nan
-    if not isnan(hit["nominal_current"]):
-        return float(hit["nominal_current"] * current_derating(ambient, limit, rated_ambient(hit)))
-    R_th1, R_th2 = (hit[name] for name in HEAT[2:])
-    return float(continuous_current(resistance_25(hit), R_th1, R_th2, limit, ambient))
+    if not isnan(part["nominal_current"]):
+        return float(part["nominal_current"] * current_derating(ambient, limit, rated_ambient(part)))
+    R_th1, R_th2 = (part[name] for name in HEAT[2:])
+    return float(continuous_current(resistance_25(part), R_th1, R_th2, limit, ambient))
 
 
 def warm_housing(motor: Figures, ambient: float) -> float:
@@ -223,14 +222,14 @@ def warm_housing(motor: Figures, ambient: float) -> float:
     return float(steady_state(two_bodies(motor), ambient, motor["nominal_current"], loss).housing)
 
 
-def overload_times(hit: PartFigures, current: float) -> tuple[float, float]:
+def overload_times(part: PartFigures, current: float) -> tuple[float, float]:
     """Time for which the winding withstands a current at standstill in 25 degC [s], from cold and from warm.
 
     Warm is winding and housing as warm as the housing gets at the nominal point in the long run: a motor that has just
     been running. An actuator's loss of friction and iron is not known, so that its warmth is not.
     """
-    bodies, limit = two_bodies(hit), hit["max_winding_temperature"]
-    housing = warm_housing(hit, DATA_TEMPERATURE) if hit.section == "motors" else nan
+    bodies, limit = two_bodies(part), part["max_winding_temperature"]
+    housing = warm_housing(part, DATA_TEMPERATURE) if part.section == "motors" else nan
     from_cold, from_warm = (
         overload_time(bodies, DATA_TEMPERATURE, State(T, T), limit, current) for T in (DATA_TEMPERATURE, housing)
     )

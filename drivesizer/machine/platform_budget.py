@@ -85,11 +85,13 @@ def permitted_speeds(spec: RobotSpec, drive: DriveSet) -> PermittedSpeeds | None
             continue
         speed[failed], limit[failed], lacking = _fastest(spec, drive, d, np.radians(direction))
         unknown |= dict.fromkeys(lacking)
-    estimated = (one.title for one in drive.estimated if one.kind != "mass" and one.part != "encoder")
-    wanted = spec.requirements.speed if spec.requirements else None
+    estimated = (
+        estimate.title for estimate in drive.estimated if estimate.kind != "mass" and estimate.part != "encoder"
+    )
+    required = spec.requirements.speed if spec.requirements else None
     return PermittedSpeeds(
         direction, speed, limit, tuple(unknown), tuple(estimated), tuple(platform.failed),
-        platform.limits.speed if wanted is None else wanted,
+        platform.limits.speed if required is None else required,
     )  # fmt: skip
 
 
@@ -110,26 +112,26 @@ def _fastest(
 
     def shortage(v: Array) -> Array:
         """By how much each check falls short, 0 where it passes: shape (checks, wheels, directions)."""
-        every = checks(v)
-        found = [np.where(every[n].passed, 0.0, 1.0 - np.nan_to_num(every[n].margin)) for n in known]
-        return np.array(found).reshape(-1, *turns.shape)
+        columns = checks(v)
+        shortages = [np.where(columns[n].passed, 0.0, 1.0 - np.nan_to_num(columns[n].margin)) for n in known]
+        return np.array(shortages).reshape(-1, *turns.shape)
 
     low = np.full(turns.shape[1], _SLOW)
     first = checks(low)
     turning = turns.ravel() != 0.0  # a wheel at rest meets any limit of speed, known or not
     known = [number for number, check in enumerate(first) if (check.passed | check.failed)[turning].any()]
-    held, high = shortage(low).any(axis=(0, 1)), np.full_like(low, _FAST)
+    stuck, high = shortage(low).any(axis=(0, 1)), np.full_like(low, _FAST)
     free: Mask = np.logical_not(shortage(high).any(axis=(0, 1)))
     for _ in range(_HALVINGS):
         middle = (low + high) / 2.0
         over = shortage(middle).any(axis=(0, 1))
         low, high = np.where(over, low, middle), np.where(over, middle, high)
-    worst = shortage(np.where(held, _SLOW, high)).max(axis=1).argmax(axis=0)
+    worst = shortage(np.where(stuck, _SLOW, high)).max(axis=1).argmax(axis=0)
     titles = [
         "" if never else CHECKS["physics"][first[known[n]].name].title for n, never in zip(worst, free, strict=True)
     ]
     speed, named = np.full(len(direction), nan), np.full(len(direction), "", dtype=object)
-    speed[moves], named[moves] = np.where(free, np.inf, np.where(held, 0.0, low)), titles
+    speed[moves], named[moves] = np.where(free, np.inf, np.where(stuck, 0.0, low)), titles
     return speed, named.tolist(), (CHECKS["physics"][c.name].title for n, c in enumerate(first) if n not in known)
 
 
@@ -237,17 +239,17 @@ def worst_case_budget(spec: RobotSpec, *, brief: bool = False) -> tuple[tuple[Ch
     checks = requirement_checks(spec, spec.requirements) if spec.requirements else ()
     if spec.platform is None:
         return checks, ()
-    found = []
+    floors = []
     for name, case in spec.load_cases:
         assert case.platform is not None and isinstance(case.load, WheeledVehicle)
         trajectory, gains = trajectory_of(case), None
         if trajectory is None:
             cycle = load_cycle(case)
             gains = cycle.radius * float(np.abs(cycle.acceleration).max())
-        given = case.environment.gravity, spec.margins.torque, trajectory, gains
-        found.append((name, PlatformOnFloor(case.platform, case.load, dynamics_of(case), *given)))
-    checks += worst_of_cases([(name, platform_checks(s)) for name, s in found])
-    return checks, () if brief else tuple(platform_figures(found[0][1]))
+        conditions = case.environment.gravity, spec.margins.torque, trajectory, gains
+        floors.append((name, PlatformOnFloor(case.platform, case.load, dynamics_of(case), *conditions)))
+    checks += worst_of_cases([(name, platform_checks(s)) for name, s in floors])
+    return checks, () if brief else tuple(platform_figures(floors[0][1]))
 
 
 def platform_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
@@ -258,19 +260,19 @@ def platform_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
 def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> tuple[Check, ...]:
     """Every passage, in the order of the spec; the passage's name is the check's case."""
     placed = tuple(p.record for p in section.passages if p.x is not None)
-    clearance_at, found = dict[str, envelope.Clearance](), list[Check]()
+    clearance_at, checks = dict[str, envelope.Clearance](), list[Check]()
     if trajectory is not None and section.size is not None:
         clearance_at = {c.passage: c for c in envelope.clearances(trajectory, section.size.record, placed)}
     for passage in section.passages:
         assert section.size is not None
         size, opening = section.size.record, passage.width
-        taken = envelope.width_at(size, passage.heading_error, passage.aside)
-        columns = [at_most("passage_width", taken, opening)]
+        required = envelope.width_at(size, passage.heading_error, passage.aside)
+        columns = [at_most("passage_width", required, opening)]
         if passage.height is not None:
             columns.append(at_most("passage_height", size.height, passage.height))
         if passage.turns:
-            taken = envelope.turning_circle(size) + 2.0 * passage.aside
-            columns.append(at_most("passage_turning", taken, opening))
+            required = envelope.turning_circle(size) + 2.0 * passage.aside
+            columns.append(at_most("passage_turning", required, opening))
         if passage.corner is not None:
             room = envelope.corner_width(size.length, opening, passage.corner)
             columns.append(at_most("passage_corner", size.width, room))
@@ -278,10 +280,10 @@ def envelope_checks(section: Platform, trajectory: Trajectory | None = None) -> 
         if clearance is not None:  # to both sides alike; what hits a jamb takes more than there is
             side = clearance.side
             note = f"nearest to the {side} jamb" if side else "the trajectory does not lead through it"
-            taken, time = opening - 2.0 * clearance.least, np.asarray(clearance.time)
-            columns.append(at_most("passage_clearance", taken, opening, note=note, time=time))
-        found += _noted(columns, passage.name)
-    return tuple(found)
+            required, time = opening - 2.0 * clearance.least, np.asarray(clearance.time)
+            columns.append(at_most("passage_clearance", required, opening, note=note, time=time))
+        checks += _noted(columns, passage.name)
+    return tuple(checks)
 
 
 def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
@@ -293,18 +295,18 @@ def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
         return _noted([fits("centre_of_mass", False, False)._replace(note=_NO_CASTERS)])
     p, known = s.d.platform, s.section.height_known
     at_rest = contact_loads(p, ground=Ground(gravity=s.gravity))
-    found = [fits("centre_of_mass", bool(stability.carrying(at_rest).all()), True)]
+    columns = [fits("centre_of_mass", bool(stability.carrying(at_rest).all()), True)]
     gains, falls = (s.faster or 0.0) / cos(s.steepest), s.gravity * tan(s.steepest)
     required = gains + falls
     for name in ("lift_off", "tipping"):  # worst in the directions of the limits and of the slope
         if not known:
-            found.append(at_most(name, required or nan, nan, note=_NO_HEIGHT))
+            columns.append(at_most(name, required or nan, nan, note=_NO_HEIGHT))
             continue
-        used = max(
+        footing = max(
             stability.used_footing(p, ((gains, way), (falls, None)), tips=name == "tipping", gravity=s.gravity)
             for way in s.directions
         )
-        found.append(at_most(name, required, required / used if used else inf))
+        columns.append(at_most(name, required, required / footing if footing else inf))
     if s.trajectory is not None:
         least = {
             "wheel_unloading": stability.least_load(p, s.trajectory, s.ground, share=True),
@@ -312,8 +314,8 @@ def stability_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
         }
         for name, worst in least.items():
             time, note = (np.asarray(worst.time), s.contact(worst.contact)) if known else (None, _NO_HEIGHT)
-            found.append(at_most(name, 1.0 - worst.value if known else nan, 1.0, time=time, note=note))
-    return _noted(found)
+            columns.append(at_most(name, 1.0 - worst.value if known else nan, 1.0, time=time, note=note))
+    return _noted(columns)
 
 
 def grip_checks(s: PlatformOnFloor) -> tuple[Check, ...]:
@@ -348,11 +350,11 @@ def platform_figures(s: PlatformOnFloor) -> Iterator[Figure]:
     if section.size is not None:
         size = section.size.record
         yield figure("turning_circle", envelope.turning_circle(size))
-        for one in section.passages:
-            held = envelope.heading_tolerance(size, one.width, one.aside)
-            driving = envelope.heading_tolerance_driving(size, one.width, one.depth, one.aside)
-            yield figure("heading_held", held, passage=one.name)
-            yield figure("heading_driving", driving, passage=one.name)
+        for passage in section.passages:
+            tolerance = envelope.heading_tolerance(size, passage.width, passage.aside)
+            driving = envelope.heading_tolerance_driving(size, passage.width, passage.depth, passage.aside)
+            yield figure("heading_held", tolerance, passage=passage.name)
+            yield figure("heading_driving", driving, passage=passage.name)
     if not s.upright:
         return
     distance = stability.tipping_edges(p)[0].distance

@@ -58,10 +58,9 @@ def quickest_winding(catalog: Catalog) -> float:
 
     Load cycles are divided as finely as that winding needs, so that all drives share one.
     """
-    shortest: float = catalog.once(
+    return catalog.once(
         "quickest winding", lambda: float(np.nanmin(catalog.motors["winding_time_constant"], initial=np.inf))
     )
-    return shortest
 
 
 def changed(problem: Problem, change: Callable[[RobotSpec], RobotSpec]) -> Problem:

@@ -111,8 +111,8 @@ def torque_above(cycle: AtGearhead, limit: float) -> tuple[float, float]:
     torque = Drive(*np.zeros(len(Drive._fields)))._replace(
         driving=1.0 / e / belt, braking=e / belt, resting=1.0 / belt, finest=np.inf, limit=limit
     )  # torque in the place of the current
-    found = evaluate(Drive(*(np.array([x]) for x in torque)), cycle.load_cycle, POWER)
-    return float(found.above[0]), float(found.above_in_all[0]) / cycle.load_cycle.total
+    figures = evaluate(Drive(*(np.array([x]) for x in torque)), cycle.load_cycle, POWER)
+    return float(figures.above[0]), float(figures.above_in_all[0]) / cycle.load_cycle.total
 
 
 # -- Warm-up of a motor from cold to the periodic steady state: for figures.
@@ -142,15 +142,15 @@ class WarmUp(NamedTuple):
     peak_time: float  # s
 
 
-def warm_up(found: SetCycle) -> WarmUp | None:
+def warm_up(set_cycle: SetCycle) -> WarmUp | None:
     """Temperatures from cold to the periodic steady state; None where a figure is unknown or the motor runs away."""
-    cycle, ambient, figures = found.cycle.load_cycle, found.spec.environment.ambient, found.figures
+    cycle, ambient, figures = set_cycle.cycle.load_cycle, set_cycle.spec.environment.ambient, set_cycle.figures
     if not np.isfinite(figures.winding[0]):
         return None
 
     def from_rises(starts: Any) -> Figures:
         w, h = np.transpose(starts)
-        return evaluate(found.drive._replace(winding_start=w, housing_start=h), cycle, HEAT)
+        return evaluate(set_cycle.drive._replace(winding_start=w, housing_start=h), cycle, HEAT)
 
     settled = np.array([figures.winding_start[0], figures.housing_start[0]])
     units = from_rises([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
@@ -161,7 +161,7 @@ def warm_up(found: SetCycle) -> WarmUp | None:
     count = int(min(max(math.ceil(last), 3), _MOST_CYCLES))
     numbers = sorted({round(n) for n in np.linspace(0, count - 1, min(count, _SHOWN))})
     way = from_rises([settled - np.linalg.matrix_power(one_more, n) @ settled for n in numbers])
-    time, winding, housing = _course(found)
+    time, winding, housing = _course(set_cycle)
     return WarmUp(
         time=np.append(0.0, (np.array(numbers) + 1) * float(cycle.total)),
         lowest=ambient + np.minimum(way.winding_least, way.winding_start),
@@ -175,9 +175,14 @@ def warm_up(found: SetCycle) -> WarmUp | None:
     )
 
 
-def _course(found: SetCycle) -> tuple[Array, Array, Array]:
+def _course(set_cycle: SetCycle) -> tuple[Array, Array, Array]:
     """Times of the cycle that repeats so close that a curve shows how the winding follows, and temperatures then."""
-    d, p, ambient, bodies = found.drive, found.pieces, found.spec.environment.ambient, two_bodies(found.motor.part)
+    d, p, ambient, bodies = (
+        set_cycle.drive,
+        set_cycle.pieces,
+        set_cycle.spec.environment.ambient,
+        two_bodies(set_cycle.motor.part),
+    )
     loss = d.friction * (np.abs(p.w_0) + np.abs(p.w_1)) / 2.0 + d.iron * mean_square(p.w_0, p.w_1)
     first = np.minimum(_STEP * bodies.tau_w / p.duration, 1.0)
     count = np.where(first < 1.0 / _POINTS, _POINTS, np.ceil(1.0 / first)).astype(np.int64)
@@ -230,10 +235,10 @@ def motor_pieces(
         motions = _seen_motions(load)
         edges = [0, *(np.flatnonzero(np.diff(motions)) + 1).tolist(), len(motions)]
     if len(edges) - 1 <= _MOST_PIECES:
-        found = [piece(_MOTIONS[motions[a]], slice(a, b)) for a, b in pairwise(edges)]
+        pieces = [piece(_MOTIONS[motions[a]], slice(a, b)) for a, b in pairwise(edges)]
     else:
-        found = [piece(_MOTIONS[k], motions == k) for k in dict.fromkeys(motions[edges[:-1]].tolist())]
-    return *found, piece("cycle", slice(None))
+        pieces = [piece(_MOTIONS[k], motions == k) for k in dict.fromkeys(motions[edges[:-1]].tolist())]
+    return *pieces, piece("cycle", slice(None))
 
 
 def _motions(load: LoadCycle) -> Whole:

@@ -116,24 +116,24 @@ def _of_a_servo(
     spec: RobotSpec, drive: Drive, cycle: AtGearhead, demand: Demands, feed: Feed, merged: bool
 ) -> DrivePower:
     """The same by the kernel."""
-    _, found = pieces(drive, cycle.load_cycle, _FINEST, _MOST, merged=merged)
-    t, standby = found.duration, feed.stage.standby
-    bus_drawn, heat = found.drawn / t + standby, found.source_heat / t
-    one = DrivePower(
+    _, energy = pieces(drive, cycle.load_cycle, _FINEST, _MOST, merged=merged)
+    t, standby = energy.duration, feed.stage.standby
+    bus_drawn, heat = energy.drawn / t + standby, energy.source_heat / t
+    power = DrivePower(
         duration=t,
         drawn=bus_drawn + heat,
         bus_drawn=bus_drawn,
-        returned=found.returned / t,
-        peak=of_the_source(np.maximum(found.most, 0.0) + standby, feed),
-        returned_peak=np.maximum(-found.least, 0.0),
-        motor_drawn=found.motor_drawn / t,
-        motor_returned=found.motor_returned / t,
+        returned=energy.returned / t,
+        peak=of_the_source(np.maximum(energy.most, 0.0) + standby, feed),
+        returned_peak=np.maximum(-energy.least, 0.0),
+        motor_drawn=energy.motor_drawn / t,
+        motor_returned=energy.motor_returned / t,
         resisted=heat,
-        most=found.most + standby,
-        least=found.least + standby,
+        most=energy.most + standby,
+        least=energy.least + standby,
         distance=distance_of(spec, cycle.load_cycle),
     )
-    return one.times(spec.load.alike if demand.complete.all() else nan)  # an incomplete demand is only a lower bound
+    return power.times(spec.load.alike if demand.complete.all() else nan)  # an incomplete demand is only a lower bound
 
 
 def _stepper_power(
@@ -146,7 +146,7 @@ def _stepper_power(
     torque, piece = cycle.line(demand.coefficients[0])[:, None], np.ones(1)  # every piece a motor of its own
     drawn, returned, most, least = electrical_energy(piece, torque, speed[:, None], loss + feed.stage.standby)
     own_drawn, own_returned, _, _ = electrical_energy(piece, torque, speed[:, None], loss)
-    found = DrivePower(
+    power = DrivePower(
         duration=cycle.load_cycle.duration,
         drawn=drawn,
         bus_drawn=drawn,
@@ -160,15 +160,15 @@ def _stepper_power(
         least=least,
         distance=distance_of(spec, cycle.load_cycle),
     )
-    return found.times(spec.load.alike if demand.complete.all() else nan), loss
+    return power.times(spec.load.alike if demand.complete.all() else nan), loss
 
 
 def power_of_cases(
     cases: Sequence[LoadCase], drive_set: DriveParts, cycles: Sequence[CycleAtBelt] = (), *, merged: bool = False
 ) -> DrivePower:
     """Power of the drives of load cases that act at the same time, as the wheels of a platform do; or over cycles."""
-    both = zip(cases, cycles or [case.at_belt for case in cases], strict=True)
-    return together([drive_power(case.spec, drive_set, base, merged=merged) for case, base in both])
+    pairs = zip(cases, cycles or [case.at_belt for case in cases], strict=True)
+    return together([drive_power(case.spec, drive_set, base, merged=merged) for case, base in pairs])
 
 
 def together(powers: Sequence[DrivePower]) -> DrivePower:
@@ -192,7 +192,7 @@ def side_by_side(powers: Sequence[DrivePower]) -> list[DrivePower]:
     edges = edges[np.concatenate([[True], np.diff(edges) > _NO_TIME * edges[-1]])]
     middle, duration = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
     place = [np.clip(np.searchsorted(e, middle) - 1, 0, len(e) - 2) for e in ends]
-    return [p.at(duration, some) for p, some in zip(powers, place, strict=True)]
+    return [p.at(duration, rows) for p, rows in zip(powers, place, strict=True)]
 
 
 # -- Flow of the energy of a cycle: from the supply through winding, motor, gearhead and belt to the load, and back.
@@ -238,39 +238,39 @@ class EnergyFlow(NamedTuple):
         return self.returned - self.stored
 
 
-def energy_flow(found: SetCycle) -> EnergyFlow:
+def energy_flow(set_cycle: SetCycle) -> EnergyFlow:
     """The energies of one drive's cycle, times the number of drives."""
-    spec, at, demand, total = found.spec, found.cycle, found.demands, found.cycle.load_cycle.total
-    stepper = bool(found.motor["kind"][0] == "stepper")
+    spec, at, demand, total = set_cycle.spec, set_cycle.cycle, set_cycle.demands, set_cycle.cycle.load_cycle.total
+    stepper = bool(set_cycle.motor["kind"][0] == "stepper")
     if stepper:
-        power, loss = _stepper_power(spec, found.motor, at, demand, found.feed)
+        power, loss = _stepper_power(spec, set_cycle.motor, at, demand, set_cycle.feed)
         copper, coulomb, unlike = float(loss @ at.load_cycle.duration) / total, 0.0, 0.0  # of friction: in its pull-out
     else:
-        power = _of_a_servo(spec, found.drive, at, demand, found.feed, False)
-        copper, coulomb = float(found.figures.copper[0]), float(friction(found.motor)[0][0])
-        unlike = float(found.figures.unlike[0]) / total
+        power = _of_a_servo(spec, set_cycle.drive, at, demand, set_cycle.feed, False)
+        copper, coulomb = float(set_cycle.figures.copper[0]), float(friction(set_cycle.motor)[0][0])
+        unlike = float(set_cycle.figures.unlike[0]) / total
     lost = power.bus_drawn - power.motor_drawn - (power.returned - power.motor_returned)  # 0 where no stage loses any
     drawn, resisted, returned, controller = (
         power.mean(x) / spec.load.alike for x in (power.drawn, power.resisted, power.returned, lost)
     )
     c, i = demand.coefficients[0], float(demand.total_ratio[0])
     work = integral(at.load_cycle.duration, at.load_cycle.torque, at.load_cycle.speed) / total
-    known = bool(demand.complete.all()) if stepper else found.known
+    known = bool(demand.complete.all()) if stepper else set_cycle.known
     sets = spec.load.motors * total
     own = sets if known else nan
     return EnergyFlow(
         drawn=own * drawn,
         supply=own * resisted,
-        controller=own * (controller - found.released),
+        controller=own * (controller - set_cycle.released),
         copper=own * copper,
         friction=own * (coulomb * at.moment(DIRECTION, SPEED) * i + c[SPEED] * i * at.moment(SPEED, SPEED) + unlike),
-        gearhead=sets * float(mean_gear_loss(at, found.gearhead)[0]),
+        gearhead=sets * float(mean_gear_loss(at, set_cycle.gearhead)[0]),
         belt=sets * (at.moment(DRIVING, SPEED) + at.moment(BRAKING, SPEED) - work),
         load=sets * work,
         rotor=own * c[ACCELERATION] * i * at.moment(ACCELERATION, SPEED),
         returned=own * returned,
         stored=own * returned * spec.supply.regeneration,
-        brake=own * found.released,
+        brake=own * set_cycle.released,
     )
 
 

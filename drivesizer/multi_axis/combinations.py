@@ -95,17 +95,17 @@ class _Search:
         on_it = tuple(masses[other] for other in self.carried[axis])
         if (axis, on_it) not in self.made:
             self.made[axis, on_it] = self.sized(axis, on_it)
-        found = self.made[axis, on_it]
-        if found and axis in self.least:
-            self.falling |= found[0].cost < self.least[axis]
-        return found
+        choices = self.made[axis, on_it]
+        if choices and axis in self.least:
+            self.falling |= choices[0].cost < self.least[axis]
+        return choices
 
-    def descend(self, depth: int, chosen: dict[str, Choice], spent: Cost) -> None:
+    def descend(self, depth: int, by_axis: dict[str, Choice], spent: Cost) -> None:
         """Go on with the next axis inward, the cheapest drives first: all of one that others carry."""
         if depth == len(self.order):
-            self.best, self.cost = dict(chosen), spent
+            self.best, self.cost = dict(by_axis), spent
             return
-        axis, masses = self.order[depth], {name: choice.mass for name, choice in chosen.items()}
+        axis, masses = self.order[depth], {name: choice.mass for name, choice in by_axis.items()}
         sized_before = (axis, tuple(masses[other] for other in self.carried[axis])) in self.made
         if len(self.made) >= self.most and not sized_before:
             self.cut = True
@@ -118,17 +118,17 @@ class _Search:
                 bound, (missing, value) = _total((after, rest)), self.cost
                 if bound[0] > missing or (bound[0] == missing and bound[1] >= value - _ROUNDING * abs(value)):
                     return
-            self.descend(depth + 1, {**chosen, axis: choice}, after)
+            self.descend(depth + 1, {**by_axis, axis: choice}, after)
 
     def one_by_one(self, pick: Callable[[Sequence[Choice]], Choice]) -> Combination:
         """A drive of each axis that has one, those that ride on it chosen before; another choice may cost less."""
-        chosen, missing = dict[str, Choice](), ""
+        by_axis, missing = dict[str, Choice](), ""
         for axis in self.order:
-            found = self.choices(axis, {name: chosen[name].mass if name in chosen else 0.0 for name in self.order})
-            if found:
-                chosen[axis] = pick(found)
-            missing = missing or ("" if found else axis)
-        return Combination(chosen, _total(one.cost for one in chosen.values()), False, len(self.made), missing)
+            choices = self.choices(axis, {name: by_axis[name].mass if name in by_axis else 0.0 for name in self.order})
+            if choices:
+                by_axis[axis] = pick(choices)
+            missing = missing or ("" if choices else axis)
+        return Combination(by_axis, _total(choice.cost for choice in by_axis.values()), False, len(self.made), missing)
 
 
 def best_combination(
@@ -138,20 +138,20 @@ def best_combination(
     search = _Search(order, carried, sized, most)
     lightest: dict[str, float] = {}
     for axis in order:  # bounds: each axis with the least masses on it
-        found = search.choices(axis, lightest)
-        if not found:
+        choices = search.choices(axis, lightest)
+        if not choices:
             break
-        search.least[axis], lightest[axis] = found[0].cost, min(choice.mass for choice in found)
+        search.least[axis], lightest[axis] = choices[0].cost, min(choice.mass for choice in choices)
     else:
         search.descend(0, {}, (0, 0.0))
     if search.cost is None:  # an axis has none, or the cheapest were too heavy to carry
-        return search.one_by_one(lambda found: min(found, key=lambda choice: choice.mass))
+        return search.one_by_one(lambda choices: min(choices, key=lambda choice: choice.mass))
     return Combination(search.best, search.cost, not (search.cut or search.falling), len(search.made))
 
 
 def axis_by_axis(order: Sequence[str], carried: Mapping[str, Sequence[str]], sized: Sized) -> Combination:
     """The best drive of each axis as it is, those that ride on it chosen before."""
-    return _Search(order, carried, sized, 0).one_by_one(lambda found: found[0])
+    return _Search(order, carried, sized, 0).one_by_one(lambda choices: choices[0])
 
 
 # Common drives for several axes, where they cost little more than the best drive of each.
@@ -171,7 +171,7 @@ def fewer_kinds(
     kinds: Mapping[str, Kind],
     offered: Mapping[str, Mapping[Kind, Cost]],
     limit: Cost,
-    tried: Callable[[Permitted], Combination],
+    search: Callable[[Permitted], Combination],
 ) -> tuple[Combination, dict[str, Kind]]:
     """A combination of fewer kinds of drives within a limit; kinds are offered by axis, the best first."""
     by_kind: dict[Kind, tuple[str, ...]] = {}
@@ -185,28 +185,28 @@ def fewer_kinds(
         """Cost of the axes of a group with the kind that they share; of a single axis with its best."""
         if group[0] not in common:
             return min(offered[group[0]].values())
-        return _total(offered[one][common[one]] for one in group)
+        return _total(offered[axis][common[axis]] for axis in group)
 
     while len(groups) > 1:
         mergers: list[_Merger] = []  # the least added cost first, as far as the sum may stay within the limit
-        for one, other in combinations(groups, 2):
-            axes, before, both = (*one, *other), _total((own(one), own(other))), []
+        for group, other in combinations(groups, 2):
+            axes, before, pair_mergers = (*group, *other), _total((own(group), own(other))), []
             for kind in offered[axes[0]]:
                 if all(kind in offered[axis] for axis in axes):
                     after = _total(offered[axis][kind] for axis in axes)
-                    both.append(_Merger(one, other, kind, (after[0] - before[0], after[1] - before[1])))
-            mergers += sorted(both, key=lambda merger: merger.added)[:_OF_A_PAIR]
+                    pair_mergers.append(_Merger(group, other, kind, (after[0] - before[0], after[1] - before[1])))
+            mergers += sorted(pair_mergers, key=lambda merger: merger.added)[:_OF_A_PAIR]
         likely = [merger for merger in mergers if within(_total((best.cost, merger.added)), limit)]
         for merger in sorted(likely, key=lambda merger: merger.added)[:_TRIED]:
             shared = common | dict.fromkeys((*merger.first, *merger.second), merger.kind)
-            found = tried(shared)
-            if not found.missing and within(found.cost, limit):
+            result = search(shared)
+            if not result.missing and within(result.cost, limit):
                 break
         else:
             break
         groups = [group for group in groups if group not in (merger.first, merger.second)]
         groups.append((*merger.first, *merger.second))
-        best, common = found, shared
+        best, common = result, shared
     return best, common if len(groups) < first else {}
 
 
@@ -226,9 +226,9 @@ class _Row(NamedTuple):
     choice: Choice
 
 
-def kind_of(one: DriveParts) -> Kind:
+def kind_of(drive: DriveParts) -> Kind:
     """Part numbers of a drive's motor and gearhead."""
-    return one.motor.part, one.gearhead.part
+    return drive.motor.part, drive.gearhead.part
 
 
 class OfferedKinds:
@@ -246,21 +246,21 @@ class OfferedKinds:
         """
         offered = {}
         for axis, on_it in self.axes.items():
-            one = self.loaded(axis, on_it)
-            problem, _ = problem_with_drive_mass(one.spec, one.catalog)
-            kept, _, _ = sifted(problem)
-            objective = str(one.spec.select.objective)
-            value, missing = _known(problem.catalog, kept.sets, kept.figures, objective)
+            loaded = self.loaded(axis, on_it)
+            problem, _ = problem_with_drive_mass(loaded.spec, loaded.catalog)
+            candidates, _, _ = sifted(problem)
+            objective = str(loaded.spec.select.objective)
+            value, missing = _known(problem.catalog, candidates.sets, candidates.figures, objective)
             drives = problem.machine.load.motors
             motors, gearheads = problem.catalog.motors["part"], problem.catalog.gearheads["part"]
-            rows, found = np.lexsort((value, missing)), dict[Kind, Cost]()
-            for row in rows[kept.certainty[rows] <= ORDER.index(statuses[axis])].tolist():
-                kind = str(motors[kept.sets.motor[row]]), str(gearheads[kept.sets.gearhead[row]])
-                found.setdefault(kind, (int(missing[row]), objective_sum(objective, float(value[row]), drives)))
-            self.first[axis] = frozenset(list(found)[:_FIRST])
-            least = min(found.values(), default=(0, 0.0))
+            rows, costs = np.lexsort((value, missing)), dict[Kind, Cost]()
+            for row in rows[candidates.certainty[rows] <= ORDER.index(statuses[axis])].tolist():
+                kind = str(motors[candidates.sets.motor[row]]), str(gearheads[candidates.sets.gearhead[row]])
+                costs.setdefault(kind, (int(missing[row]), objective_sum(objective, float(value[row]), drives)))
+            self.first[axis] = frozenset(list(costs)[:_FIRST])
+            least = min(costs.values(), default=(0, 0.0))
             limit = least[0], least[1] + slack
-            offered[axis] = {kind: cost for kind, cost in found.items() if within(cost, limit)}
+            offered[axis] = {kind: cost for kind, cost in costs.items() if within(cost, limit)}
         return offered
 
     def choices(self, axis: str, masses: Masses, kind: Kind | None, status: Status) -> list[Choice]:
@@ -271,17 +271,17 @@ class OfferedKinds:
             self.made[key] = _searched(_restricted(self.loaded(axis, masses), kinds), min(len(kinds), _FREE))
         rows = self.made[key].values()
         statuses = [row.shortlist.found.evaluation.status(row.row) for row in rows]
-        both = zip(rows, statuses, strict=True)
-        return [row.choice for row, found in both if ORDER.index(found) <= ORDER.index(status)][:_FREE]
+        pairs = zip(rows, statuses, strict=True)
+        return [row.choice for row, own in pairs if ORDER.index(own) <= ORDER.index(status)][:_FREE]
 
     def record(self, axis: str, masses: Masses, name: str) -> tuple[Problem, DriveSet]:
         """A drive that ``choices`` gave, in full, and the problem it is of."""
-        known = (rows for (one, on_it, _), rows in self.made.items() if (one, on_it) == (axis, masses))
-        found = next(row for rows in known for row in rows.values() if row.choice.name == name)
-        short, evaluation = found.shortlist, found.shortlist.found.evaluation
-        beside = other_checks(short.problem, drive_parts(evaluation, found.row))
-        reliability = short.reliability.get(found.row)
-        return short.problem, short.record(found.row, 1, beside=beside, reliability=reliability)
+        known = (rows for (other, on_it, _), rows in self.made.items() if (other, on_it) == (axis, masses))
+        row = next(row for rows in known for row in rows.values() if row.choice.name == name)
+        short, evaluation = row.shortlist, row.shortlist.found.evaluation
+        checks = other_checks(short.problem, drive_parts(evaluation, row.row))
+        reliability = short.reliability.get(row.row)
+        return short.problem, short.record(row.row, 1, beside=checks, reliability=reliability)
 
 
 def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
@@ -289,17 +289,17 @@ def _searched(loaded: Loaded, kinds: int) -> dict[Kind, _Row]:
     if not len(loaded.catalog.motor_gearhead.left):
         return {}
     top, objective = kinds * max(1, len(loaded.spec.belt_ratios)), str(loaded.spec.select.objective)
-    found = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, brief=True)
+    short = shortlist(loaded.spec, loaded.catalog, top, misses=0, sampling=loaded.sampling, brief=True)
     rows: dict[Kind, _Row] = {}
-    for row in found.best:
-        one = drive_parts(found.found.evaluation, row)
-        if kind_of(one) in rows:
+    for row in short.best:
+        drive = drive_parts(short.found.evaluation, row)
+        if kind_of(drive) in rows:
             continue
-        some = found.found.evaluation.on(np.array([row]))
-        bought = chosen(some, needs_encoder=not some.spec.steps)
-        value, missing = _known(some.catalog, some.candidates, {**some.figures, **bought}, objective)
-        cost = int(missing[0]), objective_sum(objective, float(value[0]), found.problem.machine.load.motors)
-        rows[kind_of(one)] = _Row(found, row, Choice(one.label, cost, riding_mass(found.problem, one)))
+        evaluation = short.found.evaluation.on(np.array([row]))
+        bought = chosen(evaluation, needs_encoder=not evaluation.spec.steps)
+        value, missing = _known(evaluation.catalog, evaluation.candidates, {**evaluation.figures, **bought}, objective)
+        cost = int(missing[0]), objective_sum(objective, float(value[0]), short.problem.machine.load.motors)
+        rows[kind_of(drive)] = _Row(short, row, Choice(drive.label, cost, riding_mass(short.problem, drive)))
     return rows
 
 
@@ -317,16 +317,16 @@ def _restricted(loaded: Loaded, kinds: frozenset[Kind]) -> Loaded:
     if spec.is_direct:
         motor = spec.select.motor.model_copy(update={"part": sorted({motor for motor, _ in kinds})})
         select = spec.select.model_copy(update={"motor": motor})
-        return loaded._replace(spec=spec.changed(lambda one: one.model_copy(update={"select": select})))
+        return loaded._replace(spec=spec.changed(lambda spec: spec.model_copy(update={"select": select})))
     listed = [(catalog.motors.rows.get(motor, -1), catalog.gearheads.rows.get(gear, -1)) for motor, gear in kinds]
-    every = len(catalog.gearheads)
-    wanted = np.array([motor * every + gear for motor, gear in listed if min(motor, gear) >= 0], np.int64)
+    gears = len(catalog.gearheads)
+    numbers = np.array([motor * gears + gear for motor, gear in listed if min(motor, gear) >= 0], np.int64)
 
-    def kept(one: Catalog) -> Catalog:
-        pairs = one.motor_gearhead
-        keep = np.isin(pairs.left.astype(np.int64) * every + pairs.right, wanted)
+    def kept(catalog: Catalog) -> Catalog:
+        pairs = catalog.motor_gearhead
+        keep = np.isin(pairs.left.astype(np.int64) * gears + pairs.right, numbers)
         left = Pairs(*(column[keep] for column in pairs))
-        return replace(one, motor_gearhead=left, ends=tuple(kept(end) for end in one.ends))
+        return replace(catalog, motor_gearhead=left, ends=tuple(kept(end) for end in catalog.ends))
 
     return loaded._replace(catalog=kept(catalog))
 

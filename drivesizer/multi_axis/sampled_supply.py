@@ -57,42 +57,42 @@ class _UncertainAxis(NamedTuple):
     classes: dict[Class, int]
     quickest: float  # s, winding
 
-    def at(self, values: Values, given: Sequence[Assumption]) -> AxisPower:
+    def at(self, values: Values, assumptions: Sequence[Assumption]) -> AxisPower:
         """The axis with the figures of a sample."""
         problem = self.power.problem
-        cases = tuple(self._case(case, values, given) for case in problem.cases)
-        factors = {held: float(values[k]) for held, k in self.classes.items()}
+        cases = tuple(self._case(case, values, assumptions) for case in problem.cases)
+        factors = {tolerance: float(values[k]) for tolerance, k in self.classes.items()}
         start = self.power.start if self.start is None else float(values[self.start])
-        one = deviating_drive(self.power.one, cases[0].spec, factors)
-        return self.power._replace(problem=replace(problem, cases=cases), one=one, start=start)
+        drive = deviating_drive(self.power.drive, cases[0].spec, factors)
+        return self.power._replace(problem=replace(problem, cases=cases), drive=drive, start=start)
 
-    def _case(self, case: LoadCase, values: Values, given: Sequence[Assumption]) -> LoadCase:
-        moves = _moves(self.paths[case.number], values, given)
+    def _case(self, case: LoadCase, values: Values, assumptions: Sequence[Assumption]) -> LoadCase:
+        moves = _moves(self.paths[case.number], values, assumptions)
         return with_spec(case, applied(case.spec, moves), self.quickest) if moves else case
 
 
 class UncertainMachine(NamedTuple):
     """A machine with its uncertain figures."""
 
-    given: tuple[Assumption, ...]
+    assumptions: tuple[Assumption, ...]
     shared: RobotSpec
     of_shared: dict[Path_, int]
     axes: tuple[_UncertainAxis, ...]
 
     def at(self, values: Values) -> tuple[RobotSpec, list[AxisPower]]:
         """Shared sections and axes with the figures of a sample."""
-        moves = _moves(self.of_shared, values, self.given)
+        moves = _moves(self.of_shared, values, self.assumptions)
 
         def moved(spec: RobotSpec) -> RobotSpec:  # a load case with a figure of its own keeps that
             own = {path: x for path, x in moves.items() if _figure(spec, path) == _figure(self.shared, path)}
             return applied(spec, own)
 
-        return self.shared.changed(moved), [axis.at(values, self.given) for axis in self.axes]
+        return self.shared.changed(moved), [axis.at(values, self.assumptions) for axis in self.axes]
 
 
-def _moves(paths: Mapping[Path_, int], values: Values, given: Sequence[Assumption]) -> dict[Path_, float]:
+def _moves(paths: Mapping[Path_, int], values: Values, assumptions: Sequence[Assumption]) -> dict[Path_, float]:
     """Differences from nominal figures, by place."""
-    return {path: float(values[k]) - given[k].nominal for path, k in paths.items()}
+    return {path: float(values[k]) - assumptions[k].nominal for path, k in paths.items()}
 
 
 def _figure(spec: Any, path: Path_) -> Any:
@@ -108,41 +108,41 @@ def _figure(spec: Any, path: Path_) -> Any:
 def uncertain_machine(machine: MachineSpec, shared: RobotSpec, axes: Sequence[AxisPower]) -> UncertainMachine:
     """The uncertain figures of a machine."""
     figures = toleranced(machine)
-    given: dict[Path_ | Class, Assumption] = {}
+    assumptions: dict[Path_ | Class, Assumption] = {}
 
-    def number(key: Path_ | Class, made: Assumption) -> int:
-        given.setdefault(key, made)
-        return list(given).index(key)
+    def number(key: Path_ | Class, assumption: Assumption) -> int:
+        assumptions.setdefault(key, assumption)
+        return list(assumptions).index(key)
 
     def of_file(place: Path_) -> int:
         return number(place, of_the_file(figures[place]))
 
-    found = []
+    uncertain_axes = []
     for axis in axes:
         spec = axis.problem.machine
         starts = ("axes", axis.name, "start")
-        found.append(_UncertainAxis(
+        uncertain_axes.append(_UncertainAxis(
             power=axis,
             paths={n: {path: of_file(place_of(figures, axis.name, spec.toleranced[k].path))
                        for k, path in case_paths(spec, n - 1 if n else None).items()
                        if not (isinstance(axis.problem.spec.load, WheelLoad) and path[0] in _PLANNED)}
                    for n in range(len(spec.load_cases))},
             start=of_file(starts) if starts in figures else None,
-            classes={held: number(held, of_a_class(held)) for held in _classes(axis.problem, axis.one)},
+            classes={own: number(own, of_a_class(own)) for own in _classes(axis.problem, axis.drive)},
             quickest=quickest_winding(axis.problem.catalog),
         ))  # fmt: skip
     of_shared = {
         path: of_file(path) for path in figures if path[0] in OF_THE_SUPPLY and _figure(shared, path) is not None
     }
-    return UncertainMachine(tuple(given.values()), shared, of_shared, tuple(found))
+    return UncertainMachine(tuple(assumptions.values()), shared, of_shared, tuple(uncertain_axes))
 
 
-def _classes(problem: Problem, one: DriveParts) -> Iterator[Class]:
+def _classes(problem: Problem, drive: DriveParts) -> Iterator[Class]:
     """The tolerance classes of the parts of a drive that have a distribution."""
-    parts: dict[str, Any] = {"motors": one.motor, "gearheads": one.gearhead, "controllers": one.controller}
+    parts: dict[str, Any] = {"motors": drive.motor, "gearheads": drive.gearhead, "controllers": drive.controller}
     rows = (problem.catalog.table(name).rows.get(part.part, -1) if part else -1 for name, part in parts.items())
-    held = holding_of_a_set(problem.catalog, problem.machine.tolerances.given, *rows)
-    return (own for own in held if own.factor)
+    tolerances = holding_of_a_set(problem.catalog, problem.machine.tolerances.given, *rows)
+    return (own for own in tolerances if own.factor)
 
 
 # -- Limits of a machine's common supply over samples of all uncertain figures: probability that none is exceeded.
@@ -166,41 +166,41 @@ def over_tolerances(
     """The power of a machine with the probability that it keeps the limits of its supply, over uncertain figures."""
     supplied = supplied_axes(machine, axes)
     if supplied is None or power.unknown:
-        said = "limits of the supply are judged at nominal figures: power over tolerances is unknown"
-        return replace(power, assumptions=(*power.assumptions, said))
+        note = "limits of the supply are judged at nominal figures: power over tolerances is unknown"
+        return replace(power, assumptions=(*power.assumptions, note))
     shared, catalog, on_it = supplied
-    one = uncertain_machine(machine, _as_chosen(shared, power), on_it)
-    drawn = sample(one.given, min(how.samples, _MOST), how.seed)
-    found = [_sample_checks(machine, catalog, *one.at(values)) for values in drawn]
-    names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in found for name in checks])
-    every: dict[str, Over] = {name: over_samples([checks.get(name) for checks, _ in found]) for name in names}
+    uncertain = uncertain_machine(machine, _as_chosen(shared, power), on_it)
+    samples = sample(uncertain.assumptions, min(how.samples, _MOST), how.seed)
+    outcomes = [_sample_checks(machine, catalog, *uncertain.at(values)) for values in samples]
+    names = dict.fromkeys([check.name for check in power.checks] + [name for checks, _ in outcomes for name in checks])
+    over: dict[str, Over] = {name: over_samples([checks.get(name) for checks, _ in outcomes]) for name in names}
     spreads = []
     for name in _FIGURES:
-        low, middle, high = quantiles(np.array([figures[name] for _, figures in found]))
+        low, middle, high = quantiles(np.array([figures[name] for _, figures in outcomes]))
         title, kind, unit = declared_figure(name)
         spreads.append(FigureSpread(name=name, title=title, kind=kind, unit=unit, low=low, middle=middle, high=high))
     titles = {name: CHECKS["budget"][name].title for name in names}
-    reliability = replace(reduced(every, titles).reliability, figures=tuple(spreads))
-    said = f"over tolerances: {len(drawn)} samples of the machine; drives of all axes deviate alike; {_NOMINAL}"
+    reliability = replace(reduced(over, titles).reliability, figures=tuple(spreads))
+    note = f"over tolerances: {len(samples)} samples of the machine; drives of all axes deviate alike; {_NOMINAL}"
     checks = power.checks
     if how.confidence is not None:  # required: its margin is none of the load
         required = at_least("supply_confidence", how.confidence, reliability.probability, by_choice=True)
         checks = (*checks, required.at((), "budget"))
-    return replace(power, reliability=reliability, checks=checks, assumptions=(*power.assumptions, said))
+    return replace(power, reliability=reliability, checks=checks, assumptions=(*power.assumptions, note))
 
 
 def _as_chosen(shared: RobotSpec, power: MachinePower) -> RobotSpec:
     """The shared sections with the brake resistor that was chosen; without one where none is needed."""
-    section, chosen = shared.brake_resistor, power.braking.resistor if power.braking else None
+    section, resistor = shared.brake_resistor, power.braking.resistor if power.braking else None
     if section is None or section.resistance is not None:
         return shared
-    if chosen is not None:
-        section = section.model_copy(update={"family": None, "part": [chosen.part]})
+    if resistor is not None:
+        section = section.model_copy(update={"family": None, "part": [resistor.part]})
         section._may_be_none = False
     elif any(check.name == "resistor_available" for check in power.checks):
         return shared
-    kept = section if chosen is not None else None
-    return shared.changed(lambda spec: spec.model_copy(update={"brake_resistor": kept}))
+    brake_resistor = section if resistor is not None else None
+    return shared.changed(lambda spec: spec.model_copy(update={"brake_resistor": brake_resistor}))
 
 
 def _sample_checks(

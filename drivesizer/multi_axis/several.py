@@ -55,7 +55,7 @@ def with_joints(machine: MachineSpec, torques_of: TorquesOf = joint_torques) -> 
     if lost is not None:
         expected = f"{nearest(lost, torques.joints)}; expected one that does, or load and motion"
         raise InputError(f"{machine.where(('axes', lost))}: no joint {quoted(lost)} moves{expected}")
-    others_on = {name: [one for one in torques.carried[name] if one != name] for name in torques.joints}
+    others_on = {name: [axis for axis in torques.carried[name] if axis != name] for name in torques.joints}
     joints = tuple(joint_axis(machine, name, others_on[name]) for name in torques.joints)
     others = tuple(axis for axis in machine.axes if not axis.is_joint)
     return sizing_order(replace(machine, axes=(*joints, *others))), torques
@@ -85,19 +85,19 @@ def joint_notes(
     robot, masses = torques.robot, {name: mass for name, (_, mass) in drives.items() if name in torques.joints}
     quickest = np.abs(torques.cases[0].motion.acceleration).max(axis=(0, 1))
     for joint in torques.joints:
-        link, held = torques.holding.get(joint, ("", inf))
+        link, link_mass = torques.holding.get(joint, ("", inf))
         if joint in beyond:
-            own, of_link = show(beyond[joint], "kg", "mass"), show(held, "kg", "mass")
+            own, of_link = show(beyond[joint], "kg", "mass"), show(link_mass, "kg", "mass")
             whole = f"{own}, where the link, said to hold it, has {of_link} (robot.masses)"
             yield f"sized again with the drive of {joint} on link {link}: {whole}"
-        if masses.get(joint, 0.0) > max(held, beyond.get(joint, 0.0)) + _SAME:
-            both = show(masses[joint], "kg", "mass"), show(held, "kg", "mass")
-            heavier = f"{both[0]}, is heavier than its link {link}, {both[1]}"
+        if masses.get(joint, 0.0) > max(link_mass, beyond.get(joint, 0.0)) + _SAME:
+            texts = show(masses[joint], "kg", "mass"), show(link_mass, "kg", "mass")
+            heavier = f"{texts[0]}, is heavier than its link {link}, {texts[1]}"
             yield f"the drive of {joint}, {heavier}, which is said to hold it (robot.masses)"
         spun = fsum(
-            drives[one][0].total_ratio * drives[one][0].motor.rotor_inertia * quickest[n]
-            for n, one in enumerate(torques.joints)
-            if one in drives and any(moved.name == joint for moved in robot.chain(robot.joints[one].parent))
+            drives[other][0].total_ratio * drives[other][0].motor.rotor_inertia * quickest[n]
+            for n, other in enumerate(torques.joints)
+            if other in drives and any(parent.name == joint for parent in robot.chain(robot.joints[other].parent))
         )
         largest = float(np.abs(torques.load(joint, masses).cycle.torque).max())
         if robot.joints[joint].turns and spun > _WORTH_SAYING * largest:
@@ -151,9 +151,9 @@ class AxisSizings:
         """Whether an axis is a joint whose drive is on a link that it moves."""
         return self.torques is not None and axis in self.torques.carried.get(axis, ())
 
-    def masses(self, axis: str, chosen: Mapping[str, Choice]) -> Masses:
+    def masses(self, axis: str, choices: Mapping[str, Choice]) -> Masses:
         """Masses of the drives on an axis [kg]; none of an axis without a drive."""
-        return tuple(chosen[other].mass if other in chosen else 0.0 for other in self.carried[axis])
+        return tuple(choices[other].mass if other in choices else 0.0 for other in self.carried[axis])
 
     def fits(self, axis: str, masses: Masses, mass: float) -> bool:
         """Whether a drive of this mass [kg] is no heavier than the axis' load has of its own drive, if any."""
@@ -182,32 +182,32 @@ class AxisSizings:
         Where the best drives run away or out, the lightest decide whether any carries itself: each round of these
         begins at a mass that no drive which carries itself is below.
         """
-        found: dict[float, SizingResult] = {}
+        results: dict[float, SizingResult] = {}
 
         def rounds(ranking: Ranking | None, own: float) -> float | None:
             self.own[axis, masses] = own
             if ranking is None:
-                result = found[own] = self._in_full(axis, masses)
+                result = results[own] = self._in_full(axis, masses)
             else:
                 result = self._sized(self.laden(axis, masses), 1, ranking)
-            return next((riding_mass(result.problem, one) for one in result.sets[:1]), None)
+            return next((riding_mass(result.problem, drive) for drive in result.sets[:1]), None)
 
         def fitting(drives: Sequence[DriveSet]) -> tuple[DriveSet, ...]:
-            return tuple(one for one in drives if self.fits(axis, masses, riding_mass(result.problem, one)))
+            return tuple(drive for drive in drives if self.fits(axis, masses, riding_mass(result.problem, drive)))
 
         settled = settle(partial(rounds, None), 0.0, tolerance=_SAME)
         if not settled.carries_itself:
             settled = settle(partial(rounds, "mass"), 0.0, tolerance=_SAME)
         self.own[axis, masses] = own = settled.total
-        spec, result = self.laden(axis, masses), found[own] if own in found else self._in_full(axis, masses)
+        spec, result = self.laden(axis, masses), results[own] if own in results else self._in_full(axis, masses)
         sets = fitting(result.sets)
         if not sets and settled.carries_itself:
-            sets = tuple(self._ranked(spec, one) for one in self._sized(spec, 1, "mass").sets)
-        sets = tuple(replace(one, rank=n) for n, one in enumerate(sets, 1))
+            sets = tuple(self._ranked(spec, drive) for drive in self._sized(spec, 1, "mass").sets)
+        sets = tuple(replace(drive, rank=n) for n, drive in enumerate(sets, 1))
         front, others = fitting(result.front), fitting(result.alternatives)
         result = replace(result, sets=sets, front=front, alternatives=others)
-        first, last = (choices_of(one, self.objective(axis)) for one in (found[0.0], result))
-        if [one.name for one in first] != [one.name for one in last]:
+        first, last = (choices_of(sizing, self.objective(axis)) for sizing in (results[0.0], result))
+        if [choice.name for choice in first] != [choice.name for choice in last]:
             self.uncertain.add(axis)
         return result
 
@@ -225,39 +225,39 @@ class AxisSizings:
 
     def _with_first(self, axis: str, masses: Masses, label: str) -> SizingResult:
         result = self.result(axis, masses)
-        one = next((one for one in (*result.sets, *result.front) if one.label == label), None)
-        if one is None and self.kinds is not None:
-            problem, one = self.kinds.record(axis, masses, label)
+        drive = next((drive for drive in (*result.sets, *result.front) if drive.label == label), None)
+        if drive is None and self.kinds is not None:
+            problem, drive = self.kinds.record(axis, masses, label)
             result = replace(result, problem=replace(problem, catalog=result.problem.catalog))
-        if one is None:
-            one = self._ranked(self.laden(axis, masses), self.offered[axis, label])
+        if drive is None:
+            drive = self._ranked(self.laden(axis, masses), self.offered[axis, label])
         if result.sets[0].label == label:
             return result
-        others = [one for one in result.sets if one.label != label][: len(result.sets) - 1]
-        return replace(result, sets=tuple(replace(one, rank=n) for n, one in enumerate((one, *others), 1)))
+        others = [drive for drive in result.sets if drive.label != label][: len(result.sets) - 1]
+        return replace(result, sets=tuple(replace(drive, rank=n) for n, drive in enumerate((drive, *others), 1)))
 
     def offers(self, axis: str, masses: Masses, first: Choice) -> list[Choice]:
         """Drives that an axis may have, by cost: the one that was chosen, the next best, and those that draw least."""
         result, spec = self.result(axis, masses), self.laden(axis, masses)
-        drives = {one.label: one for one in (*result.sets, *result.front, *result.alternatives)}
+        drives = {drive.label: drive for drive in (*result.sets, *result.front, *result.alternatives)}
         for objective in _THRIFTY if spec.method == "physics" else ():
-            for one in self._sized(spec, _FEW, objective).sets:
-                if one.label not in drives:
-                    drives[one.label] = self._ranked(spec, one)
-        self.offered |= {(axis, label): one for label, one in drives.items()}
+            for drive in self._sized(spec, _FEW, objective).sets:
+                if drive.label not in drives:
+                    drives[drive.label] = self._ranked(spec, drive)
+        self.offered |= {(axis, label): drive for label, drive in drives.items()}
         ranking, motors = self.objective(axis), spec.load.motors
         others = []
-        for label, one in drives.items():
-            mass = riding_mass(result.problem, one)
-            alike = label != first.name and one.status == result.sets[0].status
+        for label, drive in drives.items():
+            mass = riding_mass(result.problem, drive)
+            alike = label != first.name and drive.status == result.sets[0].status
             if alike and self.fits(axis, masses, mass):
-                others.append(Choice(label, _cost(one, ranking, motors, best=False), mass))
-        return [first, *sorted(others, key=lambda one: (one.cost, one.mass))]
+                others.append(Choice(label, _cost(drive, ranking, motors, best=False), mass))
+        return [first, *sorted(others, key=lambda choice: (choice.cost, choice.mass))]
 
-    def _ranked(self, spec: RobotSpec, one: DriveSet) -> DriveSet:
+    def _ranked(self, spec: RobotSpec, drive: DriveSet) -> DriveSet:
         """A drive by its parts as the axis' own objective ranks it; a LookupError where it does not pass."""
-        found = self._sized(as_chosen(spec, one), _FEW, self.ranking).sets
-        return next((each for each in found if each.label == one.label), None) or found[0]
+        sets = self._sized(as_chosen(spec, drive), _FEW, self.ranking).sets
+        return next((other for other in sets if other.label == drive.label), None) or sets[0]
 
     def _sized(self, spec: RobotSpec, top: int, objective: Ranking | None) -> SizingResult:
         return size(
@@ -285,22 +285,22 @@ class AxisSizings:
             if self.moves_its_drive(axis):
                 on_it[axis] = self.own.get((axis, masses), 0.0)
             loads = [torques.load(axis, on_it, case) for case in range(len(torques.cases))]
-            made = spec.changed(lambda one: one.model_copy(update={"load": loads[0]}))
+            loaded = spec.changed(lambda case: case.model_copy(update={"load": loads[0]}))
             further = zip(torques.cases[1:], loads[1:], strict=True)
-            return made.with_cases((case.name, made.alone(load=load)) for case, load in further)
+            return loaded.with_cases((case.name, loaded.alone(load=load)) for case, load in further)
         if not any(masses):
             return spec
         at = list(zip(masses, self.machine.carried(axis).values(), strict=True))
-        return spec.changed(lambda one: one.model_copy(update={"load": carrying(one.load, at)}))
+        return spec.changed(lambda case: case.model_copy(update={"load": carrying(case.load, at)}))
 
 
-def as_chosen(spec: RobotSpec, one: DriveSet) -> RobotSpec:
+def as_chosen(spec: RobotSpec, drive: DriveSet) -> RobotSpec:
     """The spec with the choice of a drive that is not its own best, but that of the machine."""
     select = spec.select
-    motor = select.motor.model_copy(update={"family": None, "part": [one.motor.part]})
+    motor = select.motor.model_copy(update={"family": None, "part": [drive.motor.part]})
     gearhead = select.gearhead
-    if not one.actuator:
-        gearhead = gearhead.model_copy(update={"family": None, "part": [one.gearhead.part]})
+    if not drive.actuator:
+        gearhead = gearhead.model_copy(update={"family": None, "part": [drive.gearhead.part]})
     select = select.model_copy(update={"motor": motor, "gearhead": gearhead})
     return spec.changed(lambda case: case.model_copy(update={"select": select}))
 
@@ -310,28 +310,30 @@ def choices_of(result: SizingResult, objective: Ranking) -> list[Choice]:
     if not result.sets:
         return []
     best, motors = result.sets[0], result.spec.load.motors
-    drives = {one.label: one for one in [*(one for one in result.front if one.status == best.status), best]}
+    drives = {drive.label: drive for drive in [*(drive for drive in result.front if drive.status == best.status), best]}
     choices = [
-        Choice(name, _cost(one, objective, motors, best=name == best.label), riding_mass(result.problem, one))
-        for name, one in drives.items()
+        Choice(name, _cost(drive, objective, motors, best=name == best.label), riding_mass(result.problem, drive))
+        for name, drive in drives.items()
     ]
 
-    def beaten(one: Choice) -> bool:
+    def beaten(choice: Choice) -> bool:
         """Whether a drive is no worse in cost and mass, and better in one of them."""
         return any(
-            other.cost <= one.cost and other.mass <= one.mass and (other.cost < one.cost or other.mass < one.mass)
+            other.cost <= choice.cost
+            and other.mass <= choice.mass
+            and (other.cost < choice.cost or other.mass < choice.mass)
             for other in choices
         )
 
-    return sorted((one for one in choices if not beaten(one)), key=lambda one: (one.cost, one.mass))
+    return sorted((choice for choice in choices if not beaten(choice)), key=lambda choice: (choice.cost, choice.mass))
 
 
-def _cost(one: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Cost:
+def _cost(drive: DriveSet, objective: Ranking, motors: int, *, best: bool) -> Cost:
     """The objective of all drives of an axis; where it is no sum, the best one alone counts."""
     if not isinstance(objective, str) or objective not in SUMMED:
         return (0 if best else 1), 0.0
-    value, summed = one.objective, OBJECTIVES[objective].over
-    missing = len(unknown_parts(one, objective, one.objective_of)) if summed else int(isnan(value))
+    value, summed = drive.objective, OBJECTIVES[objective].over
+    missing = len(unknown_parts(drive, objective, drive.objective_of)) if summed else int(isnan(value))
     return missing, 0.0 if isnan(value) else objective_sum(objective, value, motors)
 
 
@@ -348,14 +350,14 @@ def sized(machine: MachineSpec, how: Options) -> MachineSizing:
     beyond = dict[str, float]()
     for _ in range(_ROUNDS):
         sizings = AxisSizings(machine, how, beyond)
-        found = _once(sizings)
-        masses = {axis.name: riding_mass(axis.result.problem, axis.best) for axis in found.axes if axis.best}
+        sizing = _once(sizings)
+        masses = {axis.name: riding_mass(axis.result.problem, axis.best) for axis in sizing.axes if axis.best}
         more = sizings.torques.beyond_links(masses) if sizings.torques else {}
         heavier = {name: masses[name] for name, kg in more.items() if kg > 0.0 and masses[name] > beyond.get(name, 0.0)}
         if not heavier:
             break
         beyond = beyond | heavier
-    return _over_tolerances(found, how.sampling)
+    return _over_tolerances(sizing, how.sampling)
 
 
 def _once(sizings: AxisSizings) -> MachineSizing:
@@ -366,14 +368,16 @@ def _once(sizings: AxisSizings) -> MachineSizing:
         return choices_of(sizings.result(axis, masses), sizings.objective(axis))
 
     if machine.whole:
-        found = combinations.best_combination(machine.order, sizings.carried, choices, _PER_AXIS * len(machine.axes))
+        combination = combinations.best_combination(
+            machine.order, sizings.carried, choices, _PER_AXIS * len(machine.axes)
+        )
     else:
-        found = combinations.axis_by_axis(machine.order, sizings.carried, choices)
-    best = _machine_with_drives(sizings, found)
-    if machine.few_kinds is not None and not found.missing:
-        best = _with_few_kinds(sizings, found, best, machine.few_kinds)
+        combination = combinations.axis_by_axis(machine.order, sizings.carried, choices)
+    best = _machine_with_drives(sizings, combination)
+    if machine.few_kinds is not None and not combination.missing:
+        best = _with_few_kinds(sizings, combination, best, machine.few_kinds)
     elif best.complete:
-        best = _within_limits(sizings, found, best)
+        best = _within_limits(sizings, combination, best)
     return best
 
 
@@ -384,35 +388,35 @@ def laden(machine: MachineSpec, axis: str) -> RobotSpec:
     rides = any(axis in machine.carried(other.name) for other in machine.axes)
     if alone and not rides and machine.few_kinds is None:
         return AxisSizings(machine, how, {}).laden(axis, ())
-    found = sized(machine, how).axis(axis)
-    return as_chosen(found.spec, found.best) if found.for_all and found.best else found.spec
+    sizing = sized(machine, how).axis(axis)
+    return as_chosen(sizing.spec, sizing.best) if sizing.for_all and sizing.best else sizing.spec
 
 
-def _machine_with_drives(sizings: AxisSizings, found: Combination) -> MachineSizing:
+def _machine_with_drives(sizings: AxisSizings, combination: Combination) -> MachineSizing:
     """The machine with the drives of a combination."""
     machine = sizings.machine
-    axes = tuple(_axis(sizings, found, axis.name) for axis in machine.axes)
+    axes = tuple(_axis(sizings, combination, axis.name) for axis in machine.axes)
     power = machine_power(machine, axes)
     return MachineSizing(
         machine=machine,
         axes=axes,
         objective=", ".join(dict.fromkeys(title_of(sizings.objective(axis.name)) for axis in machine.axes)),
         searches=len(sizings.made),
-        certain=found.certain and all(_bounded(sizings, axis.name, found) for axis in machine.axes),
-        notes=tuple(_notes(sizings, axes, found)),
+        certain=combination.certain and all(_bounded(sizings, axis.name, combination) for axis in machine.axes),
+        notes=tuple(_notes(sizings, axes, combination)),
         checks=(*(power.checks if power else ()), *budget_checks(machine, axes, power)),
         power=power,
     )
 
 
-def _axis(sizings: AxisSizings, found: Combination, name: str) -> AxisSizing:
+def _axis(sizings: AxisSizings, combination: Combination, name: str) -> AxisSizing:
     """An axis with the drive that was chosen for the whole as its best, and those that ride on it."""
 
     def with_drive(axis: str) -> SizingResult | None:
-        masses = sizings.masses(axis, found.chosen)
-        return sizings.chosen(axis, masses, found.chosen[axis].name) if axis in found.chosen else None
+        masses = sizings.masses(axis, combination.chosen)
+        return sizings.chosen(axis, masses, combination.chosen[axis].name) if axis in combination.chosen else None
 
-    masses, distances = sizings.masses(name, found.chosen), sizings.machine.carried(name)
+    masses, distances = sizings.masses(name, combination.chosen), sizings.machine.carried(name)
     own = sizings.result(name, masses)
     result = with_drive(name) or own
     riding = []
@@ -420,53 +424,53 @@ def _axis(sizings: AxisSizings, found: Combination, name: str) -> AxisSizing:
         drive = with_drive(other)
         lacking = riding_unknown(drive.problem, drive.sets[0]) if drive else ()
         riding.append(CarriedMass(other, mass, distances[other], lacking))
-    if name in found.chosen and (name, masses) in sizings.own:
+    if name in combination.chosen and (name, masses) in sizings.own:
         lacking = riding_unknown(result.problem, result.sets[0])
         riding.append(CarriedMass(name, sizings.own[name, masses], None, lacking))
     for_all = bool(result.sets and own.sets) and result.sets[0].label != own.sets[0].label
     return AxisSizing(name=name, result=result, carried=tuple(riding), for_all=for_all)
 
 
-def _bounded(sizings: AxisSizings, axis: str, found: Combination) -> bool:
+def _bounded(sizings: AxisSizings, axis: str, combination: Combination) -> bool:
     """Whether the sum that is least is that of the objective, and more mass on the axis never lightens its load."""
     objective, load, torques = sizings.objective(axis), sizings.machine.axis(axis).spec.load, sizings.torques
     if not isinstance(objective, str) or objective not in SUMMED:
         return False
     carried = sizings.carried[axis]
-    if torques is not None and axis in torques.joints and not found.missing:
+    if torques is not None and axis in torques.joints and not combination.missing:
         own = (axis,) if sizings.moves_its_drive(axis) else ()
-        masses = {other: found.chosen[other].mass for other in (*carried, *own)}
+        masses = {other: combination.chosen[other].mass for other in (*carried, *own)}
         return rises(torques, axis, masses) and axis not in sizings.uncertain
     return not carried or not (getattr(load, "counterweight", 0.0) > 0.0 or getattr(load, "springs", ()))
 
 
-def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination) -> Iterator[str]:
+def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], combination: Combination) -> Iterator[str]:
     """Choice of the drives, as sentences."""
-    if found.missing:
+    if combination.missing:
         with_ = "with the drives that were tried" if sizings.uncertain else "even with the lightest drives"
-        yield f"{found.missing}: no drive meets all limits, {with_} on it"
+        yield f"{combination.missing}: no drive meets all limits, {with_} on it"
     for axis in axes:
-        lacking = [f"{part} of {one.of}" for one in axis.carried for part in one.lacking]
+        lacking = [f"{part} of {rider.of}" for rider in axis.carried for part in rider.lacking]
         if lacking:
             yield f"{axis.name} carries drives of which the mass of {', '.join(lacking)} is unknown: left out"
     yield from sizings.torques.notes if sizings.torques else ()
     for axis in axes:
-        own = next((one.mass for one in axis.carried if one.of == axis.name), None)
+        own = next((rider.mass for rider in axis.carried if rider.of == axis.name), None)
         if own is not None and axis.best:
             drive, loaded = riding_mass(axis.result.problem, axis.best), show(own, "kg", "mass")
             heavier = f"{loaded} of its load, of one that is heavier than its {show(drive, 'kg', 'mass')}"
-            said = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
-            yield f"{axis.name} moves its own drive, {said}"
+            text = f"which is {loaded} of its load" if own <= drive * (1.0 + 1e-9) else heavier
+            yield f"{axis.name} moves its own drive, {text}"
         elif any(mass > 0.0 for (name, _), mass in sizings.own.items() if name == axis.name):
             yield f"{axis.name} moves its own drive, and no drive carries itself"
     if sizings.torques:
-        chosen = {one.name: one.best for one in axes if one.best and one.name in found.chosen}
-        masses = {name: (one, found.chosen[name].mass) for name, one in chosen.items()}
+        drives = {axis.name: axis.best for axis in axes if axis.best and axis.name in combination.chosen}
+        masses = {name: (drive_set, combination.chosen[name].mass) for name, drive_set in drives.items()}
         yield from joint_notes(sizings.torques, masses, sizings.beyond)
     currencies = {axis.name: axis.result.catalog.currency for axis in axes}
     if len(set(currencies.values())) > 1 and any(axis.result.spec.counts_price for axis in axes):
-        said = ", ".join(f"{name} in {code}" for name, code in currencies.items())
-        yield f"prices are summed though {said}; expected select.rates, e.g. {{USD: ... EUR}}"
+        text = ", ".join(f"{name} in {code}" for name, code in currencies.items())
+        yield f"prices are summed though {text}; expected select.rates, e.g. {{USD: ... EUR}}"
     until = {axis.name: axis.result.problem.machine.waits_until for axis in axes}
     waits = {name: end for name, end in until.items() if end is not None}
     if waits:
@@ -474,16 +478,16 @@ def _notes(sizings: AxisSizings, axes: Sequence[AxisSizing], found: Combination)
         yield f"{', '.join(waits)}: at rest after the motion until the cycle of {cycle} is over; if not: repeats: true"
 
 
-def _within_limits(sizings: AxisSizings, found: Combination, best: MachineSizing) -> MachineSizing:
+def _within_limits(sizings: AxisSizings, combination: Combination, best: MachineSizing) -> MachineSizing:
     """The machine with the drives that keep its own limits at the least cost, of those that are tried."""
-    broken, chosen = [check.title for check in best.checks if check.status == "fail"], found.chosen
+    broken, choices = [check.title for check in best.checks if check.status == "fail"], combination.chosen
     if not broken:
         return best
-    offers = {axis: sizings.offers(axis, sizings.masses(axis, chosen), chosen[axis]) for axis in chosen}
+    offers = {axis: sizings.offers(axis, sizings.masses(axis, choices), choices[axis]) for axis in choices}
     count, before = 0, [axis.best.status for axis in best.axes if axis.best]
     for count, others in enumerate(combinations.cheapest_first(offers, _TRIED), 1):
         try:
-            result = _machine_with_drives(sizings, found._replace(chosen=others))
+            result = _machine_with_drives(sizings, combination._replace(chosen=others))
         except LookupError:  # a drive does not carry what rides on it then
             continue
         now = [axis.best.status if axis.best else "fail" for axis in result.axes]
@@ -502,7 +506,7 @@ def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizi
     lost = without_effect(machine)
     note = f"the tolerance of {', '.join(lost)} has no effect: axes and supply are those of the nominal figure"
     notes = (*sizing.notes, *([note] if lost else ()))
-    how = next((found for found in (sampling(axis.spec) for axis in sizing.axes) if found), None)
+    how = next((plan for plan in (sampling(axis.spec) for axis in sizing.axes) if plan), None)
     if how is None and toleranced(machine):
         how = sampling_of(first, samples=first.tolerances.samples)
     if power is None or how is None:
@@ -514,7 +518,7 @@ def _over_tolerances(sizing: MachineSizing, sampling: SamplingOf) -> MachineSizi
     return replace(sizing, power=power, checks=(*power.checks, *own), notes=notes)
 
 
-def _with_few_kinds(sizings: AxisSizings, found: Combination, best: MachineSizing, more: float) -> MachineSizing:
+def _with_few_kinds(sizings: AxisSizings, combination: Combination, best: MachineSizing, more: float) -> MachineSizing:
     """The machine with common drives, where they cost no more of the objective than permitted."""
     machine, where = sizings.machine, sizings.machine.where(("few_kinds",))
     if best.objective not in SUMMED:
@@ -522,22 +526,22 @@ def _with_few_kinds(sizings: AxisSizings, found: Combination, best: MachineSizin
         raise InputError(f"{where}: {text}")
     if any(axis.spec.method == "paper" for axis in machine.axes):
         raise InputError(f"{where}: the paper's method has no common drives; expected method: physics")
-    masses = {axis: sizings.masses(axis, found.chosen) for axis in machine.order}
+    masses = {axis: sizings.masses(axis, combination.chosen) for axis in machine.order}
     bests = {axis.name: axis.best for axis in best.axes if axis.best}
     offers = sizings.kinds = combinations.OfferedKinds(masses, sizings.loaded)
-    statuses = {axis: one.status for axis, one in bests.items()}
-    offered = offers.costs(statuses, found.cost[1] * more)
+    statuses = {axis: drive.status for axis, drive in bests.items()}
+    offered = offers.costs(statuses, combination.cost[1] * more)
 
-    def tried(shared: combinations.Permitted) -> Combination:
+    def search(shared: combinations.Permitted) -> Combination:
         def of_kinds(axis: str, on_it: tuple[float, ...]) -> list[Choice]:
             choices = offers.choices(axis, on_it, shared.get(axis), statuses[axis])
-            return [one for one in choices if sizings.fits(axis, on_it, one.mass)]
+            return [choice for choice in choices if sizings.fits(axis, on_it, choice.mass)]
 
         return combinations.best_combination(machine.order, sizings.carried, of_kinds, len(machine.axes))
 
-    limit = found.cost[0], found.cost[1] * (1.0 + more)
-    kinds = {axis: combinations.kind_of(one) for axis, one in bests.items()}
-    fewer, common = combinations.fewer_kinds(found, kinds, offered, limit, tried)
+    limit = combination.cost[0], combination.cost[1] * (1.0 + more)
+    kinds = {axis: combinations.kind_of(drive) for axis, drive in bests.items()}
+    fewer, common = combinations.fewer_kinds(combination, kinds, offered, limit, search)
     before, objective = len(set(kinds.values())), OBJECTIVES[best.objective].title
     if not common:
         allowed = show(more, "%", "dimensionless")

@@ -92,12 +92,12 @@ def predict_set(
     read = {name: _read(name, text) for name, text in texts.items()}
     robot = None if spec is None else load_spec(spec)
     usual = {"ambient": _ROOM, "inertia": 0.0} if robot is None else of_machine(robot)
-    given = Conditions(**read, duration=60.0 * minutes)
-    given = given._replace(**{name: value for name, value in usual.items() if isnan(read[name])})
+    conditions = Conditions(**read, duration=60.0 * minutes)
+    conditions = conditions._replace(**{name: value for name, value in usual.items() if isnan(read[name])})
     shelf = open_catalogs(catalogs)
     sold = _part(shelf, motor, ("motors", "actuators"), "motor or actuator")
-    if not isnan(given.voltage):  # else that of the row
-        counts = sold.table.at_voltage(given.voltage)
+    if not isnan(conditions.voltage):  # else that of the row
+        counts = sold.table.at_voltage(conditions.voltage)
         sold = replace(sold, row=next(row for row in sold.table.called(motor) if counts[row]))
     if sold.section == "actuators" and gearhead is not None:
         raise FieldError(
@@ -106,7 +106,7 @@ def predict_set(
     first = {sold.catalogue: shelf[sold.catalogue]} | shelf  # goes before others that have the same number
     gear = None if gearhead is None else _part(first, gearhead, ("gearheads",), "gearhead")
     drive = None if controller is None else _part(first, controller, ("controllers",), "controller")
-    return predict(sold, gear, drive, completed(given, sold, gear), None if robot is None else machine_of(robot))
+    return predict(sold, gear, drive, completed(conditions, sold, gear), None if robot is None else machine_of(robot))
 
 
 def of_machine(spec: RobotSpec) -> dict[str, float]:
@@ -153,16 +153,16 @@ _BARE = {  # what is no part number: pattern, what it is, and how it becomes a p
 def _part(shelf: Mapping[str, Catalog], part: str, sections: tuple[str, ...], what: str) -> Hit:
     pattern, kind, row = _BARE.get(what, ("", "", ""))
     bare = pattern and re.fullmatch(pattern, part.strip().lower())  # many makers' part numbers are digits as well
-    said = f"{quoted(part)} is {kind} and no part: give it in a catalogue file of your own, {row}"
+    message = f"{quoted(part)} is {kind} and no part: give it in a catalogue file of your own, {row}"
     try:
         hits = find(shelf, part)
     except InputError:
         if bare:
-            raise InputError(said) from None
+            raise InputError(message) from None
         raise
-    found = next((hit for hit in hits if hit.section in sections), None)
-    if found is None and bare:
-        raise InputError(said)
-    if found is None:
+    hit = next((hit for hit in hits if hit.section in sections), None)
+    if hit is None and bare:
+        raise InputError(message)
+    if hit is None:
         raise InputError(f"{quoted(part)} is no {what} but in {hits[0].section}")
-    return found
+    return hit

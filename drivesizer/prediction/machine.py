@@ -56,7 +56,7 @@ def machine_of(spec: RobotSpec) -> Machine | None:
         return None
     places = np.linspace(-2.0 * np.pi, 2.0 * np.pi, 2 * _PLACES - 1) if turns else np.linspace(low, high, 2)
     at = [at_shaft(spec, float(place)) for place in places]
-    torque = np.array([[one.backward_torque, one.rest_torque, one.forward_torque] for one in at]).T
+    torque = np.array([[piece.backward_torque, piece.rest_torque, piece.forward_torque] for piece in at]).T
     on_path = (places >= low) & (places <= high)
     steepest = float(places[on_path][np.abs(torque[1, on_path]).argmax()]) if turns and on_path.any() else np.nan
     end = high if high >= -low else low
@@ -75,19 +75,22 @@ class Run(NamedTuple):
     def shown(self, of: Machine, ratio: Array, until: float) -> Run:
         """Some moments up to a time, with position and speed of the load."""
         last = int(np.searchsorted(self.time, min(until, self.time[-1])))
-        some = np.unique(np.linspace(0, last, _SHOWN).astype(np.intp))
-        position, speed = of.radius * self.angle[some], of.radius * self.speed[some] / (ratio * of.belt)
-        return Run(self.time[some], position, speed, self.current[some])
+        rows = np.unique(np.linspace(0, last, _SHOWN).astype(np.intp))
+        position, speed = of.radius * self.angle[rows], of.radius * self.speed[rows] / (ratio * of.belt)
+        return Run(self.time[rows], position, speed, self.current[rows])
 
 
-def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> Run:
+def _moved(drive_set: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start: float, until: float) -> Run:
     """From rest at an angle on; a voltage of NaN: the terminals are open."""
-    winding, drive = one.winding(ambient), one.drive
+    winding, drive = drive_set.winding(ambient), drive_set.drive
     K, dt = drive.ratio * of.belt, until / _STEPS
     driving, braking = np.array(through_gears(K, drive.efficiency * of.efficiency))
-    most = np.minimum(one.most_current * winding.k_t, one.most_torque / (drive.ratio * drive.efficiency) + one.coulomb)
+    most = np.minimum(
+        drive_set.most_current * winding.k_t,
+        drive_set.most_torque / (drive.ratio * drive.efficiency) + drive_set.coulomb,
+    )
     angle, speed = np.full(len(K), start), np.zeros(len(K))
-    found = [(angle, speed)]
+    states = [(angle, speed)]
 
     def unlimited(speed: Array) -> tuple[Array, Array]:
         """Resistance with what commutation takes, and torque at full voltage."""
@@ -102,11 +105,11 @@ def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start
         damping = drive.viscous + np.where(limited, 0.0, winding.k_t * winding.k_e / R)
         back, rest, forth = of.against(angle)
         # what starts it from rest: the push against weight and what hinders, at once
-        up = push > forth * np.where(forth > 0.0, driving, braking) + one.coulomb
-        down = push < back * np.where(back < 0.0, driving, braking) - one.coulomb
+        up = push > forth * np.where(forth > 0.0, driving, braking) + drive_set.coulomb
+        down = push < back * np.where(back < 0.0, driving, braking) - drive_set.coulomb
         way = np.where(speed != 0.0, np.sign(speed), up * 1.0 - down * 1.0)
         load = np.where(way > 0.0, forth, np.where(way < 0.0, back, rest))
-        left = push - damping * speed - one.coulomb * way
+        left = push - damping * speed - drive_set.coulomb * way
         pays = (load * K * drive.inertia + of.inertia * left) * way > 0.0  # as ``control.engine`` has the power's way
         share = np.where(pays, driving, braking)
         J = drive.inertia + of.inertia * share / K
@@ -114,8 +117,8 @@ def _moved(one: SetAtVoltage, of: Machine, ambient: float, voltage: Array, start
         after = speed + rate * dt * np.where(faded > 0.0, -np.expm1(-faded) / np.where(faded > 0.0, faded, 1.0), 1.0)
         after = np.where((way == 0.0) | (speed * after < 0.0), 0.0, after)
         angle, speed = angle + after * dt / (2.0 * K), after
-        found.append((angle, speed))
-    angles, speeds = (np.array(column) for column in zip(*found, strict=True))
+        states.append((angle, speed))
+    angles, speeds = (np.array(column) for column in zip(*states, strict=True))
     currents = np.clip(unlimited(speeds)[1], -most, most) / winding.k_t
     return Run(np.linspace(0.0, until, _STEPS + 1), angles, speeds, currents)
 
@@ -128,16 +131,16 @@ def _first(time: Array, reached: Array) -> Array:
 Moved = tuple[dict[str, Array], Run | None]  # figures of a movement by name, and its course
 
 
-def started(one: SetAtVoltage, of: Machine, ambient: float) -> Moved:
+def started(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     """Full voltage from rest where the motion starts: times to its end and to 63 % of the largest speed, that speed."""
-    way, K = np.sign(of.end), one.drive.ratio * of.belt
-    free, winding = one.running(0.0, ambient)[0], one.winding(ambient)
-    J = one.drive.inertia + of.inertia / (K**2 * one.drive.efficiency * of.efficiency)
+    way, K = np.sign(of.end), drive_set.drive.ratio * of.belt
+    free, winding = drive_set.running(0.0, ambient)[0], drive_set.winding(ambient)
+    J = drive_set.drive.inertia + of.inertia / (K**2 * drive_set.drive.efficiency * of.efficiency)
     constants = J * winding.R / (winding.k_t * winding.k_e)
     until = _LONG * float(np.median(np.abs(of.end) * K / free + constants))
     if not until > 0.0:
         return {}, None
-    run = _moved(one, of, ambient, way * one.voltage, 0.0, until)
+    run = _moved(drive_set, of, ambient, way * drive_set.voltage, 0.0, until)
     there = way * (run.angle - of.end) >= 0.0
     arrives = _first(run.time, there)
     ends = np.minimum(arrives, _first(run.time, way * run.speed < 0.0))  # or it falls back
@@ -146,31 +149,36 @@ def started(one: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     figures = {
         "start_time": arrives,
         "start_time_63": np.where(top > 0.0, _first(run.time, fast >= (1.0 - np.exp(-1.0)) * top), np.inf),
-        "start_speed": top / one.drive.ratio,
+        "start_speed": top / drive_set.drive.ratio,
     }
-    return figures, run.shown(of, one.drive.ratio, float(np.quantile(arrives, _MOST_ARRIVE, method="higher")))
+    return figures, run.shown(of, drive_set.drive.ratio, float(np.quantile(arrives, _MOST_ARRIVE, method="higher")))
 
 
-def swung(one: SetAtVoltage, of: Machine, ambient: float) -> Moved:
+def swung(drive_set: SetAtVoltage, of: Machine, ambient: float) -> Moved:
     """Let go where weight turns it most, the terminals open: time of the first swing there and back, and its angle."""
     if np.isnan(of.steepest):
         return {}, None
-    K = one.drive.ratio * of.belt
-    J = of.inertia + one.drive.inertia * K**2
+    K = drive_set.drive.ratio * of.belt
+    J = of.inertia + drive_set.drive.inertia * K**2
     pull = float(np.abs(of.torque[1]).max())
-    until = _SWINGS * 2.0 * np.pi * float(np.sqrt(np.median(J + 0.0 * (one.coulomb + one.drive.viscous)) / pull))
+    until = (
+        _SWINGS
+        * 2.0
+        * np.pi
+        * float(np.sqrt(np.median(J + 0.0 * (drive_set.coulomb + drive_set.drive.viscous)) / pull))
+    )
     if not 0.0 < until < np.inf:
         return {}, None
-    run = _moved(one, of, ambient, np.full(len(K), np.nan), of.steepest, until)
+    run = _moved(drive_set, of, ambient, np.full(len(K), np.nan), of.steepest, until)
     side = np.sign(run.speed)
     first = np.sign(side[np.minimum((side != 0.0).argmax(axis=0), len(side) - 1), np.arange(len(K))])
     turned = (side * first < 0.0) & (first != 0.0)  # it has turned back
     back = _first(run.time, turned)
-    again = _first(run.time, (run.time[:, None] > back) & (side * first >= 0.0) & (first != 0.0))
+    period = _first(run.time, (run.time[:, None] > back) & (side * first >= 0.0) & (first != 0.0))
     here = np.searchsorted(run.time, np.where(np.isfinite(back), back, run.time[-1]))
     figures = {
         "swing_half": back,
-        "swing_period": again,
+        "swing_period": period,
         "swing_reach": np.abs(run.angle[np.minimum(here, _STEPS), np.arange(len(K))] - of.steepest),
     }
-    return figures, run.shown(of, one.drive.ratio, until)
+    return figures, run.shown(of, drive_set.drive.ratio, until)

@@ -50,43 +50,48 @@ _KINDS, _PARTS = (
 _CONDITIONS = {"voltage": ("voltage", "--voltage"), "load": ("load", "--load"), "warm": ("warm", "--warm")}
 
 
-def completed(given: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions:
+def completed(conditions: Conditions, motor: Hit, gearhead: Hit | None) -> Conditions:
     """Conditions with those that are not given: the motor's nominal voltage, the set's continuous torque."""
     torque = motor["nominal_torque"]
     if gearhead is not None:
         own = torque * gearhead["ratio"] * gearhead["efficiency"]
         torque = float(np.fmin(own, gearhead["continuous_torque"]))
-    load = torque if isnan(given.load) else given.load
-    voltage = motor["nominal_voltage"] if isnan(given.voltage) else given.voltage
-    return given._replace(voltage=voltage, load=load, hold=load if isnan(given.hold) else given.hold)
+    load = torque if isnan(conditions.load) else conditions.load
+    voltage = motor["nominal_voltage"] if isnan(conditions.voltage) else conditions.voltage
+    return conditions._replace(voltage=voltage, load=load, hold=load if isnan(conditions.hold) else conditions.hold)
 
 
 def predict(
-    motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, machine: Machine | None = None, *,
+    motor: Hit, gearhead: Hit | None, controller: Hit | None, conditions: Conditions, machine: Machine | None = None, *,
     warming: bool = True,
 ) -> Prediction:  # fmt: skip
     """Predict what is measured of a set at the bench, temperatures and times to the limit where these are wanted."""
     parts = sampled_parts(motor, gearhead, controller, _POWER)
     with np.errstate(all="ignore"):
-        one = set_at_voltage(parts, given)
-        if isnan(given.warm):  # the housing's after long work at the nominal point
-            given = given._replace(warm=warm_housing({n: x[0] for n, x in one.motor.items()}, given.ambient))
-        columns, courses = _mechanical(one, given), list[WarmingCourse]()
-        held = hold_current(one, parts, given.hold)
-        columns |= {"hold_current": held, "hold_heat": resistance_at(one.bodies.R_25, given.ambient) * held**2}
+        drive_set = set_at_voltage(parts, conditions)
+        if isnan(conditions.warm):  # the housing's after long work at the nominal point
+            conditions = conditions._replace(
+                warm=warm_housing({n: x[0] for n, x in drive_set.motor.items()}, conditions.ambient)
+            )
+        columns, courses = _mechanical(drive_set, conditions), list[WarmingCourse]()
+        holding_current = hold_current(drive_set, parts, conditions.hold)
+        columns |= {
+            "hold_current": holding_current,
+            "hold_heat": resistance_at(drive_set.bodies.R_25, conditions.ambient) * holding_current**2,
+        }
         movements = list[Movement]()
         if machine is not None:
-            for name, moved in (("start", started), ("swing", swung)):
-                figures, run = moved(one, machine, given.ambient)
+            for name, motion in (("start", started), ("swing", swung)):
+                figures, run = motion(drive_set, machine, conditions.ambient)
                 columns |= figures
                 if run is not None:
                     bands = (_band(column) for column in (run.angle, run.speed, run.current))
                     movements.append(Movement(name, machine.axis, run.time, *bands))
-        heated = _heated(one, parts, given, held) if warming else {}
+        heated = _heated(drive_set, parts, conditions, holding_current) if warming else {}
         for name, heating in heated.items():
-            more, ways = _thermal(name, heating, one, given)
+            more, ways = _thermal(name, heating, drive_set, conditions)
             columns, courses = columns | more, [*courses, *ways]
-        torque, speed = _line(one, columns["stall_torque"], given)
+        torque, speed = _line(drive_set, columns["stall_torque"], conditions)
     hits = {
         "actuator" if motor.section == "actuators" else "motor": motor,
         "gearhead": gearhead,
@@ -101,77 +106,85 @@ def predict(
         parts={role: hit.part for role, hit in bought.items()},
         label=" + ".join(called),
         digests={name: digest for hit in bought.values() for name, digest in hit.catalog.digests.items()},
-        conditions=given,
-        figures=tuple(_figures(columns, parts, given, machine)),
+        conditions=conditions,
+        figures=tuple(_figures(columns, parts, conditions, machine)),
         torque=torque,
         speed=speed,
         courses=tuple(courses),
         movements=tuple(movements),
-        limit=float(one.motor["max_winding_temperature"][0]),
-        estimates=(*parts.estimates, *_leads(one, given)),
+        limit=float(drive_set.motor["max_winding_temperature"][0]),
+        estimates=(*parts.estimates, *_leads(drive_set, conditions)),
         tolerances=tuple((c.title, c.text, c.why) for c in parts.classes),
-        assumptions=tuple(_assumptions(one, parts, given)),
-        warnings=tuple(_warnings(motor, gearhead, controller, given, columns)),
+        assumptions=tuple(_assumptions(drive_set, parts, conditions)),
+        warnings=tuple(_warnings(motor, gearhead, controller, conditions, columns)),
         samples=1 << _POWER,
     )
 
 
-def _mechanical(one: SetAtVoltage, given: Conditions) -> dict[str, Array]:
+def _mechanical(drive_set: SetAtVoltage, conditions: Conditions) -> dict[str, Array]:
     """Figures with the winding at ambient temperature."""
-    ambient, winding = given.ambient, one.winding(given.ambient)
-    free, idle = one.running(0.0, ambient)
-    stall = one.stall_current(ambient)
-    torque = np.maximum(one.drive.k_t * stall - one.coulomb, 0.0) * one.drive.ratio * one.drive.efficiency
-    torque = np.minimum(torque, one.most_torque)
-    speed, current = one.running(given.load, ambient)
-    power = given.load * speed / one.drive.ratio
-    drawn = one.source_power(given.voltage, np.nan_to_num(given.resistance), current)
-    e = one.drive.efficiency if given.inertia else 1.0  # that of the gear has no say without a load
-    driving = one.drive.inertia + given.inertia / (one.drive.ratio**2 * e)
-    driven = one.drive.inertia + given.inertia * e / one.drive.ratio**2
-    stepped = (winding, one.voltage, one.coulomb, one.drive.viscous, driving)
-    coasted = (driven, one.coulomb, one.drive.viscous, free)
+    ambient, winding = conditions.ambient, drive_set.winding(conditions.ambient)
+    free, idle = drive_set.running(0.0, ambient)
+    stall = drive_set.stall_current(ambient)
+    torque = (
+        np.maximum(drive_set.drive.k_t * stall - drive_set.coulomb, 0.0)
+        * drive_set.drive.ratio
+        * drive_set.drive.efficiency
+    )
+    torque = np.minimum(torque, drive_set.most_torque)
+    speed, current = drive_set.running(conditions.load, ambient)
+    power = conditions.load * speed / drive_set.drive.ratio
+    drawn = drive_set.source_power(conditions.voltage, np.nan_to_num(conditions.resistance), current)
+    e = drive_set.drive.efficiency if conditions.inertia else 1.0  # that of the gear has no say without a load
+    driving = drive_set.drive.inertia + conditions.inertia / (drive_set.drive.ratio**2 * e)
+    driven = drive_set.drive.inertia + conditions.inertia * e / drive_set.drive.ratio**2
+    stepped = (winding, drive_set.voltage, drive_set.coulomb, drive_set.drive.viscous, driving)
+    coasted = (driven, drive_set.coulomb, drive_set.drive.viscous, free)
     return {
-        "free_speed": free / one.drive.ratio,
+        "free_speed": free / drive_set.drive.ratio,
         "no_load_current": idle,
         "stall_torque": torque,
         "stall_current": stall,
-        "load_speed": speed / one.drive.ratio,
+        "load_speed": speed / drive_set.drive.ratio,
         "load_current": current,
         "load_power": power,
         "load_electrical_power": drawn,
         "load_efficiency": power / drawn,
-        "step_time_63": step_time(*stepped, share=1.0 - np.exp(-1.0), limit=one.most_current),
-        "step_time_95": step_time(*stepped, share=0.95, limit=one.most_current),
-        "step_peak_current": step_peak_current(winding, one.voltage, one.coulomb, driving, one.most_current),
+        "step_time_63": step_time(*stepped, share=1.0 - np.exp(-1.0), limit=drive_set.most_current),
+        "step_time_95": step_time(*stepped, share=0.95, limit=drive_set.most_current),
+        "step_peak_current": step_peak_current(
+            winding, drive_set.voltage, drive_set.coulomb, driving, drive_set.most_current
+        ),
         "coast_time_half": coast_down_time(*coasted, free / 2.0),
         "coast_time": coast_down_time(*coasted),
     }
 
 
-def _heated(one: SetAtVoltage, parts: SampledParts, given: Conditions, held: Array) -> dict[str, Heating]:
+def _heated(
+    drive_set: SetAtVoltage, parts: SampledParts, conditions: Conditions, holding_current: Array
+) -> dict[str, Heating]:
     """The set stalled, holding and working, as bodies that warm up."""
 
     def working(winding: Array) -> tuple[Array, Array]:
-        speed, current = one.running(given.load, winding)
-        return current, one.losses[0] * speed + np.where(speed > 0.0, one.losses[1] * speed**2, 0.0)
+        speed, current = drive_set.running(conditions.load, winding)
+        return current, drive_set.losses[0] * speed + np.where(speed > 0.0, drive_set.losses[1] * speed**2, 0.0)
 
-    still, phase = np.zeros_like(held), hottest_phase(one, parts)
+    still, phase = np.zeros_like(holding_current), hottest_phase(drive_set, parts)
     return {
-        "stall": Heating(phase, given.ambient, lambda winding: (one.stall_current(winding), still)),
-        "hold": Heating(phase, given.ambient, lambda _: (held, still)),
-        "work": Heating(one.bodies, given.ambient, working),
+        "stall": Heating(phase, conditions.ambient, lambda winding: (drive_set.stall_current(winding), still)),
+        "hold": Heating(phase, conditions.ambient, lambda _: (holding_current, still)),
+        "work": Heating(drive_set.bodies, conditions.ambient, working),
     }
 
 
 def _thermal(
-    name: str, heating: Heating, one: SetAtVoltage, given: Conditions
+    name: str, heating: Heating, drive_set: SetAtVoltage, conditions: Conditions
 ) -> tuple[dict[str, Array], list[WarmingCourse]]:
     """Temperatures and times to the limit of one way of heating; nothing where a thermal figure is unknown."""
     if not heating.known:
         return {}, []
-    limit = one.motor["max_winding_temperature"]
-    warmths = {"cold": given.ambient, "warm": given.warm}
+    limit = drive_set.motor["max_winding_temperature"]
+    warmths = {"cold": conditions.ambient, "warm": conditions.warm}
     starts = {at: State(T, T) for at, T in warmths.items() if not isnan(T)}
     columns: dict[str, Array] = {}
     if not np.isnan(limit).any():
@@ -179,7 +192,7 @@ def _thermal(
     if name == "stall":
         return columns, []
     columns[f"{name}_winding_settled"] = np.minimum(in_the_long_run(heating)[0], HOTTEST)
-    times, courses = np.linspace(0.0, given.duration, _MOMENTS), []
+    times, courses = np.linspace(0.0, conditions.duration, _MOMENTS), []
     for at, start in starts.items():
         winding, housing = (np.minimum(T, HOTTEST) for T in over_time(heating, start, times))
         ends = {f"{name}_winding_{at}": winding[-1], f"{name}_housing_{at}": housing[-1]}
@@ -187,16 +200,16 @@ def _thermal(
         if at == "cold":
             columns |= {f"{name}_winding": winding[-1], f"{name}_housing": housing[-1]}
             if name == "work":
-                columns["work_speed"] = one.running(given.load, winding[-1])[0] / one.drive.ratio
+                columns["work_speed"] = drive_set.running(conditions.load, winding[-1])[0] / drive_set.drive.ratio
         title = f"{'holding' if name == 'hold' else 'at the load'}, from {at}"
         courses.append(WarmingCourse(f"{name}_from_{at}", title, times, _band(winding), _band(housing)))
     return columns, courses
 
 
-def _line(one: SetAtVoltage, stall: Array, given: Conditions) -> tuple[Array, Band]:
+def _line(drive_set: SetAtVoltage, stall: Array, conditions: Conditions) -> tuple[Array, Band]:
     """Speed over torque at the output, winding at ambient temperature."""
     torque = np.linspace(0.0, float(np.nan_to_num(stall).max()), _POINTS)
-    speed = np.array([one.running(x, given.ambient)[0] / one.drive.ratio for x in torque])
+    speed = np.array([drive_set.running(x, conditions.ambient)[0] / drive_set.drive.ratio for x in torque])
     return torque, _band(speed)
 
 
@@ -209,7 +222,7 @@ def _band(values: Array) -> Band:
 
 
 def _figures(
-    columns: dict[str, Array], parts: SampledParts, given: Conditions, machine: Machine | None
+    columns: dict[str, Array], parts: SampledParts, conditions: Conditions, machine: Machine | None
 ) -> Iterable[Predicted]:
     """Predicted figures in the order of their declaration."""
     unknown, limit = np.full(2, np.nan), parts.motor["max_winding_temperature"]
@@ -223,18 +236,18 @@ def _figures(
         never = float(np.isinf(values[1:]).mean()) if not isnan(band.nominal) else nan
         above = values[1:] > limit[1:] if "winding" in name else np.full(1, nan)
         over = nan if isnan(band.nominal) or np.isnan(limit).any() else float(above.mean())
-        lacking = () if not isnan(band.nominal) else tuple(dict.fromkeys(_missing(needs, parts, given)))
+        lacking = () if not isnan(band.nominal) else tuple(dict.fromkeys(_missing(needs, parts, conditions)))
         yield Predicted(name, group, title, kind, unit, band, never, over, lacking)
 
 
-def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str]:
+def _missing(needs: str, parts: SampledParts, conditions: Conditions) -> Iterable[str]:
     """Names of unknown figures among those that a prediction rests on."""
     figures: dict[str, Any] = {"motor": parts.motor, "gearhead": parts.gearhead, "controller": parts.controller}
     brushless = parts.motor["kind"][0] != "brushed"
     rubs = not np.isnan([x[0] for x in friction(parts.motor)]).any()
-    if "moving" in needs and given.inertia:  # else there is no load whose torque the gear passes on
+    if "moving" in needs and conditions.inertia:  # else there is no load whose torque the gear passes on
         needs += " gear"
-    for need in [one for several in needs.split() for one in _KINDS.get(several, [several])]:
+    for need in [word for several in needs.split() for word in _KINDS.get(several, [several])]:
         if (need == "iron" and not brushless) or (need == "friction" and rubs):
             continue
         for role, name in (figure.split(".") for figure in _PARTS.get(need, ())):
@@ -243,33 +256,33 @@ def _missing(needs: str, parts: SampledParts, given: Conditions) -> Iterable[str
             value = nan if figures[role] is None else figures[role][name][0]
             if figures[role] is not None and (np.isnan(value) or (need == "heat" and not value > 0.0)):
                 yield figure_words(role, name, bool(figures[role]["inside"][0]))
-        if need in _CONDITIONS and isnan(getattr(given, _CONDITIONS[need][0])):
+        if need in _CONDITIONS and isnan(getattr(conditions, _CONDITIONS[need][0])):
             yield _CONDITIONS[need][1]
 
 
-def _share_of_idle(one: SetAtVoltage) -> float:
+def _share_of_idle(drive_set: SetAtVoltage) -> float:
     """Share of a gearhead's friction in all of the free running set, in the first row."""
-    free = one.running(0.0, 298.15)[0]
-    return float(one.drive.idle[0] / (one.coulomb + one.drive.viscous * free)[0])
+    free = drive_set.running(0.0, 298.15)[0]
+    return float(drive_set.drive.idle[0] / (drive_set.coulomb + drive_set.drive.viscous * free)[0])
 
 
-def _leads(one: SetAtVoltage, given: Conditions) -> Iterable[EstimatedFigure]:
+def _leads(drive_set: SetAtVoltage, conditions: Conditions) -> Iterable[EstimatedFigure]:
     """Leads that nobody names, with their band."""
-    if isnan(given.resistance) and one.leads.any():
-        value, low, high = (float(x) for x in np.quantile(one.leads[1:], (0.5, 0.05, 0.95)))
+    if isnan(conditions.resistance) and drive_set.leads.any():
+        value, low, high = (float(x) for x in np.quantile(drive_set.leads[1:], (0.5, 0.05, 0.95)))
         yield EstimatedFigure("supply", "leads", value, low, high, "resistance", "mohm", _LEADS_LAW, "assumed by class")
 
 
-def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> Iterable[str]:
+def _assumptions(drive_set: SetAtVoltage, parts: SampledParts, conditions: Conditions) -> Iterable[str]:
     """Assumptions, as sentences."""
     yield "the winding is at ambient temperature in all but the temperatures and the times to its limit"
     if parts.gearhead["ratio"][0] != 1.0 and not parts.motor["inside"][0]:
         if np.isnan(parts.gearhead["no_load_torque"][0]):
             yield "friction of the gearhead without load is unknown and left out: free running takes more current"
-        elif _share_of_idle(one) > _DECIDES:
+        elif _share_of_idle(drive_set) > _DECIDES:
             yield ("friction of the gearhead without load, which is not printed, decides how it runs freely: "
-                   f"{_share_of_idle(one):.0%} of all friction there").replace("%", " %")  # fmt: skip
-    if one.motor["kind"][0] == "brushless":
+                   f"{_share_of_idle(drive_set):.0%} of all friction there").replace("%", " %")  # fmt: skip
+    if drive_set.motor["kind"][0] == "brushless":
         yield ("at standstill the hottest phase has 1.5 to 2 times the mean loss, by the rotor's angle, and its "
                "neighbours lead away any part of what is above it")  # fmt: skip
     yield "at rest friction and gear loss carry any part of the torque between helping and hindering"
@@ -277,8 +290,8 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
         yield "the power of the supply is before its resistance, with losses and standby power of the controller"
         if np.isnan(parts.controller["standby_current"][0]):
             yield "standby power of the controller not counted: it is not printed"
-    if parts.controller is None and not np.isfinite(one.most_current[0]):
-        left = _STAGE_AT_WORST[0] * max(1.0 - _STAGE_AT_WORST[1] / given.voltage, 0.0)
+    if parts.controller is None and not np.isfinite(drive_set.most_current[0]):
+        left = _STAGE_AT_WORST[0] * max(1.0 - _STAGE_AT_WORST[1] / conditions.voltage, 0.0)
         yield ("without a controller the winding is connected to the supply: nothing limits the current; one that is "
                f"named takes up to {1.0 - left:.0%} of the voltage".replace("%", " %"))  # fmt: skip
     elif parts.controller is None:
@@ -286,15 +299,15 @@ def _assumptions(one: SetAtVoltage, parts: SampledParts, given: Conditions) -> I
 
 
 def _warnings(
-    motor: Hit, gearhead: Hit | None, controller: Hit | None, given: Conditions, columns: dict[str, Array]
+    motor: Hit, gearhead: Hit | None, controller: Hit | None, conditions: Conditions, columns: dict[str, Array]
 ) -> Iterable[str]:
     """Warnings to the reader, as sentences."""
     if gearhead is not None and gearhead.catalogue == motor.catalogue:
         pairs = motor.catalog.motor_gearhead
         if not ((pairs.left == motor.row) & (pairs.right == gearhead.row)).any():
             yield f"the catalogue does not list gearhead {gearhead.part} with motor {motor.part}"
-    if controller is not None and not controller["supply_min"] <= given.voltage <= controller["supply_max"]:
-        yield f"{show(given.voltage, 'V', 'voltage')} is outside the controller's supply, or that is unknown"
+    if controller is not None and not controller["supply_min"] <= conditions.voltage <= controller["supply_max"]:
+        yield f"{show(conditions.voltage, 'V', 'voltage')} is outside the controller's supply, or that is unknown"
     for name, what in (("stall_current", "stalled"), ("load_current", "at the load"), ("hold_current", "holding")):
         if controller is not None and columns[name][0] > controller["continuous_current"]:
             continuous = show(controller["continuous_current"], "A", "current")

@@ -86,15 +86,15 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     """The parts of a set over 2 to the power samples, and their nominal figures before them."""
     role = "actuator" if motor.section == "actuators" else "motor"
     sold = {role: motor} | ({"gearhead": gearhead} if gearhead else {})
-    estimated = [(role, one) for role, hit in sold.items() for one in estimates_of(hit.table, hit.row)]
+    estimated = [(role, estimate) for role, hit in sold.items() for estimate in estimates_of(hit.table, hit.row)]
     stalled = estimates_by_rule(motor.catalog, motor.row, "resistance") if role == "actuator" else ()
-    estimated = [(role, one) for one in stalled] + estimated  # before others, which follow from it
-    limits = [(role, one) for role, hit in sold.items() for one in family_limits(hit.table, hit.row)]
-    drawn = [one for one in _classes(motor, gearhead, controller) if one.factor is not None]
-    cube = sobol(len(estimated) + len(drawn) + 7, power, [(_SEED, 0)])
+    estimated = [(role, estimate) for estimate in stalled] + estimated  # before others, which follow from it
+    limits = [(role, limit) for role, hit in sold.items() for limit in family_limits(hit.table, hit.row)]
+    tolerances = [tolerance for tolerance in _classes(motor, gearhead, controller) if tolerance.factor is not None]
+    cube = sobol(len(estimated) + len(tolerances) + 7, power, [(_SEED, 0)])
     cube = np.concatenate([np.full((1, cube.shape[1]), 0.5), cube])
     tables = {role: _repeated(hit, len(cube)) for role, hit in sold.items()}
-    laws = {role: {one.fit for other, one in estimated if other == role} for role in sold}
+    laws = {role: {estimate.fit for other, estimate in estimated if other == role} for role in sold}
     for (role, figure), share in zip(estimated, cube.T, strict=False):
         tables[role][figure.figure] = _within(figure, laws[role], sold[role], tables[role], share)
     for role, limit in limits:
@@ -106,15 +106,21 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
         none = {name: np.full(len(cube), getattr(NO_GEARHEAD, name)) for name in columns_of("gearheads")}
         bought, gear = tables["motor"], tables.get("gearhead", none)
     factors: dict[str, dict[str, Array]] = {part: {} for part in ("motor", "gearhead", "controller")}
-    shares = {(one.part, one.figure): share for one, share in zip(drawn, cube.T[len(estimated) :], strict=False)}
-    for one in drawn:
-        assert one.factor is not None
-        factors[one.part][one.figure] = one.factor.at(shares[one.part, one.figure])
-    names = {one.figure for _, one in estimated}
-    shown = [_shown(role, sold[role].section, one.figure, one[1:4], law_text(one.fit)) for role, one in estimated]
-    shown += [
-        _shown(role, sold[role].section, one.figure, (one.value,) * 3, f"{SAME_FAMILY}, {one.members} alike")
-        for role, one in limits
+    shares = {
+        (tolerance.part, tolerance.figure): share
+        for tolerance, share in zip(tolerances, cube.T[len(estimated) :], strict=False)
+    }
+    for tolerance in tolerances:
+        assert tolerance.factor is not None
+        factors[tolerance.part][tolerance.figure] = tolerance.factor.at(shares[tolerance.part, tolerance.figure])
+    names = {estimate.figure for _, estimate in estimated}
+    figures = [
+        _shown(role, sold[role].section, estimate.figure, estimate[1:4], law_text(estimate.fit))
+        for role, estimate in estimated
+    ]
+    figures += [
+        _shown(role, sold[role].section, limit.figure, (limit.value,) * 3, f"{SAME_FAMILY}, {limit.members} alike")
+        for role, limit in limits
     ]
     stage = None
     if controller is not None:  # what it does not print of its losses lies between assumed ends
@@ -124,14 +130,14 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
             (low, high), law = _STAGE[name], "assumed: from an ideal power stage to one of 0.9 and 1 V"
             stage[name] = low + (high - low) * share
             middle, wide = (low + high) / 2.0, 0.45 * (high - low)
-            shown.append(_shown("controller", "controllers", name, (middle, middle - wide, middle + wide), law))
+            figures.append(_shown("controller", "controllers", name, (middle, middle - wide, middle + wide), law))
         if "losses" in factors["controller"]:
             stage |= with_stage_losses(stage, factors["controller"]["losses"])
     bought = _varied(bought, motor_times(bought, factors["motor"]), names)
     most = np.full(len(cube), np.inf), np.full(len(cube), np.inf)
     if stalled:  # no more than at the printed stall, whose efficiency goes with the rest of the sample
         current, torque = motor["stall_current"], motor["stall_torque"]
-        lifting = next(one.factor for one in classes() if one.figure == "peak_torque")
+        lifting = next(tolerance.factor for tolerance in classes() if tolerance.figure == "peak_torque")
         assert lifting is not None
         worse = shares.get(("gearhead", "efficiency"), cube[:, -5])
         most = current * (0.9 + 0.2 * cube[:, -4]), torque * lifting.at(1.0 - worse)
@@ -144,8 +150,8 @@ def sampled_parts(motor: Hit, gearhead: Hit | None, controller: Hit | None, powe
     if (idle := _idle(bought, gear, cube[:, -5], identified)) is not None:
         gear = {**gear, "no_load_torque": idle}
         ends = (float(x) for x in np.quantile(idle[1:], (0.5, 0.05, 0.95)))
-        shown.append(_shown("gearhead", "gearheads", "no_load_torque", tuple(ends), _IDLE_LAW))  # type: ignore[arg-type]
-    return SampledParts(bought, gear, stage, cube[:, -3:], most, tuple(shown), tuple(drawn))
+        figures.append(_shown("gearhead", "gearheads", "no_load_torque", tuple(ends), _IDLE_LAW))  # type: ignore[arg-type]
+    return SampledParts(bought, gear, stage, cube[:, -3:], most, tuple(figures), tuple(tolerances))
 
 
 def _idle(motor: Figures, gear: Figures, share: Array, identified: bool) -> Array | None:
@@ -158,12 +164,12 @@ def _idle(motor: Figures, gear: Figures, share: Array, identified: bool) -> Arra
     low, usual, high = usual_idle(gear)
     if gear["ratio"][0] <= 1.0 or not isnan(gear["no_load_torque"][0]) or isnan(usual[0]):
         return None
-    found = lognormal(low, usual, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
+    torque = lognormal(low, usual, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
     if motor["inside"][0]:
         if motor["kind"][0] == "brushed" or identified:
             return None  # what rubs is known, or an estimate of peers
-        found = np.maximum(found - friction(motor)[0], 0.0)
-    return found
+        torque = np.maximum(torque - friction(motor)[0], 0.0)
+    return torque
 
 
 def _varied(bought: Figures, changed: Mapping[str, Any], estimated: set[str]) -> Figures:
@@ -177,22 +183,22 @@ def _shown(role: str, section: str, figure: str, band: tuple[float, float, float
     return EstimatedFigure(role, figure, *band, column.kind, column.unit, law)
 
 
-def _within(one: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Array) -> Array:
+def _within(estimate: Estimate, laws: set[Fit], hit: Hit, columns: Figures, share: Array) -> Array:
     """Log-normal values of an estimated figure, by its law where terms of it were drawn before: errors go together.
 
     The laws are those of the part: another may be narrower where a term was drawn far from its middle.
     """
     from scipy.special import ndtri
 
-    value, low, high = (np.full(len(share), x) for x in (one.value, one.low, one.high))
+    value, low, high = (np.full(len(share), x) for x in (estimate.value, estimate.low, estimate.high))
     row = np.full(len(share), hit.row)
-    drawn = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]), laws)
-    if one.figure in drawn:  # else by a rule, of printed figures alone
-        for into, found in zip((value, low, high), drawn[one.figure][1:4], strict=True):
-            into[drawn[one.figure].rows] = found
+    by_figure = estimates(Table(hit.section, columns, hit.table.source[row], hit.table.excluded[row]), laws)
+    if estimate.figure in by_figure:  # else by a rule, of printed figures alone
+        for into, column in zip((value, low, high), by_figure[estimate.figure][1:4], strict=True):
+            into[by_figure[estimate.figure].rows] = column
     values = lognormal(low, value, high, ndtri(np.clip(share, 1e-6, 1.0 - 1e-6)))
-    values[0] = one.value
-    return np.asarray(np.minimum(values, 1.0 if one.figure == "efficiency" else np.inf))
+    values[0] = estimate.value
+    return np.asarray(np.minimum(values, 1.0 if estimate.figure == "efficiency" else np.inf))
 
 
 def _repeated(hit: Hit, count: int) -> dict[str, NDArray[Any]]:
@@ -210,8 +216,8 @@ def _inside(catalog: Catalog, columns: Figures, source: NDArray[np.int32]) -> Ca
 def _classes(motor: Hit, gearhead: Hit | None, controller: Hit | None) -> tuple[Class, ...]:
     """Tolerance classes of the figures of motor, gearhead and controller."""
     if motor.section == "actuators":
-        one = _inside(motor.catalog, _repeated(motor, 1), motor.table.source[motor.row : motor.row + 1])
-        own = holding(one, {}, "motor", 0) + holding(one, {}, "gearhead", 0)
+        catalog = _inside(motor.catalog, _repeated(motor, 1), motor.table.source[motor.row : motor.row + 1])
+        own = holding(catalog, {}, "motor", 0) + holding(catalog, {}, "gearhead", 0)
     else:
         own = holding(motor.catalog, {}, "motor", motor.row)
         own += holding(gearhead.catalog, {}, "gearhead", gearhead.row) if gearhead else ()
@@ -255,10 +261,10 @@ class Heating(NamedTuple):
 def over_time(heating: Heating, start: State, times: Array) -> tuple[Array, Array]:
     """Temperatures of winding and housing at times."""
     whole = np.ones(np.shape(heating.bodies.R_25))
-    found = [(start.winding * whole, start.housing * whole)]
+    states = [(start.winding * whole, start.housing * whole)]
     for span in np.diff(times):
-        found.append(_step(heating, found[-1], span))
-    return tuple(np.where(np.array(x) < _RUNAWAY, x, np.inf) for x in zip(*found, strict=True))  # type: ignore[return-value]
+        states.append(_step(heating, states[-1], span))
+    return tuple(np.where(np.array(x) < _RUNAWAY, x, np.inf) for x in zip(*states, strict=True))  # type: ignore[return-value]
 
 
 def in_the_long_run(heating: Heating) -> tuple[Array, Array]:
@@ -306,15 +312,15 @@ def time_to_limit(heating: Heating, start: State, limit: Alike) -> Array:
 
 def _step(heating: Heating, state: tuple[Array, Array], span: Alike) -> tuple[Array, Array]:
     """Temperatures after a span, with the sources at the mean of the winding's temperature before and after."""
-    sources, moved = heating.sources(state[0]), state
+    sources, end = heating.sources(state[0]), state
     for _ in range(2):
         current, loss = sources
-        moved = after(heating.bodies, heating.ambient, State(*state), current**2, loss, span)
-        moved = tuple(np.minimum(np.nan_to_num(x, nan=_RUNAWAY), _RUNAWAY) for x in moved)
-        sources = heating.sources((state[0] + moved[0]) / 2.0)
+        end = after(heating.bodies, heating.ambient, State(*state), current**2, loss, span)
+        end = tuple(np.minimum(np.nan_to_num(x, nan=_RUNAWAY), _RUNAWAY) for x in end)
+        sources = heating.sources((state[0] + end[0]) / 2.0)
         if np.array_equal(sources, (current, loss)):  # as while it holds
             break
-    return moved
+    return end
 
 
 _LEADS = 0.03, 0.1, 0.35  # V at the nominal current: both of 0.3 to 1.5 m of copper at 3 to 6.5 A/mm^2
@@ -381,50 +387,50 @@ def usual_leads(parts: SampledParts) -> Array:
     return np.asarray(lognormal(*_LEADS, deviations_at(share)) / nominal)
 
 
-def set_at_voltage(parts: SampledParts, given: Conditions) -> SetAtVoltage:
+def set_at_voltage(parts: SampledParts, conditions: Conditions) -> SetAtVoltage:
     """A set at a supply."""
     motor, controller, whole = parts.motor, parts.controller, np.ones(len(parts.motor["part"]))
-    duty, voltage, feed = whole, given.voltage * whole, None
-    higher = max(given.voltage / motor["nominal_voltage"][0], 1.0)  # than that of the printed stall
+    duty, voltage, feed = whole, conditions.voltage * whole, None
+    higher = max(conditions.voltage / motor["nominal_voltage"][0], 1.0)  # than that of the printed stall
     if controller is not None:
-        stage = power_stage(controller, given.voltage)
-        duty, feed = controller["max_duty"], Feed(stage, given.voltage, np.nan_to_num(given.resistance), 1)
+        stage = power_stage(controller, conditions.voltage)
+        duty, feed = controller["max_duty"], Feed(stage, conditions.voltage, np.nan_to_num(conditions.resistance), 1)
         voltage, most = feed.usable, np.asarray(controller["peak_current"], float)
     else:  # of one inside an actuator its stall's current, where the winding would take more
         stall, of_winding = motor["stall_current"][0], motor["nominal_voltage"][0] / motor["resistance"][0]
         limited = motor["commutation"][0] == ELECTRONICS and stall < _LIMITED * of_winding
         most = np.minimum(stall if limited else np.inf, parts.most[0] * higher)
     drive = motor_and_gears(motor, parts.gearhead)._replace(k_e=motor["back_emf_constant"])
-    leads = usual_leads(parts) if isnan(given.resistance) else duty**2 * given.resistance
+    leads = usual_leads(parts) if isnan(conditions.resistance) else duty**2 * conditions.resistance
     losses = housing_loss(motor, whole)
     return SetAtVoltage(
         motor, drive, voltage, duty, leads, feed, most, parts.most[1] * higher, two_bodies(motor), losses
     )
 
 
-def hold_current(one: SetAtVoltage, parts: SampledParts, torque_out: float) -> Array:
+def hold_current(drive_set: SetAtVoltage, parts: SampledParts, torque_out: float) -> Array:
     r"""Current that holds a torque at rest.
 
     Friction carries any part between :math:`M e / i - M_f` (it helps) and :math:`M / (i e) + M_f` (it has just been
     overcome): uniform between the two over the samples, M/i in the first row.
     """
     if torque_out == 0.0:
-        return np.zeros_like(one.coulomb)
-    helped = np.maximum(torque_out * one.drive.efficiency / one.drive.ratio - one.coulomb, 0.0)
-    torque = helped + parts.free[:, 0] * (one.motor_torque(torque_out) - helped)
-    torque[0] = np.where(np.isnan(torque[0]), np.nan, torque_out / one.drive.ratio[0])
-    return np.asarray(torque / one.drive.k_t)
+        return np.zeros_like(drive_set.coulomb)
+    helped = np.maximum(torque_out * drive_set.drive.efficiency / drive_set.drive.ratio - drive_set.coulomb, 0.0)
+    torque = helped + parts.free[:, 0] * (drive_set.motor_torque(torque_out) - helped)
+    torque[0] = np.where(np.isnan(torque[0]), np.nan, torque_out / drive_set.drive.ratio[0])
+    return np.asarray(torque / drive_set.drive.k_t)
 
 
-def hottest_phase(one: SetAtVoltage, parts: SampledParts) -> TwoBodies:
+def hottest_phase(drive_set: SetAtVoltage, parts: SampledParts) -> TwoBodies:
     """Bodies of heat with the phase that carries most as the winding: more of the loss than of the mass.
 
     A brushless motor at rest heats its phases unequally: by the rotor's angle the hottest has 1.5 to 2 times the mean
     loss (three sinusoidal currents). Of what is above the mean its neighbours lead away any part, which varies over
     the samples: in a measured RI50 the same spot warmed at 1, 0.8 and 0.6 of a rate with the rotor at three angles.
     """
-    if one.motor["kind"][0] != "brushless":
-        return one.bodies
+    if drive_set.motor["kind"][0] != "brushless":
+        return drive_set.bodies
     alone = 2.0 * np.cos(_HALF_STEP * parts.free[:, 1]) ** 2
     more = 1.0 + (alone - 1.0) * parts.free[:, 2]
-    return replace(one.bodies, R_th1=one.bodies.R_th1 * more)
+    return replace(drive_set.bodies, R_th1=drive_set.bodies.R_th1 * more)

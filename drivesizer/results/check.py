@@ -108,7 +108,7 @@ def figure(name: str, value: float, at_time: float | None = None, *, rotary: boo
 def figures_of(section: str | Sequence[str], values: Mapping[str, Alike], **words: str) -> tuple[Figure, ...]:
     """The figures of a section of ``figures.txt`` that have a value; of several sections as the last of them has it."""
     sections = [section] if isinstance(section, str) else section
-    rows = {name: row for one in sections for name, row in _FIGURES[one].items()}
+    rows = {name: row for part in sections for name, row in _FIGURES[part].items()}
     return tuple(
         Figure(name=name, title=title.format_map(words), value=float(values[name]), kind=units[0][0], unit=units[0][1])
         for name, (title, units) in rows.items()
@@ -136,13 +136,13 @@ def verdict(checks: tuple[Check, ...]) -> Status:
     return gravest([check.status for check in checks if not check.advice])
 
 
-def gravest(found: Sequence[Status]) -> Status:
+def gravest(statuses: Sequence[Status]) -> Status:
     """The gravest of some outcomes; ``pass`` of none.
 
     >>> gravest(["pass", "open", "fail"])
     'fail'
     """
-    return next((status for status in GRAVEST if status in found), "pass")
+    return next((status for status in GRAVEST if status in statuses), "pass")
 
 
 def worst(checks: tuple[Check, ...]) -> Check | None:
@@ -164,8 +164,8 @@ def worst_of_cases(by_case: Sequence[tuple[str, Sequence[Check]]]) -> tuple[Chec
     alike: dict[tuple[str, str], list[Check]] = {}
     for name, checks in by_case:
         for check in checks:
-            one = check if check.case or not name else replace(check, case=name)
-            alike.setdefault((check.name, check.case), []).append(one)
+            own = check if check.case or not name else replace(check, case=name)
+            alike.setdefault((check.name, check.case), []).append(own)
     return tuple(min(several, key=_severity) for several in alike.values())
 
 

@@ -74,8 +74,8 @@ class CheckColumn(NamedTuple):
         if self.least is not None:
             decided = decided | (self.opened & ~np.isnan(self.least))
         with np.errstate(all="ignore"):
-            found = limit / demand - 1.0
-        return np.where(decided & (self.demand != self.zero) & np.isfinite(found), found, nan)
+            margin = limit / demand - 1.0
+        return np.where(decided & (self.demand != self.zero) & np.isfinite(margin), margin, nan)
 
     @property
     def doublings(self) -> Whole:
@@ -85,9 +85,9 @@ class CheckColumn(NamedTuple):
         [0, 0, 1, 2]
         """
         with np.errstate(all="ignore"):
-            found = np.log2((self.demand - self.zero) / (self.limit - self.zero))
-        undecided = ~(self.passed | self.failed) & (found > 0.0)  # written so that NaN is none
-        return np.where(undecided, np.minimum(found, _MOST_DOUBLINGS), 0.0).astype(np.int64)
+            doublings = np.log2((self.demand - self.zero) / (self.limit - self.zero))
+        undecided = ~(self.passed | self.failed) & (doublings > 0.0)  # written so that NaN is none
+        return np.where(undecided, np.minimum(doublings, _MOST_DOUBLINGS), 0.0).astype(np.int64)
 
     @property
     def tightness(self) -> Array:
@@ -100,8 +100,8 @@ class CheckColumn(NamedTuple):
     def tight(self, margin: Array) -> Array:
         """The tightness where the margin is at hand."""
         margin = margin if self.least is None else self.least
-        beside = np.isnan(margin) | self.passed if self.by_choice else np.isnan(margin)
-        return np.where(self.advice | beside, inf, margin)
+        exempt = np.isnan(margin) | self.passed if self.by_choice else np.isnan(margin)
+        return np.where(self.advice | exempt, inf, margin)
 
     def at(
         self,
@@ -114,25 +114,27 @@ class CheckColumn(NamedTuple):
         rotary: bool = False,
     ) -> Check:
         """The check of one candidate; ``()`` for a column that is a single figure."""
-        declared, one = CHECKS[method][self.name], self.on(index)
+        declared, column = CHECKS[method][self.name], self.on(index)
         kind, unit = declared.rotary if rotary else (declared.kind, declared.unit)
-        status: Status = "pass" if one.passed else "fail" if one.failed else "open" if one.opened else "unknown"
-        margin, time, band = float(one.margin), at_time if one.time is None else float(one.time), None
-        if one.low is not None and one.high is not None and one.least is not None:
-            low, high, least = float(one.low), float(one.high), float(one.least)
+        status: Status = (
+            "pass" if column.passed else "fail" if column.failed else "open" if column.opened else "unknown"
+        )
+        margin, time, band = float(column.margin), at_time if column.time is None else float(column.time), None
+        if column.low is not None and column.high is not None and column.least is not None:
+            low, high, least = float(column.low), float(column.high), float(column.least)
             if any(x < y and not isclose(x, y) for x, y in ((low, high), (least, margin))):  # but for rounding
                 band = Band(low, high, least)
         by_range = status == "open" and isnan(margin)
-        lacking = self.undecided if (status == "unknown" or by_range) and not isnan(one.limit) else ""
-        if one.on_basis is not None and one.on_basis:
+        lacking = self.undecided if (status == "unknown" or by_range) and not isnan(column.limit) else ""
+        if column.on_basis is not None and column.on_basis:
             lacking = self.basis
         return Check(
             name=self.name,
             title=declared.title + (" (advice)" if self.advice else ""),
             method=method,
-            case=cases[0 if one.case is None else int(one.case)],
-            demand=float(one.demand),
-            limit=float(one.limit),
+            case=cases[0 if column.case is None else int(column.case)],
+            demand=float(column.demand),
+            limit=float(column.limit),
             kind=kind,
             unit=unit,
             margin=margin,
@@ -147,14 +149,14 @@ class CheckColumn(NamedTuple):
 
     def on(self, rows: Whole | Mask | slice | int | tuple[()]) -> CheckColumn:
         """The same check of some of the candidates; of one as single figures."""
-        taken: dict[str, Alike] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
-        return self._replace(**taken)
+        columns: dict[str, Alike] = {n: x[rows] for n in _IDLE if isinstance(x := getattr(self, n), np.ndarray)}
+        return self._replace(**columns)
 
-    def with_rows(self, rows: Whole | Mask | tuple[()], some: CheckColumn) -> CheckColumn:
+    def with_rows(self, rows: Whole | Mask | tuple[()], part: CheckColumn) -> CheckColumn:
         """The same check with some of the candidates as another column has them."""
         changed: dict[str, Alike] = {}
         for name in _IDLE:
-            old, new = getattr(self, name), getattr(some, name)
+            old, new = getattr(self, name), getattr(part, name)
             if isinstance(old, np.ndarray) or (name == "opened" and isinstance(new, np.ndarray)):
                 changed[name] = np.array(np.broadcast_to(old, self.passed.shape))
                 changed[name][rows] = False if new is None else new  # all figures of these may be known
@@ -245,8 +247,8 @@ def _refuse_undeclared(name: str) -> None:
 
 def _ends(figure: Alike) -> tuple[Array, Array]:
     if not isinstance(figure, Range) or figure.low is figure.high:
-        one = np.asarray(figure.low if isinstance(figure, Range) else figure, float)
-        return one, one
+        values = np.asarray(figure.low if isinstance(figure, Range) else figure, float)
+        return values, values
     return np.asarray(figure.low, float), np.asarray(figure.high, float)
 
 
@@ -274,30 +276,32 @@ def over_ends(middle: CheckColumn, ends: Sequence[CheckColumn], rows: Whole | tu
     >>> found.status, found.band
     ('open', Band(low=20.0, high=25.0, least_margin=-0.040000000000000036))
     """
-    every = [middle.on(rows), *ends]
-    passed, failed = (np.logical_and.reduce([getattr(c, name) for c in every]) for name in ("passed", "failed"))
+    columns = [middle.on(rows), *ends]
+    passed, failed = (np.logical_and.reduce([getattr(c, name) for c in columns]) for name in ("passed", "failed"))
     # at an end a winding may run away; without a limit at an end an unknown demand decides nothing
-    decided = np.logical_or.reduce([(c.passed | c.failed) & ~(np.isnan(c.demand) & (c.limit == np.inf)) for c in every])
-    decided |= np.logical_or.reduce([np.broadcast_to(c.opened, c.passed.shape) for c in every])
-    demands, least = np.array([c.demand for c in every]), np.fmin.reduce([c.margin for c in every])
+    decided = np.logical_or.reduce(
+        [(c.passed | c.failed) & ~(np.isnan(c.demand) & (c.limit == np.inf)) for c in columns]
+    )
+    decided |= np.logical_or.reduce([np.broadcast_to(c.opened, c.passed.shape) for c in columns])
+    demands, least = np.array([c.demand for c in columns]), np.fmin.reduce([c.margin for c in columns])
     low, high = demands.min(axis=0), demands.max(axis=0)
     opened = decided & ~passed & ~failed
-    sampled = every[0]._replace(passed=passed, failed=failed, opened=opened, low=low, high=high, least=least)
+    sampled = columns[0]._replace(passed=passed, failed=failed, opened=opened, low=low, high=high, least=least)
     # an open check is shown by the low end of its limit, a failed one by the high end: the least margin is by the low
-    by_high_end = False if every[-1].on_basis is None else every[-1].on_basis & every[-1].failed
-    shown = sampled._replace(demand=np.where(by_high_end, high, every[0].demand)).margin
-    sampled = sampled._replace(least=np.fmin(least, shown))
+    by_high_end = False if columns[-1].on_basis is None else columns[-1].on_basis & columns[-1].failed
+    margin = sampled._replace(demand=np.where(by_high_end, high, columns[0].demand)).margin
+    sampled = sampled._replace(least=np.fmin(least, margin))
     opened = np.array(np.broadcast_to(middle.opened, middle.passed.shape))
     whole = middle._replace(opened=opened, low=middle.demand, high=middle.demand, least=middle.margin)
     return whole.with_rows(rows, sampled)
 
 
-def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
+def worst_case(by_case: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     """The same check in several load cases as one: where it fails, is unknown, or is tightest; of equals the first.
 
     Of a check without a margin, as nobody prints the limit, that is where most is demanded.
     """
-    numbers, checks = [number for number, _ in found], [check for _, check in found]
+    numbers, checks = [number for number, _ in by_case], [check for _, check in by_case]
     if len(checks) == 1:
         return checks[0] if numbers[0] == 0 else checks[0]._replace(case=np.full(checks[0].passed.shape, numbers[0]))
     shape = np.broadcast_shapes(*(c.passed.shape for c in checks))
@@ -322,28 +326,28 @@ def worst_case(found: Sequence[tuple[int, CheckColumn]]) -> CheckColumn:
     for name in _IDLE:
         of_each = [getattr(c, name) for c in checks]
         if name != "case" and of_each[0] is not None:
-            taken = np.asarray(of_each[0])
-            columns[name] = taken if taken.shape == shape else np.full(shape, taken)
+            column = np.asarray(of_each[0])
+            columns[name] = column if column.shape == shape else np.full(shape, column)
             for number, rows in others:
                 other = False if of_each[number] is None else of_each[number]
                 columns[name] = np.where(rows, other, columns[name])
     return checks[0]._replace(**columns, case=np.array(numbers)[worst])
 
 
-def together(found: Sequence[tuple[Whole | Mask | slice, Sequence[CheckColumn]]], count: int) -> list[CheckColumn]:
+def together(by_rows: Sequence[tuple[Whole | Mask | slice, Sequence[CheckColumn]]], count: int) -> list[CheckColumn]:
     """Checks of some candidates at a time put together; some there are only for some of them."""
     by_name: dict[str, list[tuple[Whole | Mask | slice, CheckColumn]]] = {}
-    for rows, checks in found:
+    for rows, checks in by_rows:
         for check in checks:
             by_name.setdefault(check.name, []).append((rows, check))
     whole = []
     for parts in by_name.values():
         columns: dict[str, Alike] = {}
         for name, idle in _IDLE.items():
-            each = [(rows, getattr(check, name)) for rows, check in parts]
-            if any(isinstance(column, np.ndarray) for _, column in each):
+            rows_columns = [(rows, getattr(check, name)) for rows, check in parts]
+            if any(isinstance(column, np.ndarray) for _, column in rows_columns):
                 columns[name] = np.full(count, idle)
-                for rows, column in each:
+                for rows, column in rows_columns:
                     columns[name][rows] = idle if column is None else column
         whole.append(parts[0][1]._replace(**columns))
     return whole

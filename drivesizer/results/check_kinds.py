@@ -29,19 +29,19 @@ class CheckKind:
 
 def _declared() -> tuple[dict[str, dict[str, CheckKind]], dict[str, tuple[str, ...]]]:
     """The checks of each method by name, and how the names of a part's checks begin."""
-    found: dict[str, dict[str, CheckKind]] = {}
+    kinds: dict[str, dict[str, CheckKind]] = {}
     lists: dict[str, dict[str, tuple[str, ...]]] = {"figures": {}, "parts": {}}
     for section, cells in listed("drivesizer.results", "checks.txt"):
         name, title, units, figures, inertia = (*cells, "", "", "")[:5]
         words = (title if section in lists else figures).split()
-        names = tuple(one for word in words for one in lists["figures"].get(word, (word,)))
+        names = tuple(figure for word in words for figure in lists["figures"].get(word, (word,)))
         if section in lists:
             lists[section][name] = names
         else:
             own, *rotary = ((kind, unit) for kind, unit in map(str.split, (units or "dimensionless 1").split(",")))
             declared = CheckKind(title, *own, rotary[0] if rotary else own, names, inertia == "inertia")
-            found.setdefault(section, {})[name] = declared
-    return found, lists["parts"]
+            kinds.setdefault(section, {})[name] = declared
+    return kinds, lists["parts"]
 
 
 CHECKS, _OF_PART = _declared()
@@ -113,12 +113,12 @@ def rests_on(check: Check, drive_set: DriveParts) -> tuple[str, ...]:
         "PULL_OUT": [f"motor.{name}" for name in model],
     }
     named = CHECKS[check.method][check.name].rests_on
-    return tuple(dict.fromkeys(one for name in named for one in words.get(name, [name])))
+    return tuple(dict.fromkeys(figure for name in named for figure in words.get(name, [name])))
 
 
 def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
     """For each unknown check its title, and which figures are not known: else those that its note names."""
-    found = []
+    rows = []
     for check in _reported(drive_set):
         if check.status == "unknown":
             stated = "a figure of the load or of the spec"
@@ -126,8 +126,8 @@ def unknown_figures(drive_set: DriveSet) -> list[list[str]]:
                 stated = "a source that lists it with this motor"
             elif check.note.startswith("unknown: "):  # such as masses of parts
                 stated = check.note.removeprefix("unknown: ")
-            found.append([check.title, ", ".join(_lacking(check, drive_set)) or stated])
-    return found
+            rows.append([check.title, ", ".join(_lacking(check, drive_set)) or stated])
+    return rows
 
 
 def _reported(drive_set: DriveSet) -> tuple[Check, ...]:
@@ -181,12 +181,12 @@ def with_origins(
 ) -> tuple[Check, ...]:
     """Checks of a drive, each with whence the figures are that it rests on, as far as they are not printed."""
     marks: dict[str, dict[str, str]] = {}
-    assumed = {one.figure for one in estimated if one.confidence == "assumed by class"}
+    assumed = {estimate.figure for estimate in estimated if estimate.confidence == "assumed by class"}
     for role in ("motor", "gearhead", "brake", "encoder", "controller"):
         part, table = getattr(drive, role), catalog.table(f"{role}s")
         if part is not None and part.part in table.rows:
             marks[role] = catalog.confidence(f"{role}s", table.rows[part.part])
-    found = []
+    with_origin = []
     for check in checks:
         origins = []
         for name in rests_on(check, drive):
@@ -198,8 +198,8 @@ def with_origins(
                 mark = "unbounded"
             if mark:
                 origins.append(Origin(role, field, mark))
-        found.append(replace(check, origins=tuple(origins)) if origins else check)
-    return tuple(found)
+        with_origin.append(replace(check, origins=tuple(origins)) if origins else check)
+    return tuple(with_origin)
 
 
 def marked_figures(drive_set: DriveSet) -> list[list[str]]:
@@ -209,9 +209,9 @@ def marked_figures(drive_set: DriveSet) -> list[list[str]]:
         for origin in check.origins:
             if origin.confidence in _OF_MARK.values():
                 resting.setdefault(origin, []).append(check.title)
-    found = []
+    rows = []
     for (role, field, confidence), titles in resting.items():
         column, digits = columns_of(f"{role}s")[field], 3 if confidence == "estimated from peers" else 6
         value = show(getattr(getattr(drive_set, role), field), column.unit, column.kind, digits)
-        found.append([figure_words(role, field), value, confidence.split()[0], "; ".join(dict.fromkeys(titles))])
-    return found
+        rows.append([figure_words(role, field), value, confidence.split()[0], "; ".join(dict.fromkeys(titles))])
+    return rows

@@ -396,8 +396,8 @@ class DriveParts:
     def parts(self) -> dict[str, Any]:
         """The parts as they are bought, by role; None where none is known. What is inside one is no part of its own."""
         turning: dict[str, Any] = {"motor": self.motor, "gearhead": self.gearhead}
-        held = {"brake": self.brake} if self.brake else {}
-        controlling: dict[str, Any] = {**held, "encoder": self.encoder, "controller": self.controller}
+        brake = {"brake": self.brake} if self.brake else {}
+        controlling: dict[str, Any] = {**brake, "encoder": self.encoder, "controller": self.controller}
         controlling = {role: part for role, part in controlling.items() if not getattr(part, "inside", "")}
         if self.steps and self.encoder is None:
             del controlling["encoder"]
@@ -438,8 +438,8 @@ class DriveSet(DriveParts):
     @property
     def price(self) -> float:
         """Sum of the known prices of its parts [its currency]; NaN where none is known."""
-        every = self.parts
-        known = [every[role].price for role in self.price_of]
+        parts = self.parts
+        known = [parts[role].price for role in self.price_of]
         return sum(known) if known else nan
 
     @property

@@ -72,9 +72,9 @@ class Identification:
 
     def figure(self, name: str) -> IdentifiedFigure:
         """A figure by its name."""
-        for one in self.figures:
-            if one.name == name:
-                return one
+        for figure in self.figures:
+            if figure.name == name:
+                return figure
         raise KeyError(name)
 
 

@@ -140,7 +140,7 @@ class AxisSizing:
     @property
     def carried_mass(self) -> float:
         """Of all drives that ride on it [kg]."""
-        return fsum(one.mass for one in self.carried)
+        return fsum(drive.mass for drive in self.carried)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,17 +184,17 @@ class MachineSizing:
         drives = [(axis.best or (axis.closest if rejected else None), axis.name) for axis in self.axes]
         checks = [(worst(drive.deciding), name) for drive, name in drives if drive]
         checks.append((worst(tuple(check for check in self.checks if not check.advice)), ""))
-        return min([(check, name) for check, name in checks if check], key=lambda one: one[0].margin, default=None)
+        return min([(check, name) for check, name in checks if check], key=lambda pair: pair[0].margin, default=None)
 
     @property
     def total(self) -> float:
         """Sum of the objective over all drives, SI; NaN where it is no sum, one is unknown, or an axis has no drive."""
         if self.objective not in SUMMED:
             return nan
-        found = [
-            objective_sum(self.objective, one.best.objective, one.drives) if one.best else nan for one in self.axes
+        objectives = [
+            objective_sum(self.objective, axis.best.objective, axis.drives) if axis.best else nan for axis in self.axes
         ]
-        return nan if any(map(isnan, found)) else fsum(found)
+        return nan if any(map(isnan, objectives)) else fsum(objectives)
 
 
 def of_one_axis(result: SizingResult) -> MachineSizing:

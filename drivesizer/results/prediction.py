@@ -93,4 +93,4 @@ class Prediction:
 
     def figure(self, name: str) -> Predicted:
         """A figure by its name."""
-        return next(one for one in self.figures if one.name == name)
+        return next(figure for figure in self.figures if figure.name == name)

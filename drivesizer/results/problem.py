@@ -90,12 +90,12 @@ def screw_figures(load: ScrewLoad, screw: Screw) -> dict[str, Any]:
     """Fields of a load that a screw of a catalogue gives."""
     checked = _CHECKED.get(screw.kind, _CHECKED[""])
     figures = {name: getattr(screw, name) for name in _RATINGS}
-    given = {name: value if name in checked else _known(value) for name, value in figures.items()}
+    fields = {name: value if name in checked else _known(value) for name, value in figures.items()}
     if load.thread_friction is None and load.efficiency is None:
-        given["efficiency"] = _known(screw.efficiency)
-        given["back_efficiency"] = load.back_efficiency or _known(screw.back_efficiency)
+        fields["efficiency"] = _known(screw.efficiency)
+        fields["back_efficiency"] = load.back_efficiency or _known(screw.back_efficiency)
     design = load.design or _DESIGNS.get(screw.manufacturer)
-    return given | {"lead": screw.lead, "design": design}
+    return fields | {"lead": screw.lead, "design": design}
 
 
 def _known(value: float) -> float | None:
@@ -105,18 +105,18 @@ def _known(value: float) -> float | None:
 def with_screw(spec: RobotSpec, screw: Screw) -> RobotSpec:
     """A spec with the screw of a catalogue in place of its choice, in all load cases."""
 
-    def chosen(one: RobotSpec) -> RobotSpec:
-        load: Any = one.load
-        if not leaves_open(one):
-            return one
-        return one.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
+    def chosen(case: RobotSpec) -> RobotSpec:
+        load: Any = case.load
+        if not leaves_open(case):
+            return case
+        return case.model_copy(update={"load": load.model_copy(update=screw_figures(load, screw))})
 
     return spec.changed(chosen)
 
 
-def for_drive(spec: RobotSpec, chosen: ChosenScrew | None) -> RobotSpec:
+def for_drive(spec: RobotSpec, screw: ChosenScrew | None) -> RobotSpec:
     """A spec with the screw of a drive, where it leaves one open."""
-    return with_screw(spec, chosen.screw) if chosen is not None and wants_screw(spec) else spec
+    return with_screw(spec, screw.screw) if screw is not None and wants_screw(spec) else spec
 
 
 # -- The sizing problem: a machine, its load cases with their load cycles, the belts for it, and the catalogues.
@@ -146,8 +146,7 @@ class LoadCase:
     @property
     def cycle(self) -> LoadCycle:
         """The load cycle at the driven shaft of one motor."""
-        cycle: LoadCycle = self.at_belt.load_cycle
-        return cycle
+        return self.at_belt.load_cycle
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -174,10 +173,10 @@ class Problem:
     @property
     def machine_cases(self) -> list[list[int]]:
         """The load cases of the machine, each as the numbers of those of ``cases`` that act at the same time."""
-        found: dict[int, list[int]] = {}
+        numbers: dict[int, list[int]] = {}
         for place, case in enumerate(self.cases):
-            found.setdefault(case.number, []).append(place)
-        return list(found.values())
+            numbers.setdefault(case.number, []).append(place)
+        return list(numbers.values())
 
     def name_of(self, numbers: list[int]) -> str:
         """Name of one of ``machine_cases``; cases that alternate are one."""

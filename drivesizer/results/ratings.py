@@ -88,8 +88,8 @@ def controller_current(controller: Figures, ambient: Array | float) -> Alike:
     if not (hotter.any() or too_hot.any()):
         return printed
     left = np.maximum(printed - controller["derating_slope"] * (ambient - np.asarray(full)), 0.0)
-    found: Array = np.where(too_hot, 0.0, np.where(hotter, left, printed))
-    return np.where(np.isnan(printed), np.nan, found)
+    derated: Array = np.where(too_hot, 0.0, np.where(hotter, left, printed))
+    return np.where(np.isnan(printed), np.nan, derated)
 
 
 def continuous_currents(motor: Motor, controller: Controller | None, environment: Environment) -> tuple[float, float]:
@@ -205,7 +205,7 @@ def _rated(
 def unless_printed(column: CheckColumn, figure: str, drive: DriveParts) -> CheckColumn:
     """A check of one drive that fails no limit which the maker of its actuator does not print."""
     estimated = drive.estimated if isinstance(drive, DriveSet) else ()
-    most = [one.high for one in estimated if (one.part, one.figure) == ("actuator", figure)]
+    most = [estimate.high for estimate in estimated if (estimate.part, estimate.figure) == ("actuator", figure)]
     return column._replace(failed=column.failed & (column.demand > most[0])) if most else column
 
 
@@ -257,14 +257,14 @@ def coil_voltage(brake: Figures, supply: Supply) -> CheckColumn:
 
     Up to the voltage of the machine, or of a usual control supply, that can be had; above both it is unknown.
     """
-    coil, given, there = brake["supply"], supply.brakes, brake["part"] != ""
-    volts = np.nan if given is None else given
-    shared = given is None or volts == supply.nominal  # of samples each
+    coil, brake_supply, there = brake["supply"], supply.brakes, brake["part"] != ""
+    volts = np.nan if brake_supply is None else brake_supply
+    shared = brake_supply is None or volts == supply.nominal  # of samples each
     low, high = (np.where(shared, end, volts) for end in (supply.lowest, supply.highest))
     least, most = (1.0 - _COIL) * coil, (1.0 + _COIL) * coil
     weak = low < least
     demand, limit = np.where(weak, least, high), np.where(there, np.where(weak, low, most), np.inf)
-    apart = there & ~(demand <= limit) & (given is None)
+    apart = there & ~(demand <= limit) & (brake_supply is None)
     at_hand = np.maximum(supply.highest, _CONTROL)
     higher = apart & (least > at_hand)
     demand, limit = np.where(apart, coil, demand), np.where(apart, most, limit)
@@ -277,23 +277,27 @@ def unstated_ambient(sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Assumption for drives of which a maker does not state at which ambient they may run."""
     names = {"motor_temperature_range": "motor", "gearhead_temperature_range": "gearhead"}
     parts = (
-        getattr(one, names[check.name]).part
-        for one in sets
-        for check in one.checks
+        getattr(drive, names[check.name]).part
+        for drive in sets
+        for check in drive.checks
         if check.name in names and check.note == ASSUMED_AMBIENT
     )
-    said = ", ".join(dict.fromkeys(parts))
+    part_names = ", ".join(dict.fromkeys(parts))
     return (
-        (f"no catalogue says at which ambient {said} may run: 0 to 40 °C are assumed, of IEC 60034-1",) if said else ()
+        (f"no catalogue says at which ambient {part_names} may run: 0 to 40 °C are assumed, of IEC 60034-1",)
+        if part_names
+        else ()
     )
 
 
 def unstated_supply(sets: Iterable[DriveSet]) -> tuple[str, ...]:
     """Assumption for controllers inside a motor or actuator of which nobody states at which voltages they work."""
-    silent = (one for one in sets if one.actuator is None or np.isnan(one.actuator.supply_max))
-    said = ", ".join(dict.fromkeys(one.controller.inside for one in silent if one.controller and one.controller.inside))
+    silent = (drive for drive in sets if drive.actuator is None or np.isnan(drive.actuator.supply_max))
+    names = ", ".join(
+        dict.fromkeys(drive.controller.inside for drive in silent if drive.controller and drive.controller.inside)
+    )
     usual = "0.85 to 1.15 times the nominal voltage are assumed, as of batteries in IEC 60204-1, 4.3.3"
-    return (f"no catalogue says at which supply the controller inside {said} works: {usual}",) if said else ()
+    return (f"no catalogue says at which supply the controller inside {names} works: {usual}",) if names else ()
 
 
 def unstated_temperature(parts: Iterable[str]) -> tuple[str, ...]:

@@ -92,8 +92,7 @@ def multiples(values: Array, known: Mask) -> Array:
     if not known.any():
         return np.ones_like(values)
     least, most = values[known].min(), np.abs(values[known]).max()
-    found: Array = values / least if least > 0.0 else 1.0 + (values - least) / (most or 1.0)
-    return found
+    return values / least if least > 0.0 else 1.0 + (values - least) / (most or 1.0)
 
 
 def weighted_order(figures: Mapping[str, Array], weights: Mapping[str, float]) -> Scored:
@@ -158,22 +157,23 @@ class SizingResult:
 
     def __str__(self) -> str:
         """The drives, a line each."""
-        rows = [_row(one) for one in self.sets or self.misses]
+        rows = [_row(drive) for drive in self.sets or self.misses]
         widths = [max(map(len, column), default=0) for column in zip(*rows, strict=True)]
         lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
         return "\n".join([f"{self.spec.name}: {len(self.sets)} drives, by {self.objective}", *lines])
 
     def rows(self) -> list[dict[str, Any]]:
         """Every drive that is in it, with figures and the margin of each check in SI; best first, then the rejected."""
-        found = []
-        for one in (*self.sets, *self.unsure, *self.misses):
+        rows = []
+        for drive in (*self.sets, *self.unsure, *self.misses):
             row: dict[str, Any] = {
-                "rank": one.rank, "status": one.status, "motor": one.motor.part, "gearhead": one.gearhead.part,
-                "belt_ratio": one.belt_ratio, "total_ratio": one.total_ratio, "mass": one.mass, "price": one.price,
+                "rank": drive.rank, "status": drive.status, "motor": drive.motor.part, "gearhead": drive.gearhead.part,
+                "belt_ratio": drive.belt_ratio, "total_ratio": drive.total_ratio, "mass": drive.mass,
+                "price": drive.price,
             }  # fmt: skip
-            row |= {figure.name: figure.value for figure in one.figures}
-            found.append(row | {f"margin {check.name}": check.margin for check in one.own_checks})
-        return found
+            row |= {figure.name: figure.value for figure in drive.figures}
+            rows.append(row | {f"margin {check.name}": check.margin for check in drive.own_checks})
+        return rows
 
     def to_frame(self) -> Any:
         """The same as a data frame of pandas."""
@@ -207,18 +207,18 @@ def frame_of(rows: list[dict[str, Any]]) -> Any:
     return import_module("pandas").DataFrame(rows)
 
 
-def _row(one: DriveSet) -> tuple[str, ...]:
+def _row(drive: DriveSet) -> tuple[str, ...]:
     """A drive of a table; a price that lacks a part is at least that."""
-    tight = worst(one.deciding)
+    tight = worst(drive.deciding)
     margin = f"{share(tight.margin)} {tight.title}" if tight else ""
     return (
-        str(one.rank),
-        one.motor_name,
-        one.gearhead_name,
-        mass_text(one),
-        one.price_text,
+        str(drive.rank),
+        drive.motor_name,
+        drive.gearhead_name,
+        mass_text(drive),
+        drive.price_text,
         margin,
-        one.status,
+        drive.status,
     )
 
 
@@ -238,44 +238,44 @@ def ranked_by(objective: str, best: Sequence[DriveSet]) -> str:
 
     Unknown prices stand last: where that of the best is unknown, all are.
     """
-    said = f"ranked by {objective.replace('_', ' ')}"
-    unknown = objective == "price" and bool(best) and all(isnan(one.objective) for one in best)
-    said += ", of which none is known: by mass" if unknown else ""
+    text = f"ranked by {objective.replace('_', ' ')}"
+    unknown = objective == "price" and bool(best) and all(isnan(drive.objective) for drive in best)
+    text += ", of which none is known: by mass" if unknown else ""
     by_mass = best if unknown or "mass" in objective.split() else ()
-    guessed = dict.fromkeys(role for one in by_mass for role in one.mass_estimated)
-    return said + (f", that of {', '.join(guessed)} estimated" if guessed else "")
+    guessed = dict.fromkeys(role for drive in by_mass for role in drive.mass_estimated)
+    return text + (f", that of {', '.join(guessed)} estimated" if guessed else "")
 
 
-def mass_text(one: DriveSet) -> str:
+def mass_text(drive: DriveSet) -> str:
     """The mass of a drive as it is printed: at least that where a part's is unknown, about where one is estimated."""
-    if isnan(one.mass):
+    if isnan(drive.mass):
         return "unknown"
-    mark = "≥ " if unknown_parts(one, "mass", one.mass_of) else "≈ " if one.mass_estimated else ""
-    return mark + show(one.mass, "g", "mass", 3 if one.mass_estimated else 4)
+    mark = "≥ " if unknown_parts(drive, "mass", drive.mass_of) else "≈ " if drive.mass_estimated else ""
+    return mark + show(drive.mass, "g", "mass", 3 if drive.mass_estimated else 4)
 
 
-def objective_figure(one: DriveSet, objective: str) -> Figure:
+def objective_figure(drive: DriveSet, objective: str) -> Figure:
     """The figure of a drive for an objective, ranked by it or not; of encoder and controller as far as it is known."""
     declared = OBJECTIVES[objective]
     if objective == "margin":
-        tight = worst(one.checks)
+        tight = worst(drive.checks)
         value = tight.margin if tight else nan
     elif objective == "mass":
-        value = nan if set(unknown_parts(one, objective, one.mass_of)) - _CONTROLLING else one.mass
+        value = nan if set(unknown_parts(drive, objective, drive.mass_of)) - _CONTROLLING else drive.mass
     elif declared.over:  # first: what is called power among the figures is that of the supply
-        parts = {role: part for role in declared.over if (part := getattr(one, role)) is not None}
+        parts = {role: part for role in declared.over if (part := getattr(drive, role)) is not None}
         values = {role: getattr(part, declared.figure, 0.0) for role, part in parts.items()}
         value = float(sum(x for role, x in values.items() if role not in _CONTROLLING or not isnan(x)))
     else:
-        value = {figure.name: figure.value for figure in one.figures}.get(objective, nan)
-    unit = one.currency if declared.kind == "price" else declared.unit
+        value = {figure.name: figure.value for figure in drive.figures}.get(objective, nan)
+    unit = drive.currency if declared.kind == "price" else declared.unit
     return Figure(name=objective, title=declared.title, value=value, kind=declared.kind, unit=unit)
 
 
 _CONTROLLING = {"encoder", "controller"}
 
 
-def unknown_parts(one: DriveSet, objective: str, known: Iterable[str]) -> tuple[str, ...]:
+def unknown_parts(drive: DriveSet, objective: str, known: Iterable[str]) -> tuple[str, ...]:
     """Roles of the parts of a drive that an objective is summed over, and that are not among those known."""
     counted = {"actuator", *OBJECTIVES[objective].over}
-    return tuple(role for role in one.parts if role in counted and role not in known)
+    return tuple(role for role in drive.parts if role in counted and role not in known)

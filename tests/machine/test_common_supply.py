@@ -126,7 +126,7 @@ def test_sums_are_those_of_the_drives_waveforms(shelf, drive):
 
 def _waveform(one: AxisPower, time: np.ndarray) -> np.ndarray:
     """Electrical power of the motor at moments of its cycle; its controller loses nothing."""
-    found = set_cycle(one.problem.spec, one.one, one.problem.cases[0].at_belt)
+    found = set_cycle(one.problem.spec, one.drive, one.problem.cases[0].at_belt)
     duration, ends = found.pieces.duration, np.cumsum(found.pieces.duration)
     place = np.minimum(np.searchsorted(ends, time), len(ends) - 1)
     share = np.clip((time - ends[place] + duration[place]) / duration[place], 0.0, 1.0)
