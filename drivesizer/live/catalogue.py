@@ -34,39 +34,39 @@ _DEFAULT: list[str] = Select.model_fields["catalogs"].default
 # -- the catalogues
 
 
-def catalogues(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def catalogues(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``catalogues``: all that ship, the spec's and the user's, with their parts; and the sections' columns."""
-    chosen = listed_names(named_by(held, str(request["text"])))
-    names = dict.fromkeys([*held.own, *(name for name in chosen if name not in shipped()), *shipped()])
-    found = []
+    spec_names = listed_names(named_by(memory, str(request["text"])))
+    names = dict.fromkeys([*memory.own, *(name for name in spec_names if name not in shipped()), *shipped()])
+    pieces = []
     for name in names:
-        one: Piece = {"name": name, "chosen": name in chosen, "own": name in held.own}
+        piece: Piece = {"name": name, "chosen": name in spec_names, "own": name in memory.own}
         try:
-            catalog = shelf(held, [name])[name]
+            catalog = shelf(memory, [name])[name]
         except DrivesizerError as error:
-            found.append(one | {"wrong": str(error), "parts": {}, "makers": ""})
+            pieces.append(piece | {"wrong": str(error), "parts": {}, "makers": ""})
             continue
         makers = dict.fromkeys(m for s in PARTS for m in catalog.table(s)["manufacturer"].tolist() if m)
-        found.append(one | {"parts": counts(catalog), "makers": ", ".join(makers)})
+        pieces.append(piece | {"parts": counts(catalog), "makers": ", ".join(makers)})
     sections = [
         {"name": section, "options": [name for name, columns in OPTIONS.items() if section in columns],
          "columns": [[name, label(column.unit), "" if column.unit == "1" else column.unit, column.kind == "text"]
                      for name, column in printed(section).items()]}
         for section in PARTS
     ]  # fmt: skip
-    yield {"kind": "catalogues", "catalogues": found, "sections": sections}
+    yield {"kind": "catalogues", "catalogues": pieces, "sections": sections}
 
 
 def counts(catalog: Catalog) -> dict[str, int]:
     """Number of parts of each section that a catalogue has."""
-    found = {section: int((catalog.table(section)["part"] != DIRECT).sum()) for section in PARTS}
-    return {section: number for section, number in found.items() if number}
+    numbers = {section: int((catalog.table(section)["part"] != DIRECT).sum()) for section in PARTS}
+    return {section: number for section, number in numbers.items() if number}
 
 
-def named_by(held: EngineMemory, text: str) -> list[str]:
+def named_by(memory: EngineMemory, text: str) -> list[str]:
     """Catalogues that a spec names, those of all axes together; those of a spec without any where it is no YAML."""
     try:
-        data = YamlSource(text, held.name).data
+        data = YamlSource(text, memory.name).data
     except InputError:
         data = {}
     return named_catalogs(data)
@@ -74,20 +74,20 @@ def named_by(held: EngineMemory, text: str) -> list[str]:
 
 def listed_names(names: Sequence[str]) -> list[str]:
     """Names of catalogues with ``all`` as those that ship."""
-    return list(dict.fromkeys(each for name in names for each in (shipped() if name == ALL else [name])))
+    return list(dict.fromkeys(catalogue for name in names for catalogue in (shipped() if name == ALL else [name])))
 
 
-def shelf(held: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
+def shelf(memory: EngineMemory, names: Sequence[str]) -> dict[str, Catalog]:
     """Catalogues by name, each by itself; a file is read as it is now."""
-    if not held.shelf and set(names) & set(shipped()):  # all at once: a list mostly names many
-        held.shelf = {name: load([name]) for name in shipped()}
-    others = {name: load([name], beside=Path(held.name).parent) for name in names if name not in held.shelf}
-    return {name: held.shelf.get(name) or others[name] for name in names}
+    if not memory.shelf and set(names) & set(shipped()):  # all at once: a list mostly names many
+        memory.shelf = {name: load([name]) for name in shipped()}
+    others = {name: load([name], beside=Path(memory.name).parent) for name in names if name not in memory.shelf}
+    return {name: memory.shelf.get(name) or others[name] for name in names}
 
 
-def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
+def hit_of(memory: EngineMemory, name: str, section: str, part: str) -> Hit:
     """A part by its catalogue, section and number."""
-    catalog = shelf(held, [name])[name]
+    catalog = shelf(memory, [name])[name]
     rows = catalog.table(section).rows if section in PARTS else {}
     if part not in rows or part == DIRECT:
         raise InputError(f"{quoted(part)} is no longer in {quoted(name)}; list the parts again")
@@ -97,30 +97,33 @@ def hit_of(held: EngineMemory, name: str, section: str, part: str) -> Hit:
 # -- lists of parts
 
 
-def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def parts(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``parts`` with at most ``PAGE`` rows, or ``unmet`` with the conditions that cannot be read."""
     section = str(request["section"])
-    wanted: list[Condition] = []
+    conditions: list[Condition] = []
     faults = []
     options = [(name, name, text) for name, text in request["options"].items() if text.strip()]
-    for field, name, text in [*options, *((f"where.{n}", "where", one) for n, one in enumerate(request["where"]))]:
+    for field, name, text in [
+        *options,
+        *((f"where.{n}", "where", condition) for n, condition in enumerate(request["where"])),
+    ]:
         try:
-            wanted += [where(section, text)] if name == "where" else option(section, name, text) or []
+            conditions += [where(section, text)] if name == "where" else option(section, name, text) or []
         except InputError as error:
             faults.append({"field": field, "text": str(error).removeprefix(f"--{name}: ")})
     if faults:
         yield {"kind": "unmet", "faults": faults}
         return
     piece = request["piece"], ("part", "family", "manufacturer", OPTIONS["kind"][section])
-    found = select(shelf(held, listed_names(request["catalogues"])), section, wanted, sort=request["sort"],
+    selection = select(shelf(memory, listed_names(request["catalogues"])), section, conditions, sort=request["sort"],
                    excluded=request["excluded"], piece=piece)  # fmt: skip
-    start = request["start"] if request["start"] < len(found.hits) else 0
-    hits, (note, _) = found.hits[start : start + PAGE], first_columns(section)
-    table = listed(section, hits, [one.column.name for one in wanted], makers=True)
+    start = request["start"] if request["start"] < len(selection.hits) else 0
+    hits, (note, _) = selection.hits[start : start + PAGE], first_columns(section)
+    table = listed(section, hits, [condition.column.name for condition in conditions], makers=True)
     rows = [{"catalogue": hit.catalogue, "part": hit.part, "excluded": bool(hit.table.excluded[hit.row])}
             for hit in hits]  # fmt: skip
-    yield {"kind": "parts", "section": section, "found": len(found.hits), "start": start,
-           "undecided": found.undecided, "excluded": found.excluded, "sort": request["sort"], "rows": rows,
+    yield {"kind": "parts", "section": section, "found": len(selection.hits), "start": start,
+           "undecided": selection.undecided, "excluded": selection.excluded, "sort": request["sort"], "rows": rows,
            "columns": [column.key for column in table.columns], "note": note,
            "html": html([replace(table, name=section, look="listed")])}  # fmt: skip
 
@@ -131,12 +134,12 @@ def parts(held: EngineMemory, request: Piece) -> Iterator[Piece]:
 _LOGS = {".csv", ".tsv", ".txt", ".xlsx", ".json", ".log", ".wpilog"}
 
 
-def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def check(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """The findings of ``drivesizer catalog check`` on one catalogue; a table becomes one as by ``catalog import``.
 
     A log has a piece ``fit`` in place of that: the figures of its drive.
     """
-    name, content, made, no_log = Path(request["name"]), request["content"], dict[str, Any](), tuple[str, ...]()
+    name, content, table_piece, no_log = Path(request["name"]), request["content"], dict[str, Any](), tuple[str, ...]()
     if name.suffix in _LOGS:
         try:
             yield fit(name, content)
@@ -144,12 +147,12 @@ def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         except InputError as error:
             no_log = error.lines
     if name.suffix not in (".yaml", ".yml"):
-        known = [one for one in listed_names(named_by(held, request["text"])) if one in shipped()]
-        table, name, given = name, name.with_suffix(".yaml"), dict(request.get("given") or {})
-        common = {"kind": given["kind"]} if given.get("kind") else {}
-        plan = Plan(manufacturer=given.get("manufacturer", ""), family=given.get("family", ""), common=common)
+        known = [catalogue for catalogue in listed_names(named_by(memory, request["text"])) if catalogue in shipped()]
+        table, name, details = name, name.with_suffix(".yaml"), dict(request.get("given") or {})
+        common = {"kind": details["kind"]} if details.get("kind") else {}
+        plan = Plan(manufacturer=details.get("manufacturer", ""), family=details.get("family", ""), common=common)
         try:
-            read = import_table(tables_of(content, table), table, plan, name, shelf(held, known))
+            read = import_table(tables_of(content, table), table, plan, name, shelf(memory, known))
         except InputError as error:
             raise InputError(str(error), [*error.lines, *(f"as a log: {line}" for line in no_log)]) from None
         content = read.text.encode()
@@ -158,15 +161,15 @@ def check(held: EngineMemory, request: Piece) -> Iterator[Piece]:
         read_as = [f"read as {singular(read.section)}: {'; '.join(columns)}"] if columns else []
         lacks = still_needed(read.catalog, read.section)
         of = read.catalog.table(read.section)
-        said = {"manufacturer": str(of["manufacturer"][-1]), "family": str(of["family"][-1])}
-        made = {"text": read.text, "read": [*read_as, *import_words(read), *lacks],
-                "given": said | ({"kind": given.get("kind", "")} if read.section == "motors" else {})}  # fmt: skip
+        origin = {"manufacturer": str(of["manufacturer"][-1]), "family": str(of["family"][-1])}
+        table_piece = {"text": read.text, "read": [*read_as, *import_words(read), *lacks],
+                "given": origin | ({"kind": details.get("kind", "")} if read.section == "motors" else {})}  # fmt: skip
     catalog = catalog_of_text(name, content)
-    held.go_on()
-    found = findings(catalog)
-    lines = [one.text() for one in found if one.unexplained]
+    memory.go_on()
+    catalog_findings = findings(catalog)
+    lines = [finding.text() for finding in catalog_findings if finding.unexplained]
     yield {"kind": "contradictory" if lines else "right", "name": str(name), "parts": counts(catalog),
-           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0), **made}  # fmt: skip
+           "lines": lines[:_LINES], "more": max(len(lines) - _LINES, 0), **table_piece}  # fmt: skip
 
 
 def fit(path: Path, content: bytes) -> Piece:
@@ -176,25 +179,25 @@ def fit(path: Path, content: bytes) -> Piece:
     from drivesizer.output.report.html.plots import movable
 
     document = bench_document(identify(path, content=content))
-    drawn = {name: movable(one.page[0]) for name, one in document.pictures.items()}
-    return {"kind": "fit", "name": path.name, "html": html(document.sections[0].blocks, drawn), "figures": drawn}
+    figures = {name: movable(picture.page[0]) for name, picture in document.pictures.items()}
+    return {"kind": "fit", "name": path.name, "html": html(document.sections[0].blocks, figures), "figures": figures}
 
 
 # -- One part on the page as ``drivesizer catalog show`` prints it, with its curves, and several side by side.
 
 
-def part(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def part(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``part``: its sheet and what it does as HTML, curves, and the documents behind its figures."""
     from drivesizer.output.report.figures.parts import part_plots
     from drivesizer.output.report.html.plots import movable
 
-    hit = hit_of(held, request["catalogue"], request["section"], request["part"])
+    hit = hit_of(memory, request["catalogue"], request["section"], request["part"])
     place, families = PLACES.get(hit.section, ((), False))  # where a spec names it, its family too, an axis its own
     figures = {f"part-{name}": movable(plot) for name, plot in part_plots(hit).items()}
     known = {source.document: source for source in origins(hit).values()}
     partners = [words + ", ".join(f"{name or 'no family'} ({n})" for name, n in families.items())
                 for words, families in sheets.partner_lines(hit)]  # fmt: skip
-    remarks = [*(Words(one, "note") for one in partners), *sheets.own_remarks(hit)]
+    remarks = [*(Words(line, "note") for line in partners), *sheets.own_remarks(hit)]
     yield {
         "kind": "part", "catalogue": hit.catalogue, "section": hit.section, "part": hit.part, "family": hit["family"],
         "head": sheets.head(hit), "role": singular(hit.section), "figures": figures,
@@ -212,9 +215,9 @@ def html(blocks: Iterable[Any], figures: Piece | None = None) -> str:
     return "".join(section_html([{"blocks": [as_data(block) for block in blocks]}], figures or {}, {}))
 
 
-def beside(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def beside(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``beside``: parts of one kind side by side as of ``drivesizer catalog compare``, as HTML."""
-    hits = [hit_of(held, name, request["section"], number) for name, number in request["parts"]]
+    hits = [hit_of(memory, name, request["section"], number) for name, number in request["parts"]]
     yield {"kind": "beside", "html": html(sheets.comparison(hits, side_by_side(hits), len(hits)))}
 
 
@@ -235,23 +238,23 @@ PLACES: dict[str, tuple[tuple[str, ...], bool]] = {
 _WHOLE = ("battery", "supply", "brake_resistor")
 
 
-def choose(held: EngineMemory, request: Piece) -> Iterator[Piece]:
+def choose(memory: EngineMemory, request: Piece) -> Iterator[Piece]:
     """A piece ``edits``, by which a spec chooses what the page names."""
-    data = YamlSource(str(request["text"]), held.name).data
+    data = YamlSource(str(request["text"]), memory.name).data
     above = ("axes", request["axis"]) if request["axis"] else ()
     place, names = next(  # whose catalogues count, of an axis or of the whole
-        ((place, given) for place in dict.fromkeys((above, ()))
-         if (given := _value_at(data, (*place, "select", "catalogs"))) is not None), ((), _DEFAULT),
+        ((place, catalogs) for place in dict.fromkeys((above, ()))
+         if (catalogs := _value_at(data, (*place, "select", "catalogs"))) is not None), ((), _DEFAULT),
     )  # fmt: skip
     names = [str(name) for name in (names if isinstance(names, list) else [names])]
     edits: list[_Edit] = []
     if request["part"] is None:
-        chosen = list(dict.fromkeys([*(names if request["add"] else ()), *request["catalogues"]]))
-        if set(listed_names(chosen)) >= set(shipped()):
-            chosen = [ALL, *(name for name in chosen if name != ALL and name not in shipped())]
-        edits.append([[*place, "select", "catalogs"], chosen, True])
+        selection = list(dict.fromkeys([*(names if request["add"] else ()), *request["catalogues"]]))
+        if set(listed_names(selection)) >= set(shipped()):
+            selection = [ALL, *(name for name in selection if name != ALL and name not in shipped())]
+        edits.append([[*place, "select", "catalogs"], selection, True])
     else:
-        hit = hit_of(held, *request["part"])
+        hit = hit_of(memory, *request["part"])
         edits += _part_edits(data, above, hit, "family" if request["family"] else "part")
         if hit.catalogue not in listed_names(names):
             edits.append([[*place, "select", "catalogs"], [*names, hit.catalogue], True])

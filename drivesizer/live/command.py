@@ -37,11 +37,11 @@ def serve(
     with socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP) as listening:
         if os.name == "posix":  # a port that was in use a moment ago is free; elsewhere this would share one in use
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        kept = folder() / f"serve-{digest_of(os.fsencode(spec.absolute()))}.json"
-        before, token = _address_before(kept)
-        wanted = port or before
+        state_file = folder() / f"serve-{digest_of(os.fsencode(spec.absolute()))}.json"
+        before, token = _address_before(state_file)
+        target_port = port or before
         try:
-            listening.bind((_LOCAL, wanted))
+            listening.bind((_LOCAL, target_port))
         except OSError as error:
             if port:
                 reason = reason_of(error)
@@ -51,9 +51,9 @@ def serve(
         port = listening.getsockname()[1]
         if port != before:
             token = secrets.token_urlsafe(24)
-        if port == wanted or not before:
-            _keep(kept, json.dumps({"port": port, "token": token}))
-        address, way = f"http://{_LOCAL}:{port}/{token}/", kept.with_name(f"{kept.stem}-{port}.html")
+        if port == target_port or not before:
+            _keep(state_file, json.dumps({"port": port, "token": token}))
+        address, way = f"http://{_LOCAL}:{port}/{token}/", state_file.with_name(f"{state_file.stem}-{port}.html")
         typer.echo(f"{spec}: {address}\nstop with Ctrl-C")
         from drivesizer.commands.setup import starter
         from drivesizer.live.server import serve as served
@@ -70,9 +70,9 @@ def serve(
 def _address_before(path: Path) -> tuple[int, str]:
     """Port and token by which the page of a spec was served before, so that its tab goes on; 0 where unknown."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        state = json.loads(path.read_text(encoding="utf-8"))
         own = path.stat().st_mode & 0o077 == 0  # as this user alone can read it
-        return (int(found["port"]), str(found["token"])) if own else (0, "")
+        return (int(state["port"]), str(state["token"])) if own else (0, "")
     except (OSError, ValueError, TypeError, KeyError):
         return 0, ""
 
@@ -89,7 +89,7 @@ def _keep(path: Path, text: str) -> bool:
     return True
 
 
-def _open(kept: Path, address: str) -> None:
+def _open(path: Path, address: str) -> None:
     """Open the page by a file that this user alone can read: others see with which words a browser is started."""
-    if _keep(kept, f'<meta http-equiv="refresh" content="0;url={address}">\n'):
-        threading.Thread(target=webbrowser.open, args=(kept.as_uri(),), daemon=True).start()
+    if _keep(path, f'<meta http-equiv="refresh" content="0;url={address}">\n'):
+        threading.Thread(target=webbrowser.open, args=(path.as_uri(),), daemon=True).start()

@@ -47,13 +47,13 @@ class EngineMemory:
     say: Callable[[Piece], None] = lambda _: None  # sends a piece beside those of the job
     next: float = 0.0  # s, moment from which progress is said
 
-    def go_on(self, done: int = 0, every: int = 0) -> None:
+    def go_on(self, done: int = 0, total: int = 0) -> None:
         """Stop a job of which nobody wants the answer, and say how far it is, from some moment on now and then."""
         if self.stopped():
             raise StoppedError
-        if 0 < done < every and time.monotonic() > self.next:
+        if 0 < done < total and time.monotonic() > self.next:
             self.next = time.monotonic() + _AGAIN
-            self.say({"kind": "progress", "done": done, "all": every})
+            self.say({"kind": "progress", "done": done, "all": total})
 
     def rest(self, seconds: float) -> None:
         """Wait for a newer request: while a slider moves nobody looks at more than the ranking."""
@@ -63,28 +63,28 @@ class EngineMemory:
 
     def keep(self, key: str, make: Callable[[], Any]) -> Any:
         """A sizing that was made before of the same files, or is made now."""
-        kept, files = self.sized.get(key, (None, {}))
-        if kept is None or any(state_of(name) != state for name, state in files.items()):
+        sizing, files = self.sized.get(key, (None, {}))
+        if sizing is None or any(state_of(name) != state for name, state in files.items()):
             before = states()
-            kept = make()
+            sizing = make()
             files = states() | before  # of one that changes meanwhile the earlier state
             while len(self.sized) >= _KEPT:
                 self.sized.popitem(last=False)
-        self.sized[key] = kept, files
+        self.sized[key] = sizing, files
         self.sized.move_to_end(key)
-        return kept
+        return sizing
 
 
-def take_over(held: EngineMemory, own: Mapping[str, bytes]) -> None:
+def take_over(memory: EngineMemory, own: Mapping[str, bytes]) -> None:
     """Take the user's catalogues in place of those before, and read them; what was found with these is forgotten."""
     from drivesizer.catalog import load
 
-    hand_over({Path(held.name).parent / name: content for name, content in own.items()})
-    held.own = tuple(own)
-    held.sized.clear()
+    hand_over({Path(memory.name).parent / name: content for name, content in own.items()})
+    memory.own = tuple(own)
+    memory.sized.clear()
     with suppress(DrivesizerError, MemoryError):  # said where it is used
         for name in own:
-            load([name], beside=Path(held.name).parent)
+            load([name], beside=Path(memory.name).parent)
 
 
 # -- The life of the process: one job after another.
@@ -97,11 +97,11 @@ OWN = "own catalogues"  # in place of a job: the user's, by name, from now on
 CATALOGUE = {"catalogues", "parts", "part", "beside", "choose", "check"}  # jobs on catalogues, those beside on a spec
 
 
-def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
+def done(memory: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
     """Pieces of the answer to a request; what is wrong with it is a piece as well."""
     try:
         module = import_module(f"drivesizer.live.{'catalogue' if job in CATALOGUE else 'answer'}")
-        yield from getattr(module, job)(held, request)
+        yield from getattr(module, job)(memory, request)
     except InputError as error:
         yield wrong(*error.lines)
     except DrivesizerError as error:
@@ -109,7 +109,7 @@ def done(held: EngineMemory, job: str, request: Piece) -> Iterator[Piece]:
     except StoppedError:
         raise
     except MemoryError:
-        held.sized.clear()
+        memory.sized.clear()
         yield wrong("more memory is needed than there is")
     except Exception as error:  # whatever it is, the page goes on, and the terminal has it
         yield _fault(error)
@@ -121,10 +121,10 @@ def wrong(*lines: str) -> Piece:
 
 
 def _fault(error: Exception) -> Piece:
-    found = printable(f"{type(error).__name__}: {error}"[:300])
-    said = f"a fault of drivesizer itself ({found}); please report it"
-    print(f"drivesizer: {said}", file=sys.stderr, flush=True)
-    return wrong(said)
+    fault = printable(f"{type(error).__name__}: {error}"[:300])
+    message = f"a fault of drivesizer itself ({fault}); please report it"
+    print(f"drivesizer: {message}", file=sys.stderr, flush=True)
+    return wrong(message)
 
 
 def line(piece: Piece) -> bytes:
@@ -143,21 +143,21 @@ def run(pipe: Connection, unwanted: Any, file: str, spec: str | None, first: boo
     tempfile.tempdir = folder
     threading.Thread(target=_end_with_server, args=(folder,), daemon=True).start()
     _limit_memory()
-    held = EngineMemory(file)
-    _open(held, spec, first)
-    held.say = lambda piece: pipe.send_bytes(line(piece))
-    number, held.stopped = 0, lambda: bool(unwanted.value == number)  # of the job under way
+    memory = EngineMemory(file)
+    _open(memory, spec, first)
+    memory.say = lambda piece: pipe.send_bytes(line(piece))
+    number, memory.stopped = 0, lambda: bool(unwanted.value == number)  # of the job under way
     try:
         pipe.send_bytes(b"")
         while True:
             number, job, request = pipe.recv()
             if job == OWN:
-                take_over(held, request)
+                take_over(memory, request)
                 pipe.send_bytes(b"")
                 continue
-            held.next = time.monotonic() + _SLOW
+            memory.next = time.monotonic() + _SLOW
             with suppress(StoppedError):
-                for piece in done(held, job, request):
+                for piece in done(memory, job, request):
                     pipe.send_bytes(line(piece))
             pipe.send_bytes(b"")
     except (EOFError, OSError):  # the server has ended
@@ -183,14 +183,14 @@ def _limit_memory() -> None:
         resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
 
 
-def _open(held: EngineMemory, spec: str | None, first: bool) -> None:
+def _open(memory: EngineMemory, spec: str | None, first: bool) -> None:
     """Size the spec, which warms the engine up; from then on only what it names is read, and shipped catalogues."""
     from drivesizer.files.text import restrict_reading, shipped_folder
 
-    answer, below, named = import_module("drivesizer.live.answer"), Path(held.name).parent, list[Path]()
+    answer, below, named = import_module("drivesizer.live.answer"), Path(memory.name).parent, list[Path]()
     with suppress(InputError):  # each text of a spec may name a file
-        named = [below / text for text in texts_in(YamlSource(spec or "", held.name).data)]
+        named = [below / text for text in texts_in(YamlSource(spec or "", memory.name).data)]
     restrict_reading(named, [shipped_folder("catalogs"), Path(__file__).resolve().parents[1] / "catalog"])
     with suppress(DrivesizerError, MemoryError):  # the page says what is wrong when it shows the file
         if spec is not None and first:
-            answer.whole(held, spec, brief=True)
+            answer.whole(memory, spec, brief=True)

@@ -126,8 +126,8 @@ class PageServer(ThreadingHTTPServer):
 
 def said(error: BaseException | None, token: str) -> None:
     """A line on the terminal about a fault of the program, without the token."""
-    found = printable(f"{type(error).__name__}: {error}"[:300]).replace(token, "...")
-    print(f"drivesizer: a fault of drivesizer itself ({found}); please report it", file=sys.stderr, flush=True)
+    fault = printable(f"{type(error).__name__}: {error}"[:300]).replace(token, "...")
+    print(f"drivesizer: a fault of drivesizer itself ({fault}); please report it", file=sys.stderr, flush=True)
 
 
 class _Patient(io.RawIOBase):
@@ -253,8 +253,8 @@ class _Connection(BaseHTTPRequestHandler):
         self.close_connection = True
         self._sent(status, json.dumps({"kind": "refused", "lines": [reason]}).encode(), "application/json")
 
-    def _sent(self, status: int, content: bytes, kind: str, kept: str = "no-store") -> None:
-        self._head(status, {"content-type": kind, "cache-control": kept, "content-length": str(len(content))})
+    def _sent(self, status: int, content: bytes, kind: str, cache_control: str = "no-store") -> None:
+        self._head(status, {"content-type": kind, "cache-control": cache_control, "content-length": str(len(content))})
         if self.command != "HEAD":
             self.wfile.write(content)
 

@@ -47,19 +47,19 @@ def serve(path: Path, token: str, listening: socket.socket, starting: str, opene
         ended.append(sent)
         raise SystemExit
 
-    before = {one: signal.signal(one, end) for one in (signal.SIGINT, signal.SIGTERM)}
+    before = {signum: signal.signal(signum, end) for signum in (signal.SIGINT, signal.SIGTERM)}
     try:
         opened()
         server.serve_forever()
     except SystemExit:
         pass
     finally:
-        for one in before:
-            signal.signal(one, signal.SIG_IGN)
+        for signum in before:
+            signal.signal(signum, signal.SIG_IGN)
         engines.close()
         server.end()
-        for one, handler in before.items():
-            signal.signal(one, handler)
+        for signum, handler in before.items():
+            signal.signal(signum, handler)
     return signal.SIGTERM in ended
 
 
@@ -80,11 +80,11 @@ class Page:
         name = request.path.removeprefix("/do/")
         if not request.path.startswith("/do/") or name not in REQUESTS:
             raise Refusal(404, "there is no such job")
-        wanted = request_of(REQUESTS[name], request.body)
-        kind = f"{name} {wanted['slider']}" if name in _NEWEST else ""
+        task = request_of(REQUESTS[name], request.body)
+        kind = f"{name} {task['slider']}" if name in _NEWEST else ""
         try:  # pieces of a job, a line of JSON each, as they come
             return Response(self.engines.answer(
-                name, wanted, tab=wanted["tab"], kind=kind, slow=name not in _AT_ONCE, wanted=request.wanted
+                name, task, tab=task["tab"], kind=kind, slow=name not in _AT_ONCE, has_reader=request.wanted
             ))  # fmt: skip
         except FullError:
             raise Refusal(503, "the server has too much to do; try again") from None
@@ -101,11 +101,13 @@ class Page:
         elif path == "/starters.json":
             from drivesizer.commands.setup import KINDS, MACHINES, starter
 
-            text = json.dumps({"kinds": {one: starter(one) for one in (*KINDS, *MACHINES)}})
+            text = json.dumps({"kinds": {kind: starter(kind) for kind in (*KINDS, *MACHINES)}})
         elif path == "/spec":
-            found = content(self.path)
-            text = self.starting if found["text"] is None else found["text"]
-            return reply({"name": self.path.name, "version": __version__, **found, "text": text, "data": fields(text)})
+            spec_file = content(self.path)
+            text = self.starting if spec_file["text"] is None else spec_file["text"]
+            return reply(
+                {"name": self.path.name, "version": __version__, **spec_file, "text": text, "data": fields(text)}
+            )
         elif path == "/page/colours.css":
             from drivesizer.output.report.figures.style import COLOURS
 
@@ -113,7 +115,7 @@ class Page:
         elif path == f"/page/{name}" and name in _OF_THE_REPORT:
             text = own_file(name)
         elif path == f"/page/{name}" and name in {
-            one.name for one in _PAGE.iterdir() if Path(one.name).suffix in _KINDS
+            file.name for file in _PAGE.iterdir() if Path(file.name).suffix in _KINDS
         }:
             text = (_PAGE / name).read_text(encoding="utf-8")
         else:
@@ -150,9 +152,9 @@ def form_schema() -> str:
         axes = {**AXES, "recorded": None}  # which brings its own motion
         starts = {kind: YamlSource(starter(kind), kind).data for kind in AXES if kind in KINDS}
         begin = {kind: {name: data.get(name) for name in ("load", "motion")} for kind, data in starts.items()}
-        found = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin,
+        schemas = {"spec": RobotSpec.model_json_schema(), "machine": machine_schema(), "axes": axes, "starts": begin,
                  "symbols": {kind: symbols(kind) for kind in SKETCHES}}  # fmt: skip
-        return json.dumps(found, ensure_ascii=False).encode()
+        return json.dumps(schemas, ensure_ascii=False).encode()
 
     return kept(f"schema-{digest_of(__version__.encode(), *map(str.encode, dates))}.json", made).decode()
 
@@ -186,10 +188,10 @@ def fields(text: str) -> Any:
 def _raw(path: Path) -> bytes | None:
     """Bytes of the file; None where there is none. A device or a pipe may never end."""
     try:
-        found = path.stat()
-        if not stat.S_ISREG(found.st_mode):
+        status = path.stat()
+        if not stat.S_ISREG(status.st_mode):
             raise InputError(f"{path}: expected a file")
-        if found.st_size > LONGEST:
+        if status.st_size > LONGEST:
             raise InputError(f"{path}: the file is larger than {LONGEST // 1_000_000} MB")
         return path.read_bytes()
     except FileNotFoundError:
@@ -238,24 +240,24 @@ def taken(request: Piece, engines: Engines) -> Piece:
     own, plain = engines.own, _UNUSUAL.sub("_", request["name"][-80:])  # a file's name as specs have it
     if not _NAME.fullmatch(plain):
         return wrong("expected a catalogue, a file that ends in .yaml, a table, data sheet or log, e.g. .csv or .pdf")
-    given = f"{FOLDER}/{plain}"
-    name = given if plain.endswith((".yaml", ".yml")) else f"{FOLDER}/{Path(plain).stem}.yaml"
+    file_name = f"{FOLDER}/{plain}"
+    name = file_name if plain.endswith((".yaml", ".yml")) else f"{FOLDER}/{Path(plain).stem}.yaml"
     if request["content"] is None:
         own.pop(name, None)
         return {"kind": "given up", "name": name}
     try:
         content = base64.b64decode(request["content"], validate=True)
     except (binascii.Error, ValueError):
-        return wrong(f"{given}: expected its content in base64")
+        return wrong(f"{file_name}: expected its content in base64")
     if len(content) > _LARGEST:
-        return wrong(f"{given}: the file is larger than {_LARGEST // 1_000_000} MB")
-    found = wrong(f"{name}: another one came before this was checked")
-    wanted = {"name": given, "content": content, "text": request["text"], "given": request.get("given")}
-    for line in engines.answer("check", wanted, kind=f"check {name}", slow=True):
-        found = json.loads(line)
-    if found["kind"] == "right" and name not in own and len(own) >= MOST:
+        return wrong(f"{file_name}: the file is larger than {_LARGEST // 1_000_000} MB")
+    verdict = wrong(f"{name}: another one came before this was checked")
+    task = {"name": file_name, "content": content, "text": request["text"], "given": request.get("given")}
+    for line in engines.answer("check", task, kind=f"check {name}", slow=True):
+        verdict = json.loads(line)
+    if verdict["kind"] == "right" and name not in own and len(own) >= MOST:
         return wrong(f"{name}: {MOST} catalogues are here already ({', '.join(own)}); remove one of them first")
-    if found["kind"] == "right" or (found["kind"] == "contradictory" and request["anyway"]):
-        own[name] = found.get("text", "").encode() or content
-        return found | {"kind": "kept"}
-    return found
+    if verdict["kind"] == "right" or (verdict["kind"] == "contradictory" and request["anyway"]):
+        own[name] = verdict.get("text", "").encode() or content
+        return verdict | {"kind": "kept"}
+    return verdict

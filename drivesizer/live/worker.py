@@ -145,7 +145,7 @@ class Engines:
 
     def answer(
         self, name: str, request: Piece, *, tab: str = "", kind: str = "", slow: bool = False,
-        wanted: Callable[[], bool] = lambda: True,
+        has_reader: Callable[[], bool] = lambda: True,
     ) -> Generator[bytes]:  # fmt: skip
         """Pieces of a job as JSON, a line each; one that says so where a newer request of the kind came first."""
         with self.changed:
@@ -157,13 +157,13 @@ class Engines:
                 self.newest[key] = number
                 if len(self.newest) > _KEYS:  # of tabs that are long gone
                     del self.newest[next(iter(self.newest))]
-        return self._pieces((number, name, request), tab, key if kind else "", slow, wanted)
+        return self._pieces((number, name, request), tab, key if kind else "", slow, has_reader)
 
     def _pieces(
-        self, job: tuple[int, str, Piece], tab: str, key: str, slow: bool, wanted: Callable[[], bool]
+        self, job: tuple[int, str, Piece], tab: str, key: str, slow: bool, has_reader: Callable[[], bool]
     ) -> Generator[bytes]:
         def useful() -> bool:
-            return not self.closed and self.newest.get(key, job[0]) == job[0] and wanted()
+            return not self.closed and self.newest.get(key, job[0]) == job[0] and has_reader()
 
         if (engine := self._taken(tab, slow, useful)) is None:
             yield line(wrong(_STOPPED) if self.closed else _SUPERSEDED)
@@ -184,16 +184,16 @@ class Engines:
             self.waiting += 1
             try:
                 while useful():
-                    of_tab = sum(one.tab == tab for one in self.busy) if tab else 0
-                    long = sum(one.slow for one in self.busy) if slow else 0
+                    of_tab = sum(engine.tab == tab for engine in self.busy) if tab else 0
+                    long = sum(engine.slow for engine in self.busy) if slow else 0
                     there = len(self.busy) + len(self.free)
                     if of_tab < _OF_A_TAB and long < self.most - 1 and (self.free or there < self.most):
-                        known = [one for one in self.free if one.tab == tab and one.slow == slow]
-                        one = (known or self.free or [Engine(self.file, self.spec, first=False)])[0]
-                        self.free = [other for other in self.free if other is not one]
-                        one.tab, one.slow = tab, slow
-                        self.busy.append(one)
-                        return one
+                        known = [engine for engine in self.free if engine.tab == tab and engine.slow == slow]
+                        engine = (known or self.free or [Engine(self.file, self.spec, first=False)])[0]
+                        self.free = [other for other in self.free if other is not engine]
+                        engine.tab, engine.slow = tab, slow
+                        self.busy.append(engine)
+                        return engine
                     self.changed.wait(_LOOK)
             finally:
                 self.waiting -= 1
@@ -203,11 +203,11 @@ class Engines:
         """End all processes; who waits is given the reason."""
         with self.changed:
             self.closed = True
-            for one in (*self.busy, *self.free):
-                one.closed = True
-                one.process.kill()
-            for one in self.free:
-                one.end()
+            for engine in (*self.busy, *self.free):
+                engine.closed = True
+                engine.process.kill()
+            for engine in self.free:
+                engine.end()
             self.changed.wait_for(lambda: not self.busy, 2.0)
 
 

@@ -42,12 +42,12 @@ FORMATS = {
 def accept(form: str, path: Path) -> None:
     """Refuse an unknown format or an impossible target, before time is spent."""
     if form not in FORMATS:
-        readers = {one.said.lower(): f"; {one.said} reads {name}" for name, one in FORMATS.items()}
+        readers = {entry.said.lower(): f"; {entry.said} reads {name}" for name, entry in FORMATS.items()}
         read_by = readers.get(form.lower(), "")
         raise InputError(f"--format: {quoted(form)} is not known{read_by}; expected {', '.join(FORMATS)}")
     if path.suffix.lower() not in FORMATS[form].suffixes:
-        wanted = " or ".join(FORMATS[form].suffixes)
-        raise InputError(f"--output: {quoted(path)} is no name for {form}; expected a file that ends in {wanted}")
+        endings = " or ".join(FORMATS[form].suffixes)
+        raise InputError(f"--output: {quoted(path)} is no name for {form}; expected a file that ends in {endings}")
     ready(path)
 
 
@@ -56,12 +56,12 @@ def files(of: MachineExport, form: str, path: Path) -> dict[Path, bytes]:
     module = import_module(f"drivesizer.output.export.{FORMATS[form].module}")
     render: Callable[[MachineExport], bytes] = getattr(module, FORMATS[form].render)
     if form == "fmu" and not of.alone:
-        each = {f"{path.stem}_{identifier(name)}{path.suffix}": one_axis(one) for name, one in of.exports}
-        return {path.with_name(name): render(one) for name, one in each.items()}
-    found = {path: render(of)}
+        machines = {f"{path.stem}_{identifier(name)}{path.suffix}": one_axis(export) for name, export in of.exports}
+        return {path.with_name(name): render(machine) for name, machine in machines.items()}
+    contents = {path: render(of)}
     if form == "ros2_control":
-        found[path.with_name(f"{path.stem}_controllers.yaml")] = module.controllers(of)
-    return found
+        contents[path.with_name(f"{path.stem}_controllers.yaml")] = module.controllers(of)
+    return contents
 
 
 def write(of: MachineExport, form: str, path: Path) -> list[Path]:

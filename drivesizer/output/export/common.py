@@ -65,22 +65,22 @@ def brief(value: float) -> str:
     return f"{value:.5g}"
 
 
-def text(said: str) -> str:
+def text(string: str) -> str:
     r"""A text with characters that XML forbids as their codes.
 
     >>> text("a\x00b")
     'a\\x00b'
     """
-    return _NO_XML.sub(lambda found: repr(found[0])[1:-1], said)
+    return _NO_XML.sub(lambda match: repr(match[0])[1:-1], string)
 
 
-def identifier(said: str) -> str:
+def identifier(label: str) -> str:
     """A text as a name that simulators accept: letters, digits and underscores.
 
     >>> identifier("SPS surveillance robot")
     'SPS_surveillance_robot'
     """
-    name = re.sub(r"[^A-Za-z0-9]+", "_", said).strip("_")
+    name = re.sub(r"[^A-Za-z0-9]+", "_", label).strip("_")
     return (f"_{name}" if name[:1].isdigit() else name) or "drive"
 
 
@@ -93,8 +93,8 @@ def remark(parent: Element, *lines: str) -> None:
 
 def texts(parent: Element, /, **of: str) -> None:
     """Elements that have a text each."""
-    for tag, said in of.items():
-        SubElement(parent, tag).text = said
+    for tag, content in of.items():
+        SubElement(parent, tag).text = content
 
 
 def document(root: Element) -> bytes:
@@ -106,8 +106,8 @@ def document(root: Element) -> bytes:
 def refuse_doubles(root: Element, tags: Collection[str], axis: str) -> None:
     """Refuse an axis that was added to a document with names that were there."""
     seen = set[tuple[str, str]]()
-    for one in root.iter():
-        key = str(one.tag), one.attrib.get("name", "")
+    for element in root.iter():
+        key = str(element.tag), element.attrib.get("name", "")
         if key[0] in tags and key[1] and key in seen:
             raise InputError(f"axis {quoted(axis)}: a {key[0]} {quoted(key[1])} is there already; rename the axis")
         seen.add(key)
@@ -148,21 +148,23 @@ class OpenLoopStepper(NamedTuple):
     @property
     def stiffness(self) -> float:
         """Torque per angle about a held position, at the driven shaft with gears that drive [N*m/rad]."""
-        one = self.model
-        return float(one.teeth * one.torque[0] * one.ratio**2 * one.efficiency)
+        motor = self.model
+        return float(motor.teeth * motor.torque[0] * motor.ratio**2 * motor.efficiency)
 
     @property
     def damping(self) -> float:
         """Torque per speed of small swings about the field, at the driven shaft [N*m*s/rad]."""
-        one = self.model
-        at_motor = 2.0 * one.damping_ratio * float(np.sqrt(one.teeth * one.torque[0] * one.inertia))
-        return at_motor * one.ratio**2 * one.efficiency
+        motor = self.model
+        at_motor = 2.0 * motor.damping_ratio * float(np.sqrt(motor.teeth * motor.torque[0] * motor.inertia))
+        return at_motor * motor.ratio**2 * motor.efficiency
 
 
 def speed_at(train: DriveTrain, voltage: float, torque: float) -> float:
     """Steady speed of the motor at a voltage, winding at 25 degC, under a torque, friction included [rad/s]."""
-    one = train
-    winding = Winding(one.resistance, one.inductance, one.torque_constant, one.back_emf_constant, one.commutation)
+    motor = train
+    winding = Winding(
+        motor.resistance, motor.inductance, motor.torque_constant, motor.back_emf_constant, motor.commutation
+    )
     return float(operating_point(winding, voltage, torque, train.viscous)[0])
 
 
@@ -174,10 +176,10 @@ def _least(named: Mapping[str, float]) -> Limit:
 
 
 def _limits(
-    spec: RobotSpec, found: DriveSet, train: DriveTrain, voltage: float, stepper: OpenLoopStepper | None
+    spec: RobotSpec, drive: DriveSet, train: DriveTrain, voltage: float, stepper: OpenLoopStepper | None
 ) -> Limits:
     """Peak and continuous torque and speed; of a stepper its pull-out torque at rest, and the speeds looked up."""
-    motor, gearhead, controller = found.motor, found.gearhead, found.controller
+    motor, gearhead, controller = drive.motor, drive.gearhead, drive.controller
     short, lasting = dict[str, float](), dict[str, float]()
     if gearhead.part != DIRECT:
         behind = train.belt_ratio * train.belt_efficiency
@@ -200,11 +202,11 @@ def _limits(
         "motor at no load": speed_at(train, voltage, train.friction),  # the gears' idle friction among it
         "motor, permissible speed": motor.max_speed,
         "gearhead, intermittent input speed": gearhead.intermittent_input_speed,
-        "encoder, permissible speed": found.encoder.max_speed if found.encoder else nan,
+        "encoder, permissible speed": drive.encoder.max_speed if drive.encoder else nan,
     }
-    if found.brake and not isnan(found.brake.max_speed):
-        turns = found.total_ratio if found.brake.shaft == "load" else 1.0
-        speeds["brake, permissible speed"] = found.brake.max_speed * turns
+    if drive.brake and not isnan(drive.brake.max_speed):
+        turns = drive.total_ratio if drive.brake.shaft == "load" else 1.0
+        speeds["brake, permissible speed"] = drive.brake.max_speed * turns
     if motor.kind == "brushless":
         speeds["controller, electrical speed"] = controller.max_speed_sine / motor.pole_pairs if controller else nan
     slower = speeds | {"gearhead, continuous input speed": gearhead.continuous_input_speed}
@@ -333,51 +335,51 @@ class Export:
         return self.controller
 
 
-def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Export:
+def export_of(spec: RobotSpec, drive: DriveSet, wheel: int | None = None) -> Export:
     """The record of a drive that a sizing found; of a platform that of its first wheel, or of one by its number."""
-    whole = for_drive(spec, found.chosen_screw)
+    whole = for_drive(spec, drive.chosen_screw)
     cases = load_cases(whole)
     _, case, spec = cases[0]
     if wheel is not None:
         place = check_wheel(whole, wheel)
-        every = [one for one in cases if not one[0]]
+        in_order = [entry for entry in cases if not entry[0]]
         _, case, spec = next(
-            one for one in every if not isinstance(one[2].load, WheelLoad) or place in one[2].load.numbers
+            entry for entry in in_order if not isinstance(entry[2].load, WheelLoad) or place in entry[2].load.numbers
         )
     stepper, controller = None, None
-    if found.steps:
-        stepper, train, said = _stepper_of(spec, found)
-    elif found.motor.rotor_inertia > 0.0:
-        train, controller, said = designed(spec, found)
+    if drive.steps:
+        stepper, train, assumptions = _stepper_of(spec, drive)
+    elif drive.motor.rotor_inertia > 0.0:
+        train, controller, assumptions = designed(spec, drive)
     else:
-        train, said = drive_train(spec, replace(found, motor=replace(found.motor, rotor_inertia=1.0)), 1e-3)
+        train, assumptions = drive_train(spec, replace(drive, motor=replace(drive.motor, rotor_inertia=1.0)), 1e-3)
         train = replace(train, motor_inertia=nan)
-        said = [*said, "the rotor's inertia is unknown and left out; no controller is designed"]
-    own, bodies, lever, ambient = found.controller, two_bodies(found.motor), spec.load.lever, spec.environment.ambient
+        assumptions = [*assumptions, "the rotor's inertia is unknown and left out; no controller is designed"]
+    own, bodies, lever, ambient = drive.controller, two_bodies(drive.motor), spec.load.lever, spec.environment.ambient
     if spec.gear is not None or load_springs(spec) or lever is None or lever.moment(spec.environment.gravity) == 0.0:
         lever = None  # behind a gear of fixed ratio the shaft turns more often; springs are no weight
     else:
         lever = Lever(*map(float, lever._replace(mass=lever.mass / spec.load.motors)))
     feed = spec.feed_of(own)
-    coulomb, viscous = (float(x[0]) for x in housing_loss(found.motor, np.ones(1)))
+    coulomb, viscous = (float(x[0]) for x in housing_loss(drive.motor, np.ones(1)))
     motion = motion_of(spec)
     within_reach(train, motion)
     left = np.empty((0, 2)) if lever else remaining_torque(spec, motion, at_shaft(spec))
     return Export(
         name=spec.name,
-        label=found.label,
-        parts={role: whole_name(part) for role, part in found.parts.items() if part},
+        label=drive.label,
+        parts={role: whole_name(part) for role, part in drive.parts.items() if part},
         motor_sets=spec.load.motors,
         train=train,
-        inductance_known=found.motor.inductance > 0.0,
+        inductance_known=drive.motor.inductance > 0.0,
         controller=controller,
         voltage=feed.applied,
         voltage_known=not isnan(feed.usable),
         peak_current=own.peak_current if own else nan,
         continuous_current=float(controller_current(own, ambient)) if own else nan,
-        limits=_limits(spec, found, train, feed.applied, stepper),
+        limits=_limits(spec, drive, train, feed.applied, stepper),
         heat=bodies if bodies.known else None,
-        housing=_housing(spec, found, bodies),
+        housing=_housing(spec, drive, bodies),
         rotor_loss=(coulomb if isfinite(coulomb) else 0.0, viscous if isfinite(viscous) else 0.0),
         ambient=ambient,
         elastic=spec.plant.model != "rigid",
@@ -390,7 +392,7 @@ def export_of(spec: RobotSpec, found: DriveSet, wheel: int | None = None) -> Exp
             load_time=tuple(left[:, 0].tolist()),
             load_torque=tuple(left[:, 1].tolist()),  # none of a lever, whose weight depends on its angle
         ),
-        assumptions=(*said, *whose(case, spec), *behind_gear(spec)),
+        assumptions=(*assumptions, *whose(case, spec), *behind_gear(spec)),
         stepper=stepper,
     )
 
@@ -419,18 +421,18 @@ def behind_gear(spec: RobotSpec) -> list[str]:
     return [f"the driven shaft is the input shaft of the {spec.gear.kind}; weight is a torque over time of the motion"]
 
 
-def _stepper_of(spec: RobotSpec, found: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
+def _stepper_of(spec: RobotSpec, drive: DriveSet) -> tuple[OpenLoopStepper, DriveTrain, list[str]]:
     """The stepper of a drive, its drive train without electrical figures, and assumptions."""
     lowest = spec.supply.lowest
-    one, said = prepared(spec, found, motion_of(spec), lambda speed: torque_of_drive(found, speed, lowest))
-    gears = {f.name: getattr(one, f.name) for f in fields(Mechanics)}
+    motor, assumptions = prepared(spec, drive, motion_of(spec), lambda speed: torque_of_drive(drive, speed, lowest))
+    gears = {f.name: getattr(motor, f.name) for f in fields(Mechanics)}
     train = DriveTrain(resistance=nan, inductance=nan, torque_constant=nan, back_emf_constant=nan, **gears)
-    return OpenLoopStepper(one, np.linspace(0.0, one.top_speed, len(one.torque))), train, said
+    return OpenLoopStepper(motor, np.linspace(0.0, motor.top_speed, len(motor.torque))), train, assumptions
 
 
-def _housing(spec: RobotSpec, found: DriveSet, bodies: TwoBodies) -> float:
+def _housing(spec: RobotSpec, drive: DriveSet, bodies: TwoBodies) -> float:
     """Mean temperature of the housing in periodic steady state [K]; NaN where unknown or with thermal runaway."""
-    cycle = set_cycle(spec, found) if bodies.known else None
+    cycle = set_cycle(spec, drive) if bodies.known else None
     if cycle is None or not cycle.known:
         return nan
     mean = float(bodies.housing(spec.environment.ambient, cycle.winding, cycle.heat.mean[0]))
@@ -482,10 +484,10 @@ def lacking(of: Export) -> list[str]:
     """Parts of the designed controller that the law has no place for, as sentences; sampling is left to the format."""
     c = of.designed
     kd = c.kd if isinstance(c, Gains) else c.velocity_kd
-    said = ["the derivative of the speed is left out"] if kd else []
+    notes = ["the derivative of the speed is left out"] if kd else []
     if isinstance(c, Cascade):
-        said.append("the current loop is left out: the winding alone makes the current late, by L/R")
-    return said
+        notes.append("the current loop is left out: the winding alone makes the current late, by L/R")
+    return notes
 
 
 # The link that a drive moves: axis, mass and centre of mass, in a world whose z points up.
@@ -515,13 +517,13 @@ def link_of(of: Export, *, reflected: bool) -> Link:
     if reflected and not isnan(of.inertia):
         inertia = of.inertia
     if lever is None:
-        said = "The mass does not count: the link turns about its own axis. All of the load is in its inertia."
-        return Link((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.0, max(inertia, LEAST_INERTIA), said)
+        note = "The mass does not count: the link turns about its own axis. All of the load is in its inertia."
+        return Link((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1.0, max(inertia, LEAST_INERTIA), note)
     rest = sqrt(max(1.0 - lever.share * lever.share, 0.0))
     along, high = lever.length * cos(lever.start), lever.length * sin(lever.start)
-    said = "One drive's share of the mass, at its position at the start of the cycle: gravity makes its torque."
+    note = "One drive's share of the mass, at its position at the start of the cycle: gravity makes its torque."
     about = max(inertia - lever.mass * lever.length**2, LEAST_INERTIA)
-    return Link((0.0, -lever.share, rest), (along, high * rest, high * lever.share), lever.mass, about, said)
+    return Link((0.0, -lever.share, rest), (along, high * rest, high * lever.share), lever.mass, about, note)
 
 
 def far_above(lever: Lever) -> Vector:

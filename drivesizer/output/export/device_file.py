@@ -57,21 +57,21 @@ def files(device: Device, rows: Sequence[Written], remarks: Sequence[str], path:
             body = "".join(line.format(name=row.parameter.name, value=row.text) + "\n" for row in rows)
             body += f"{after}\n" if after else ""
     if form == "json" or mark == "beside":
-        said = "".join(f"{one}\n" for one in remarks)
-        return {path: body.encode(), path.with_suffix(".read_back.txt"): said.encode()}
-    return {path: ("".join(f"{mark} {one}".rstrip() + "\n" for one in remarks) + "\n" + body).encode()}
+        notes = "".join(f"{line}\n" for line in remarks)
+        return {path: body.encode(), path.with_suffix(".read_back.txt"): notes.encode()}
+    return {path: ("".join(f"{mark} {line}".rstrip() + "\n" for line in remarks) + "\n" + body).encode()}
 
 
 def _tree(rows: Sequence[Written]) -> dict[str, Any]:
     """Parameters by the parts of their dotted names."""
-    found: dict[str, Any] = {}
+    tree: dict[str, Any] = {}
     for row in rows:
         *parents, last = row.parameter.name.split(".")
-        inner = found
+        inner = tree
         for parent in parents:
             inner = inner.setdefault(parent, {})
         inner[last] = int(row.value) if row.parameter.rounding == "whole" else float(row.text)
-    return found
+    return tree
 
 
 def _ini(rows: Sequence[Written]) -> str:

@@ -34,7 +34,7 @@ _1980 = 315_619_200.0  # s since 1970, the second day of that year in every time
 _DATE = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip file can hold
 _DIGITS = 16  # of the digest in a name: 64 bits
 _SPACE = uuid.UUID("9c4b7d1e-1a44-5d0e-8a1b-2f0f3a6f5b10")  # of GUIDs of this program
-_UNITS = {unit: dict(one.split() for one in base) for _, (unit, *base) in listed(__package__, "fmi_units.txt")}
+_UNITS = {unit: dict(power.split() for power in base) for _, (unit, *base) in listed(__package__, "fmi_units.txt")}
 
 
 def parameters(of: Export) -> dict[str, float]:
@@ -42,7 +42,7 @@ def parameters(of: Export) -> dict[str, float]:
     train, two = of.train, of.heat
     thermal = (two.R_th1, two.R_th2, two.capacity_w, two.capacity_h) if two else (0.0,) * 4
     names = ("winding_to_housing", "housing_to_ambient", "winding_capacity", "housing_capacity")
-    made = {name: getattr(train, name, 0.0) for name in fmu_motor.FIGURES} | {
+    figures = {name: getattr(train, name, 0.0) for name in fmu_motor.FIGURES} | {
         "inductance": train.inductance if of.inductance_known else 0.0,
         "commutation": train.commutation if of.inductance_known else 0.0,
         "motor_friction": train.friction, "motor_viscous": train.viscous, "ambient": of.ambient,
@@ -50,7 +50,7 @@ def parameters(of: Export) -> dict[str, float]:
         "housing_loss": of.rotor_loss[0], "housing_loss_viscous": of.rotor_loss[1],
         "most_current": of.peak_current if of.peak_current == of.peak_current else 0.0,
     }  # fmt: skip
-    return made | {name: float(x) for name, x in zip(names, thermal, strict=True)}
+    return figures | {name: float(x) for name, x in zip(names, thermal, strict=True)}
 
 
 def render(machine: MachineExport) -> bytes:
@@ -75,17 +75,17 @@ def render(machine: MachineExport) -> bytes:
     code = {
         name: Path(str(module.__file__)).read_text("utf-8") for name, module in (("motor", fmu_motor), ("heat", heat))
     }
-    figures, said = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
-    digest = hashlib.sha256("\0".join((_SLAVE, figures, said, *code.values())).encode()).hexdigest()[:_DIGITS]
+    figures, title = repr(parameters(of)), repr(text(f"{of.name}: {of.label}; {of.program}"))
+    digest = hashlib.sha256("\0".join((_SLAVE, figures, title, *code.values())).encode()).hexdigest()[:_DIGITS]
     with tempfile.TemporaryDirectory(prefix="drivesizer-") as folder:
         script, packed = Path(folder) / f"drive_{digest}.py", []
-        script.write_bytes(_SLAVE.format(figures=figures, said=said, digest=digest).encode())
+        script.write_bytes(_SLAVE.format(figures=figures, said=title, digest=digest).encode())
         for name, source in code.items():
             packed.append(Path(folder) / f"drive_{digest}_{name}.py")
             packed[-1].write_bytes(source.replace(heat.__name__, f"drive_{digest}_heat").encode())
         with _tidy():
-            made = FmuBuilder.build_FMU(script, dest=folder, project_files=packed)
-        return _settled(made.read_bytes(), of)
+            archive = FmuBuilder.build_FMU(script, dest=folder, project_files=packed)
+        return _settled(archive.read_bytes(), of)
 
 
 @contextmanager
@@ -103,8 +103,8 @@ def _tidy() -> Iterator[None]:
 
 def _settled(archive: bytes, of: Export) -> bytes:
     """The archive with units, fixed dates, names in order, and a GUID that is that of its content."""
-    with zipfile.ZipFile(io.BytesIO(archive)) as made:
-        files = {name: made.read(name) for name in sorted(made.namelist()) if "__pycache__" not in name}
+    with zipfile.ZipFile(io.BytesIO(archive)) as packed:
+        files = {name: packed.read(name) for name in sorted(packed.namelist()) if "__pycache__" not in name}
     name = "modelDescription.xml"
     described = fromstring(files.pop(name))  # noqa: S314 - made a moment ago
     described.attrib.pop("generationDateAndTime")

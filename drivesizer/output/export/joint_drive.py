@@ -91,7 +91,7 @@ class JointDrive:
     @property
     def remarks(self) -> list[str]:
         """Remarks on it, as sentences."""
-        of, others = self.of, (one for one in self.turns_by.items() if one[0] != self.joint)
+        of, others = self.of, (share for share in self.turns_by.items() if share[0] != self.joint)
         return sentences(
             "drive of a joint", drive=self, of=of, train=of.train, limits=of.limits,
             lasting=of.limits.continuous_torque.value * self.gear_efficiency / self.travel,

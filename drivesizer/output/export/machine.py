@@ -94,11 +94,11 @@ class MachineExport:
         """Assumptions on all drives, each once with the axes that it is of."""
         if self.platform:
             return self.platform.assumptions
-        found: dict[str, list[str]] = {}
+        axes: dict[str, list[str]] = {}
         for name, of in self.exports:
             for line in of.assumptions:
-                found.setdefault(line, []).append(name)
-        return tuple(f"{', '.join(names)}: {line}".removeprefix(": ") for line, names in found.items())
+                axes.setdefault(line, []).append(name)
+        return tuple(f"{', '.join(names)}: {line}".removeprefix(": ") for line, names in axes.items())
 
 
 def one_axis(of: Export) -> MachineExport:
@@ -111,11 +111,11 @@ def platform_alone(of: PlatformExport) -> MachineExport:
     return MachineExport(name=of.name, gravity=of.ground.gravity, platform=of)
 
 
-def drive_export(spec: RobotSpec, found: DriveSet, *, wheel: int | None = None, bodies: bool = True) -> MachineExport:
+def drive_export(spec: RobotSpec, drive: DriveSet, *, wheel: int | None = None, bodies: bool = True) -> MachineExport:
     """The record of a drive alone; of a platform that with all its wheels, where there are bodies and none is named."""
     if wheel is None and spec.platform is not None and bodies:
-        return platform_alone(platform_export(spec, found))
-    return one_axis(common.export_of(spec, found, wheel))
+        return platform_alone(platform_export(spec, drive))
+    return one_axis(common.export_of(spec, drive, wheel))
 
 
 def machine_export(sizing: MachineSizing, *, one_rate: bool = False, bodies: bool = True) -> MachineExport:
@@ -135,12 +135,12 @@ def machine_export(sizing: MachineSizing, *, one_rate: bool = False, bodies: boo
         def at_rate(spec: RobotSpec) -> RobotSpec:
             return spec.model_copy(update={"control": spec.control.model_copy(update={"rate": rate})})
 
-        found = {}
+        exports = {}
         for axis in sizing.axes:
             assert axis.best is not None
             spec = axis.spec if rate is None else axis.spec.changed(at_rate)
-            found[axis.name] = replace(common.export_of(spec, axis.best), name=axis.name)
-        return found
+            exports[axis.name] = replace(common.export_of(spec, axis.best), name=axis.name)
+        return exports
 
     exports = exported(None)
     periods = {of.period for of in exports.values() if of.controller}
@@ -167,9 +167,9 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
     assert section is not None
     robot = read_description(path_from_spec(file, section.description, ("robot", "description")))
     joints = tuple(name for name in robot.joints if name in exports)
-    held = fixed_positions(section, robot, joints)
+    fixed = fixed_positions(section, robot, joints)
     places = drive_places(section, robot, joints)
-    turned = coupling(section, robot, held, joints)
+    turned = coupling(section, robot, fixed, joints)
     drives = []
     for name, row in zip(joints, turned.tolist(), strict=True):
         axis, own = sizing.axis(name), section.drives.get(name, DrivePlace())
@@ -200,7 +200,7 @@ def _robot(sizing: MachineSizing, exports: Mapping[str, Export]) -> RobotExport:
         robot=robot,
         section=section,
         drives=tuple(drives),
-        held=held,
+        held=fixed,
         payload=payload_place(section, robot, joints),
         payload_mass=section.payload.mass if section.payload else 0.0,
         base=rotation(np.array([mounting.roll, mounting.pitch, mounting.yaw])),
@@ -215,37 +215,37 @@ def _stages(axis: AxisSizing) -> FixedGear:
     if gear is None:
         return FixedGear(1.0, 1.0, 1.0, inertia, 0.0, friction)
     before = belt is not None and axis.spec.gear_before_belt
-    found = gear.fixed_gear((belt.ratio or 1.0) if belt and before else 1.0)
-    if found.back_efficiency <= 0.0:
+    fixed = gear.fixed_gear((belt.ratio or 1.0) if belt and before else 1.0)
+    if fixed.back_efficiency <= 0.0:
         raise InputError(
             f"{axis.name}: its {gear.kind} locks itself, and simulators have no gear that only one side turns; "
             "expected --axis, which exports the shaft before it"
         )
     if before:
-        wheel = found.wheel_inertia + inertia, found.wheel_friction + friction
-        return found._replace(wheel_inertia=wheel[0], wheel_friction=wheel[1])
-    pinion = found.pinion_inertia + inertia, found.pinion_friction + friction
-    return found._replace(pinion_inertia=pinion[0], pinion_friction=pinion[1])
+        wheel = fixed.wheel_inertia + inertia, fixed.wheel_friction + friction
+        return fixed._replace(wheel_inertia=wheel[0], wheel_friction=wheel[1])
+    pinion = fixed.pinion_inertia + inertia, fixed.pinion_friction + friction
+    return fixed._replace(pinion_inertia=pinion[0], pinion_friction=pinion[1])
 
 
 def head(of: MachineExport) -> list[str]:
     """Remarks at the head of the file of an axis, of several, or of a robot, as sentences."""
     if of.alone:
         return common.remarks(of.alone)
-    said, robot = [f"{PROGRAM}. SI: kg, m, s, N, N*m, rad."], of.robot
+    lines, robot = [f"{PROGRAM}. SI: kg, m, s, N, N*m, rad."], of.robot
     if robot:
         driven = [robot.robot.joints[drive.joint] for drive in robot.drives]
-        said += sentences(
+        lines += sentences(
             "robot",
             slides=any(drive.slides for drive in robot.drives),
             bearings=robot.section.friction == "keep" and any(joint.damping or joint.friction for joint in driven),
             within=robot.section.masses == "with_drives",
             held=", ".join(f"{name} {brief(value)}" for name, value in robot.held.items()),
         )
-        said += robot.robot.notes
+        lines += robot.robot.notes
     if of.axes:
-        said += sentences("axes", robot=bool(robot), names=", ".join(name for name, _ in of.axes))
-    return [*said, *(f"Assumed: {line}." for line in (*of.notes, *of.assumptions))]
+        lines += sentences("axes", robot=bool(robot), names=", ".join(name for name, _ in of.axes))
+    return [*lines, *(f"Assumed: {line}." for line in (*of.notes, *of.assumptions))]
 
 
 def in_urdf(robot: RobotExport) -> RobotExport:
@@ -257,10 +257,10 @@ def in_urdf(robot: RobotExport) -> RobotExport:
     (sliding).
     """
     above = robot.robot.above
-    moved = {name: above[name].anchor if name in above else np.zeros(3) for name in robot.robot.links}
+    anchors = {name: above[name].anchor if name in above else np.zeros(3) for name in robot.robot.links}
     joints = {}
     for name, joint in robot.robot.joints.items():
-        place, turn = joint.place + joint.turn @ joint.anchor - moved[joint.parent], joint.turn
+        place, turn = joint.place + joint.turn @ joint.anchor - anchors[joint.parent], joint.turn
         if joint.kind == "prismatic":
             place = place - turn @ joint.axis * joint.reference
         elif joint.turns:
@@ -268,9 +268,9 @@ def in_urdf(robot: RobotExport) -> RobotExport:
         joints[name] = replace(joint, place=place, turn=turn, anchor=np.zeros(3), reference=0.0)
 
     def shifted(point: Attached) -> Attached:
-        return Attached(point.link, point.at - moved[point.link])
+        return Attached(point.link, point.at - anchors[point.link])
 
-    links = {name: replace(link, centre=link.centre - moved[name]) for name, link in robot.robot.links.items()}
+    links = {name: replace(link, centre=link.centre - anchors[name]) for name, link in robot.robot.links.items()}
     return replace(
         robot,
         robot=replace(robot.robot, links=links, joints=joints),
@@ -295,8 +295,8 @@ class AtShaft(NamedTuple):
 
 def render_json(of: MachineExport) -> bytes:
     """The file of a machine: the drives of all its axes."""
-    found = {"name": of.name, "axes": [document(one) for _, one in of.exports]}
-    return (as_text(found) + "\n").encode("utf-8", "backslashreplace")
+    record = {"name": of.name, "axes": [document(export) for _, export in of.exports]}
+    return (as_text(record) + "\n").encode("utf-8", "backslashreplace")
 
 
 def document(of: Export) -> dict[str, Any]:
@@ -316,12 +316,12 @@ def export_schema() -> dict[str, Any]:
     return document_schema("drivesizer export", of, defs)
 
 
-def free_name(wanted: str, taken: Collection[str]) -> str:
+def free_name(name: str, names: Collection[str]) -> str:
     """A name that is not taken, with underscores behind it where it is.
 
     >>> free_name("payload", {"payload"})
     'payload_'
     """
-    while wanted in taken:
-        wanted += "_"
-    return wanted
+    while name in names:
+        name += "_"
+    return name

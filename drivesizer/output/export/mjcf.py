@@ -57,7 +57,7 @@ def render(of: MachineExport) -> bytes:
     """The file of a machine."""
     root = Element("mujoco", model=common.text(of.name))
     alone, robot, platform = of.alone, of.robot, of.platform
-    step = min(one.period for _, one in of.exports) / PER_PERIOD
+    step = min(export.period for _, export in of.exports) / PER_PERIOD
     gravity = (0.0, 0.0, -of.gravity)
     if platform:
         remark(root, *platform.head, *_platform_remarks(platform), *platform.rollers)
@@ -81,10 +81,10 @@ def render(of: MachineExport) -> bytes:
         _robot(sections, robot, step)
     if platform:
         _platform(sections, platform, step)
-    for name, one in of.axes:
-        if one.gravity != of.gravity:
+    for name, drive in of.axes:
+        if drive.gravity != of.gravity:
             raise InputError(f"axis {name}: its gravity is another; expected that of the machine, or --axis beside it")
-        _axis(sections, name, one)
+        _axis(sections, name, drive)
         common.refuse_doubles(root, ("body", "joint", "site", "numeric"), name)
     if robot:  # the positions at which the trajectory starts; axes beside the robot at 0
         start = zip(robot.motion.joints, robot.motion.position[0, 0].tolist(), strict=True)
@@ -107,14 +107,14 @@ def _point_mass(body: Element, name: str, at: Iterable[float], mass: float) -> N
     SubElement(SubElement(body, "body", name=name), "inertial", pos=vector(at), mass=number(mass), diaginertia=about)
 
 
-def _rows(custom: Element, rows: Mapping[str, Iterable[float]], said: str, left_out: str) -> None:
+def _rows(custom: Element, rows: Mapping[str, Iterable[float]], note: str, left_out: str) -> None:
     """Rows of figures under their names; a remark where they are too long, for some versions of MuJoCo or for all."""
     listed = {name: list(row) for name, row in rows.items()}
     longest = max(map(len, listed.values()))
     if longest > MOST_POINTS:
         remark(custom, left_out)
         return
-    remark(custom, said)
+    remark(custom, note)
     if longest > _ROW_OF_3:
         remark(custom, f"Rows of more than {_ROW_OF_3} figures: for MuJoCo 4.0 or later.")
     for name, row in listed.items():
@@ -174,15 +174,15 @@ def _feedforward(law: common.TorqueLaw) -> str:
 def _axis(sections: Sections, name: str, of: Export) -> None:
     """An axis with its load, its motor and its cycle; of several, names begin with it."""
     before, world, actuator = f"{common.identifier(name)}_" if name else "", sections["worldbody"], sections["actuator"]
-    used = ["worldbody", *(["tendon"] if of.lever else []), "actuator", "sensor", "custom"]
+    tags = ["worldbody", *(["tendon"] if of.lever else []), "actuator", "sensor", "custom"]
     if name:
         remark(world, f"Axis {name}; in these remarks ctrl counts from its own first input, [0].", *_axis_remarks(of))
-        for section in used:
+        for section in tags:
             remark(sections[section], f"Axis {common.identifier(name)}.")
     train, step, e, lever = of.train, of.period / PER_PERIOD, of.train.efficiency, of.lever
     mean, half = (1.0 / e + e) / 2.0, (1.0 / e - e) / 2.0  # of the factors of a load driven and driving
     body = SubElement(world, "body", name=f"{before}load")
-    found = common.link_of(of, reflected=False)
+    link = common.link_of(of, reflected=False)
     lost = 1.0 / e - 1.0
     friction = of.load_friction * (1.0 + lost) + half * abs(of.constant_weight) + train.friction * train.ratio
     more = (mean - 1.0) * lever.mass if lever else 0.0  # kg, added to the weight by the gears
@@ -190,22 +190,22 @@ def _axis(sections: Sections, name: str, of: Export) -> None:
     armature = rotor + train.load_inertia * lost - (more * lever.length**2 if lever else 0.0)
     remark(body, "The body is the load's own: armature, and the mass of gears_loss, are what the gears add to it.")
     joint = {"joint": f"{before}shaft"}
-    turns = {"name": joint["joint"], "type": "hinge", "axis": vector(found.axis), "frictionloss": number(friction)}
+    turns = {"name": joint["joint"], "type": "hinge", "axis": vector(link.axis), "frictionloss": number(friction)}
     SubElement(body, "joint", turns | {"armature": number(armature)} | _hard(step))
-    remark(body, found.said)
-    about = vector([found.inertia] * 3)
-    SubElement(body, "inertial", pos=vector(found.centre), mass=number(found.mass), diaginertia=about)
+    remark(body, link.said)
+    about = vector([link.inertia] * 3)
+    SubElement(body, "inertial", pos=vector(link.centre), mass=number(link.mass), diaginertia=about)
     if lever is None:
         size = number(0.1 if of.turns else train.radius)
         SubElement(body, "geom", {"type": "cylinder", "size": f"{size} 0.02"} | _SHOWN)
     else:
-        ends = {"size": number(0.05 * lever.length), "fromto": vector((0.0, 0.0, 0.0, *found.centre))}
+        ends = {"size": number(0.05 * lever.length), "fromto": vector((0.0, 0.0, 0.0, *link.centre))}
         SubElement(body, "geom", {"type": "capsule"} | ends | _SHOWN)
-        _point_mass(body, f"{before}gears_loss", found.centre, more)
+        _point_mass(body, f"{before}gears_loss", link.centre, more)
         loss = {"frictionloss": number(half * abs(of.moment) / lever.length), "rgba": "0 0 0 0"}
         plumb = {"name": f"{before}plumb_line", "width": "1e-4"} | loss | _hard(step)
         line = SubElement(sections["tendon"], "spatial", plumb)
-        sites = {"above": (world, common.far_above(lever)), "weight": (body, found.centre)}
+        sites = {"above": (world, common.far_above(lever)), "weight": (body, link.centre)}
         for site, (parent, place) in sites.items():
             unseen = {"name": before + site, "pos": vector(place), "size": "1e-3", "rgba": "0 0 0 0"}
             SubElement(parent, "site", unseen)
@@ -250,8 +250,8 @@ def _axis_remarks(of: Export) -> list[str]:
     gears = sentences("MuJoCo: gears of an axis", of=of, train=train)
     elastic = sentences("MuJoCo: elastic shaft", of=of)
     if of.stepper:
-        said = sentences("MuJoCo: stepper on an axis", of=of, train=train, stepper=of.stepper.model, pi=pi)
-        return [first, *said, *gears, *common.assumed(of), *elastic]
+        stepping = sentences("MuJoCo: stepper on an axis", of=of, train=train, stepper=of.stepper.model, pi=pi)
+        return [first, *stepping, *gears, *common.assumed(of), *elastic]
     return [
         first,
         *sentences("MuJoCo: motor on an axis", of=of, train=train, ahead=_feedforward(torque_law(of))),
@@ -311,7 +311,7 @@ def _joint_motor(
     remark(actuator, f"{drive.joint}: total ratio {ratio}, e = {e}; feedforward torque {ahead}{scale}.{left}")
     of = lossless(at_joint)
     figures = _motor_figures(of, torque_law(of))
-    own = {key: one for key, one in figures.items() if key not in ("armature", "damping")}
+    own = {key: figure for key, figure in figures.items() if key not in ("armature", "damping")}
     SubElement(actuator, "dcmotor", named | own)
 
 
@@ -327,38 +327,38 @@ def _robot(sections: Sections, robot: RobotExport, step: float) -> None:
     outwards = [name for name in links if name not in above]
     for name in outwards:  # which grows: each behind the one that it hangs on
         outwards += [joint.child for joint in robot.robot.joints.values() if joint.parent == name]
-    made: dict[str, Element] = {}
+    bodies: dict[str, Element] = {}
     for name in outwards:
         joint = above.get(name)
-        parent = sections["worldbody"] if joint is None else made[joint.parent]
+        parent = sections["worldbody"] if joint is None else bodies[joint.parent]
         place, turn = (np.zeros(3), robot.base) if joint is None else (joint.place, joint.turn)
         frame = {"name": free_name(name, links) if name == _WORLD else name}
         frame |= {"pos": vector(place)} if place.any() else {}
         if (turn != np.eye(3)).any():
             frame["quat"] = vector(Rotation.from_matrix(turn).as_quat(scalar_first=True))
-        body = made[name] = SubElement(parent, "body", frame)
+        body = bodies[name] = SubElement(parent, "body", frame)
         moves = joint is not None and joint.moves
         if moves:
             _robot_joint(body, name, robot, step)
         _robot_link(body, name, robot, moves=moves)
     for drive in robot.drives:
-        motor, moved = f"{drive.joint}_motor", {"joint": drive.joint}
+        motor, target = f"{drive.joint}_motor", {"joint": drive.joint}
         if drive.coupled:
-            moved = {"tendon": f"{drive.joint}_belt"}
+            target = {"tendon": f"{drive.joint}_belt"}
             figures = {name: number(value) for name, value in _added(drive).items()}
-            belt = {"name": moved["tendon"]} | figures | _effort(drive) | _hard(step)
+            belt = {"name": target["tendon"]} | figures | _effort(drive) | _hard(step)
             tendon = SubElement(sections["tendon"], "fixed", belt)
             for name, share in drive.turns_by.items():
                 SubElement(tendon, "joint", joint=name, coef=number(share))
         stepped = "sum that its belt turns by" if drive.coupled else "joint's position"
-        _joint_motor(sections["actuator"], drive, {"name": motor} | moved, f"{stepped}, and its speed")
+        _joint_motor(sections["actuator"], drive, {"name": motor} | target, f"{stepped}, and its speed")
         for kind, name in (("jointpos", "position"), ("jointvel", "speed")):
             SubElement(sections["sensor"], kind, name=f"{drive.joint}_{name}", joint=drive.joint)
         SubElement(sections["sensor"], "actuatorfrc", name=f"{drive.joint}_torque", actuator=motor)
     stiff = {"solref": f"{number(2.0 * step)} 1", "solimp": "0.9999 0.9999 0.001 0.5 2"}
     for name, position in robot.held.items():
-        moved = {"polycoef": f"{number(position - robot.robot.joints[name].reference)} 0 0 0 0"}
-        SubElement(sections["equality"], "joint", {"name": f"{name}_held", "joint1": name} | moved | stiff)
+        target = {"polycoef": f"{number(position - robot.robot.joints[name].reference)} 0 0 0 0"}
+        SubElement(sections["equality"], "joint", {"name": f"{name}_held", "joint1": name} | target | stiff)
     motion = robot.motion
     columns = {"cycle_time": np.append(motion.time[:, 0], motion.time[-1, 1])}
     for column, name in enumerate(motion.joints):
@@ -464,8 +464,8 @@ def _platform_remarks(of: PlatformExport) -> list[str]:
     """Remarks on wheels, inputs, gears and controllers."""
     rollers = any(wheel.roller_angle for wheel in of.platform.wheels)
     slopes, friction = bool(np.any(of.ground.slope)), f"{_ASSUMED_FRICTION:g}"
-    said = sentences("MuJoCo: platform", of=of, rollers=rollers, slopes=slopes, friction=friction)
-    return [*said, *([] if of.of.stepper else sentences("MuJoCo: motors of a platform"))]
+    notes = sentences("MuJoCo: platform", of=of, rollers=rollers, slopes=slopes, friction=friction)
+    return [*notes, *([] if of.of.stepper else sentences("MuJoCo: motors of a platform"))]
 
 
 def _platform(sections: Sections, of: PlatformExport, step: float) -> None:
@@ -484,9 +484,9 @@ def _platform(sections: Sections, of: PlatformExport, step: float) -> None:
 
     def pair(name: str, friction: Sequence[float]) -> None:
         """A contact with the floor; of a capsule the first friction is along its axis."""
-        both = vector((*(max(one, _NO_FRICTION) for one in friction), 0.0, 0.0, 0.0))
+        coefficients = vector((*(max(coefficient, _NO_FRICTION) for coefficient in friction), 0.0, 0.0, 0.0))
         soft = {"solref": f"{number(max(_SLOWEST, 4.0 * step))} 1", "solimp": "0.95 0.99 0.001", "condim": "3"}
-        SubElement(contact, "pair", {"geom1": _FLOOR, "geom2": name, "friction": both} | soft)
+        SubElement(contact, "pair", {"geom1": _FLOOR, "geom2": name, "friction": coefficients} | soft)
 
     for place, wheel in enumerate(of.platform.wheels):
         _wheel(base, of, place, step)

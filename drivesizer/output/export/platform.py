@@ -79,9 +79,13 @@ class PlatformExport:
     @property
     def head(self) -> list[str]:
         """Remarks on the whole file, as sentences."""
-        one, names = next(iter(self.drives.values())), ", ".join(drive.joint for drive in self.drives.values())
-        said = sentences("platform", of=self, whole=self.platform, program=PROGRAM)
-        return [*said, f"{names}, each: {' '.join(one.remarks)}", *(f"Assumed: {line}." for line in self.assumptions)]
+        drive, names = next(iter(self.drives.values())), ", ".join(drive.joint for drive in self.drives.values())
+        lines = sentences("platform", of=self, whole=self.platform, program=PROGRAM)
+        return [
+            *lines,
+            f"{names}, each: {' '.join(drive.remarks)}",
+            *(f"Assumed: {line}." for line in self.assumptions),
+        ]
 
     def of_wheel(self, place: int) -> str:
         """Remark on the joint of a wheel: what resists."""
@@ -97,10 +101,10 @@ class PlatformExport:
         return [left] if C else []
 
 
-def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
+def platform_export(spec: RobotSpec, drive: DriveSet) -> PlatformExport:
     """The record of a platform with the drive that a sizing found."""
     if spec.budget is not None and spec.budget.drive_counts:  # of the mass that it was sized for
-        mass = fsum(row.ends[1] for row in found.masses if not isnan(row.each))
+        mass = fsum(row.ends[1] for row in drive.masses if not isnan(row.each))
         spec = spec.model_copy(update={"load": spec.load.model_copy(update={"mass": mass})})
     section, load, belt = spec.platform, spec.load, spec.belt
     if section is None or not isinstance(load, WheeledVehicle):
@@ -111,7 +115,7 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
             f"{where}: skid wheels are not exported; expected `drivesizer export --format json` of the drive"
         )
     (_, case, wheel_spec), *_ = load_cases(spec)
-    of = export_of(spec, found)
+    of = export_of(spec, drive)
     unbroken = spec.alone(platform=section.model_copy(update={"failed": []}))
     d = dynamics_of(unbroken)
     platform = d.platform if section.height_known else replace(d.platform, height=0.0)
@@ -122,7 +126,7 @@ def platform_export(spec: RobotSpec, found: DriveSet) -> PlatformExport:
     time, eta, eta_dot = _motion(unbroken, of)
     left = whose(case, wheel_spec)
     controller = [] if of.stepper or not left else [f"all drives have the controller that is designed for {case}"]
-    rows = drive_rows(found, 1, belt=belt.mass if belt else None, encoder=spec.wants_encoder)
+    rows = drive_rows(drive, 1, belt=belt.mass if belt else None, encoder=spec.wants_encoder)
     own = [row for row in rows if row.name != "controller"]
     drives = {}
     for place in d.kinematics.driven:
@@ -219,10 +223,10 @@ def _reached(k: Kinematics, of: Export, rolling: float, limits: Limits, eta_dot:
     wheel = wheel if wheel < inf else nan
 
     def least(value: float, limit: float | None) -> float:
-        return min((one for one in (value, limit) if one is not None and isfinite(one)), default=nan)
+        return min((speed for speed in (value, limit) if speed is not None and isfinite(speed)), default=nan)
 
     most = np.abs(k.E[list(k.driven)]).max(axis=0)
-    speed, aside, turning = (wheel / each if each > _NOTHING * most.max() else nan for each in most.tolist())
+    speed, aside, turning = (wheel / rate if rate > _NOTHING * most.max() else nan for rate in most.tolist())
     along, about = float(np.hypot(eta_dot[0], eta_dot[1]).max()), float(np.abs(eta_dot[2]).max())
     return Reach(
         forwards=least(speed, limits.speed),
@@ -239,9 +243,9 @@ def _motion(spec: RobotSpec, of: Export) -> tuple[Array, Array, Array]:
     """The spec's motion: times, velocity in the robot's frame, and its rate of change at both ends of each piece."""
     trajectory = trajectory_of(spec)
     if trajectory is not None:
-        found = motion(dynamics_of(spec), trajectory, ground_of(spec))
-        time = np.concatenate([[0.0], np.cumsum(found.duration)])
-        return time, np.concatenate([found.eta[:, :, 0], found.eta[:, -1:, 1]], axis=1), found.eta_dot
+        course = motion(dynamics_of(spec), trajectory, ground_of(spec))
+        time = np.concatenate([[0.0], np.cumsum(course.duration)])
+        return time, np.concatenate([course.eta[:, :, 0], course.eta[:, -1:, 1]], axis=1), course.eta_dot
     time, speed = np.array(of.cycle.time), np.array(of.cycle.speed) * of.train.radius
     lasts = np.diff(time) > 0.0
     rise = np.diff(speed)[lasts] / np.diff(time)[lasts]

@@ -99,29 +99,29 @@ def _joints(of: MachineExport) -> tuple[JointDrive, ...]:
 def controllers(of: MachineExport) -> bytes:
     """The parameters of controller manager and controllers, as YAML with remarks at its head."""
     joints, platform = _joints(of), of.platform
-    looped, steppers = ([one for one in joints if bool(one.of.stepper) is steps] for steps in (False, True))
-    slowest = max((one.of for one in looped), key=lambda one: one.period, default=None)
+    looped, steppers = ([joint for joint in joints if bool(joint.of.stepper) is steps] for steps in (False, True))
+    slowest = max((joint.of for joint in looped), key=lambda joint: joint.period, default=None)
     base = base_controller(platform) if platform else None
-    said = [f"{joint.joint}: {joint.of.label}" for joint in joints]
+    lines = [f"{joint.joint}: {joint.of.label}" for joint in joints]
     if platform:
-        said = [f"{', '.join(joint.joint for joint in joints)}: {platform.of.label}"]
+        lines = [f"{', '.join(joint.joint for joint in joints)}: {platform.of.label}"]
     elif of.alone:
-        said = [of.alone.label]
-    said += [common.PROGRAM, *dict.fromkeys(line for one in looped for line in common.lacking(one.of))]
+        lines = [of.alone.label]
+    lines += [common.PROGRAM, *dict.fromkeys(line for joint in looped for line in common.lacking(joint.of))]
     if slowest:
         rate = 1.0 / slowest.period
         whole = abs(_rate(slowest) - rate) <= _NEAR * rate
-        said += sentences("ros2_control: velocity loops", rate=rate, update_rate=_rate(slowest), whole=whole)
+        lines += sentences("ros2_control: velocity loops", rate=rate, update_rate=_rate(slowest), whole=whole)
     law = torque_law(of.alone) if of.alone and looped else None
     if law and (law.per_acceleration or law.per_direction):
-        said.append("feedforward of acceleration and friction is left out")
+        lines.append("feedforward of acceleration and friction is left out")
     if steppers:
-        said += sentences("ros2_control: steppers", platform=bool(platform), alone=bool(of.alone))
+        lines += sentences("ros2_control: steppers", platform=bool(platform), alone=bool(of.alone))
     if platform:
-        said += (
+        lines += (
             [*sentences("ros2_control: base", of=platform), *base.said] if base else sentences("ros2_control: no base")
         )
-    along = [] if platform else [one.joint for one in steppers]
+    along = [] if platform else [joint.joint for joint in steppers]
     rate = _rate(slowest) if slowest else _TRAJECTORY
     state = "joint_state_broadcaster"
     manager: dict[str, Any] = {"update_rate": Noted(rate, "Hz"), state: {"type": f"{state}/JointStateBroadcaster"}}
@@ -130,9 +130,9 @@ def controllers(of: MachineExport) -> bytes:
         manager[CONTROLLER] = {"type": "pid_controller/PidController"}
         nodes[CONTROLLER] = {
             "update_rate": Noted(rate, "Hz, that of the controller manager"),
-            "dof_names": [one.joint for one in looped], "command_interface": "effort",
+            "dof_names": [joint.joint for joint in looped], "command_interface": "effort",
             "reference_and_state_interfaces": ["velocity"], "enable_feedforward": True,
-            "gains": {one.joint: _gains(one) for one in looped},
+            "gains": {joint.joint: _gains(joint) for joint in looped},
         }  # fmt: skip
     if along:
         manager[_ALONG] = {"type": "joint_trajectory_controller/JointTrajectoryController"}
@@ -141,7 +141,7 @@ def controllers(of: MachineExport) -> bytes:
     if base:
         manager[NAME], nodes[NAME] = {"type": base.kind}, base.parameters
     body = "\n".join(parameters_text({name: {"ros__parameters": own}}) for name, own in nodes.items())
-    return ("".join(f"# {' '.join(text(line).split())}\n" for line in said) + body).encode()
+    return ("".join(f"# {' '.join(text(line).split())}\n" for line in lines) + body).encode()
 
 
 class Noted(NamedTuple):
@@ -181,8 +181,8 @@ def _float(value: float) -> str:
     >>> _float(2.0), _float(1e-9)
     ('2.0', '1e-09')
     """
-    shown = number(value)
-    return shown if set(shown) & {".", "e", "n"} else f"{shown}.0"
+    digits = number(value)
+    return digits if set(digits) & {".", "e", "n"} else f"{digits}.0"
 
 
 # The controller of ros2_controllers that drives a platform by velocities, and its parameters as YAML.
@@ -238,8 +238,8 @@ def base_controller(of: PlatformExport) -> BaseController | None:
             **_limits(of.reach, ("x",), older=True),
         }  # fmt: skip
         ahead_of = of.platform.wheels[next(iter(of.drives))].x
-        said = (f"odometry is that of the axle's middle, {ahead_of:.4g} m ahead of {FOOTPRINT}",) if ahead_of else ()
-        return BaseController("diff_drive_controller/DiffDriveController", parameters, said=said)
+        notes = (f"odometry is that of the axle's middle, {ahead_of:.4g} m ahead of {FOOTPRINT}",) if ahead_of else ()
+        return BaseController("diff_drive_controller/DiffDriveController", parameters, said=notes)
     if len(names) == 4 and _near(ahead, 1.0) and _near(np.abs(aside), 1.0) and _near(aside.sum(), 0.0):
         return _mecanum(of, aside, turning, before, frames)
     angles = np.arctan2(-ahead, aside) % tau
@@ -265,13 +265,16 @@ def _mecanum(
     reach = (turning[rear_right] - turning[front_left]) / 2.0
     if not (reach > 0.0 and _near(reach, (turning[front_right] - turning[rear_left]) / 2.0)):
         return None
-    one, other = (turning[front_left] + turning[rear_right]) / 2.0, (turning[front_right] + turning[rear_left]) / 2.0
+    falling, other = (
+        (turning[front_left] + turning[rear_right]) / 2.0,
+        (turning[front_right] + turning[rear_left]) / 2.0,
+    )
     corners = {"front_left": front_left, "front_right": front_right, "rear_right": rear_right, "rear_left": rear_left}
     parameters: dict[str, Any] = {"reference_timeout": 0.5}
     parameters |= {f"{corner}_wheel_command_joint_name": before + names[n] for corner, n in corners.items()}
     parameters |= {f"{corner}_wheel_state_joint_name": names[n] for corner, n in corners.items() if before}
     parameters["kinematics"] = {
-        "base_frame_offset": {"x": float(one - other) / 2.0, "y": float(one + other) / 2.0, "theta": 0.0},
+        "base_frame_offset": {"x": float(falling - other) / 2.0, "y": float(falling + other) / 2.0, "theta": 0.0},
         "wheels_radius": of.radius, "sum_of_robot_center_projection_on_X_Y_axis": float(reach),
     }  # fmt: skip
     parameters |= {**frames, **_limits(of.reach, ("x", "y"), older=False)}
@@ -282,15 +285,15 @@ def _limits(reach: Reach, axes: tuple[str, ...], *, older: bool) -> dict[str, An
     """Limits of velocity, acceleration and jerk; what is unknown is left out."""
 
     def limits(speed: float, acceleration: float, jerk: float) -> dict[str, Any]:
-        found: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
         for name, value in (("velocity", speed), ("acceleration", acceleration), ("jerk", jerk)):
             if isnan(value):
                 continue
             if older:
-                found[f"has_{name}_limits"] = True
-            found[f"max_{name}"] = value
-            found["max_deceleration" if name == "acceleration" else f"min_{name}"] = -value
-        return found
+                entries[f"has_{name}_limits"] = True
+            entries[f"max_{name}"] = value
+            entries["max_deceleration" if name == "acceleration" else f"min_{name}"] = -value
+        return entries
 
     speeds = {"x": reach.forwards, "y": reach.sideways}
     about = limits(reach.turning, reach.turning_acceleration, reach.turning_jerk)
@@ -308,8 +311,8 @@ def parameters_text(parameters: Mapping[str, Any], indent: int = 0) -> str:
     names: [a, b]
     """
     lines = ""
-    for name, given in parameters.items():
-        value, said = given if isinstance(given, Noted) else (given, "")
+    for name, parameter in parameters.items():
+        value, remark = parameter if isinstance(parameter, Noted) else (parameter, "")
         lines += f"{' ' * indent}{name}:"
         if isinstance(value, Mapping):
             lines += f"\n{parameters_text(value, indent + 2)}"
@@ -317,5 +320,5 @@ def parameters_text(parameters: Mapping[str, Any], indent: int = 0) -> str:
         written = f"[{', '.join(value)}]" if isinstance(value, list) else str(value)
         if isinstance(value, float | bool):
             written = str(value).lower() if isinstance(value, bool) else _float(value)
-        lines += f" {written}{said and f'  # {said}'}\n"
+        lines += f" {written}{remark and f'  # {remark}'}\n"
     return lines

@@ -64,13 +64,13 @@ def robot_of(of: MachineExport, direction: float = 1.0) -> Element:
         base = next(name for name in described.robot.links if name not in described.robot.above)
     else:
         SubElement(root, "link", name=BASE)
-    for drive, moved, link in _shafts(root, of):
-        one = drive.of
-        _inertial(link, Body(moved.mass, np.array(moved.centre), moved.inertia * np.eye(3)), shifted=any(moved.centre))
+    for drive, load, link in _shafts(root, of):
+        export = drive.of
+        _inertial(link, Body(load.mass, np.array(load.centre), load.inertia * np.eye(3)), shifted=any(load.centre))
         _joint(
-            root, drive.joint, "continuous", base, link.attrib["name"], axis={"xyz": vector(moved.axis)},
-            limit=_required(one.label, drive.limits),
-            dynamics={"damping": number(one.damping), "friction": number(one.friction)},
+            root, drive.joint, "continuous", base, link.attrib["name"], axis={"xyz": vector(load.axis)},
+            limit=_required(export.label, drive.limits),
+            dynamics={"damping": number(export.damping), "friction": number(export.friction)},
         )  # fmt: skip
     return root
 
@@ -80,20 +80,20 @@ def _shafts(parent: Element, of: MachineExport) -> Iterator[tuple[JointDrive, co
     for name, drive in of.shafts:
         if name:
             remark(parent, f"Axis {identifier(name)}.", *common.remarks(drive.of))
-        moved = common.link_of(drive.of, reflected=True)
+        load = common.link_of(drive.of, reflected=True)
         link = SubElement(parent, "link", name=f"{drive.joint.removesuffix('shaft')}load")
-        remark(link, moved.said)
-        yield drive, moved, link
+        remark(link, load.said)
+        yield drive, load, link
         common.refuse_doubles(parent, ("link", "joint"), name)
 
 
 def _joint(
-    root: Element, name: str, kind: str, parent: str, child: str, said: Iterable[str] = (),
+    root: Element, name: str, kind: str, parent: str, child: str, remarks: Iterable[str] = (),
     at: Iterable[float] | None = None, turn: Iterable[float] = (0.0, 0.0, 0.0), **elements: dict[str, str],
 ) -> None:  # fmt: skip
     """A joint between two links; its origin where it has a place, and its further elements that have attributes."""
     joint = SubElement(root, "joint", name=name, type=kind)
-    remark(joint, *said)
+    remark(joint, *remarks)
     SubElement(joint, "parent", link=parent)
     SubElement(joint, "child", link=child)
     if at is not None:
@@ -133,13 +133,15 @@ def _robot(root: Element, robot: RobotExport) -> None:
     for link in robot.robot.links.values():
         element = SubElement(root, "link", name=link.name)
         on_it = [drive for drive in robot.drives if drive.place.link == link.name and drive.beyond]
-        for one in on_it:
-            where, more = vector(one.place.at), " more than the link" if one.beyond < one.mass else ""
-            remark(element, f"Drive of {one.joint}, {brief(one.beyond)} kg{more} at {where}, is in it as a point mass.")
+        for rider in on_it:
+            where, more = vector(rider.place.at), " more than the link" if rider.beyond < rider.mass else ""
+            remark(
+                element, f"Drive of {rider.joint}, {brief(rider.beyond)} kg{more} at {where}, is in it as a point mass."
+            )
         if link.lacking:
             remark(element, f"In the description it {link.lacking}.")
         own = Body(link.mass, link.centre, link.inertia)
-        points = [Body(one.beyond, one.place.at, np.zeros((3, 3))) for one in on_it]
+        points = [Body(drive.beyond, drive.place.at, np.zeros((3, 3))) for drive in on_it]
         _inertial(element, together([own, *points]) if points else own)
     for joint in robot.robot.joints.values():
         drive, elements = robot.drive(joint.name), dict[str, dict[str, str]]()
@@ -173,8 +175,8 @@ def _platform(root: Element, of: PlatformExport, direction: float) -> None:
     """Base above its footprint, wheels with their joints, casters as balls that slide."""
     rollers = any(wheel.roller_angle or not wheel.held for wheel in of.platform.wheels)
     angles = ", ".join(number(wheel.roller_angle) for wheel in of.platform.wheels)
-    said = common.sentences("URDF: platform", rollers=rollers, angles=angles)
-    remark(root, *of.head, *said, *of.rollers)
+    notes = common.sentences("URDF: platform", rollers=rollers, angles=angles)
+    remark(root, *of.head, *notes, *of.rollers)
     SubElement(root, "link", name=FOOTPRINT)
     link, size = SubElement(root, "link", name=PLATFORM_BASE), of.size
     _inertial(link, of.base._replace(centre=of.base.centre - np.array([0.0, 0.0, of.radius])))
@@ -221,16 +223,16 @@ def render_sdf(of: MachineExport) -> bytes:
     base = SubElement(model, "link", name=BASE)
     remark(base, "The base stands on the world; its own figures do not count.")
     texts(SubElement(model, "joint", name="stand", type="fixed"), parent="world", child=BASE)
-    for drive, moved, link in _shafts(model, of):
+    for drive, load, link in _shafts(model, of):
         inertial = SubElement(link, "inertial")
-        if any(moved.centre):
-            texts(inertial, pose=f"{vector(moved.centre)} 0 0 0")
-        texts(inertial, mass=number(moved.mass))
-        texts(SubElement(inertial, "inertia"), **_moments(moved.inertia * np.eye(3)))
+        if any(load.centre):
+            texts(inertial, pose=f"{vector(load.centre)} 0 0 0")
+        texts(inertial, mass=number(load.mass))
+        texts(SubElement(inertial, "inertia"), **_moments(load.inertia * np.eye(3)))
         joint = SubElement(model, "joint", name=drive.joint, type="revolute")
         texts(joint, parent=BASE, child=link.attrib["name"])
         axis = SubElement(joint, "axis")
-        texts(axis, xyz=vector(moved.axis))
+        texts(axis, xyz=vector(load.axis))
         texts(SubElement(axis, "limit"), lower="-1e16", upper="1e16", **drive.limits)
         springs = {"spring_reference": "0", "spring_stiffness": "0"}  # required by the format
         texts(

@@ -72,18 +72,18 @@ def keys(record: type) -> dict[str, Callable[[Any], Any]]:
     """The keys of a record, each with what it is of the record; the unit of a figure is SI as the figure is."""
     names: tuple[str, ...] = getattr(record, "_fields", ()) or tuple(field.name for field in fields(record))
     left_out = {name for of, out in _LEFT_OUT.items() if issubclass(record, of) for name in out}
-    found: dict[str, Callable[[Any], Any]] = {name: attrgetter(name) for name in names if name not in left_out}
-    if {"kind", "unit"} <= found.keys():
-        found["unit"] = lambda one: one.unit if one.kind == "price" else KINDS[one.kind].si
-    return found | made(record)
+    entries: dict[str, Callable[[Any], Any]] = {name: attrgetter(name) for name in names if name not in left_out}
+    if {"kind", "unit"} <= entries.keys():
+        entries["unit"] = lambda figure: figure.unit if figure.kind == "price" else KINDS[figure.kind].si
+    return entries | made(record)
 
 
 def made(record: type) -> dict[str, Callable[[Any], Any]]:
     """The keys of a record that are none of its fields, or stand in place of one."""
-    found: dict[str, Callable[[Any], Any]] = {}
+    additions: dict[str, Callable[[Any], Any]] = {}
     for base, entries in _MADE.items():
-        found |= entries if issubclass(record, base) else {}
-    return found
+        additions |= entries if issubclass(record, base) else {}
+    return additions
 
 
 # -- What stands beside the fields of a record, or in place of one; the type that a function returns is in the schema.
@@ -127,14 +127,14 @@ def _catalogs(result: SizingResult) -> dict[str, str]:
     return dict(result.catalog.digests)
 
 
-def _value(one: Requirement) -> float:
+def _value(requirement: Requirement) -> float:
     """SI."""
-    return float(one.value)
+    return float(requirement.value)
 
 
-def _missing(one: DriveSet) -> list[str]:
+def _missing(drive: DriveSet) -> list[str]:
     """Parts, and figures of parts, that unknown checks lack."""
-    return missing_figures(one)
+    return missing_figures(drive)
 
 
 def _course(power: MachinePower) -> Course:
@@ -151,9 +151,9 @@ def _platform(result: SizingResult) -> PlatformNumbers | None:
     return platform_numbers(result.spec, result.shown)
 
 
-def _si_unit(one: IdentifiedFigure) -> str:
+def _si_unit(figure: IdentifiedFigure) -> str:
     """SI; of a kind without a name as it is shown."""
-    return KINDS[one.kind].si if one.kind in KINDS else one.unit
+    return KINDS[figure.kind].si if figure.kind in KINDS else figure.unit
 
 
 def _properties(record: type, *names: str) -> dict[str, Callable[[Any], Any]]:
@@ -233,12 +233,12 @@ def report(
     sizing: MachineSizing, proofs: Mapping[str, Validation], paths: Mapping[str, OnPath] | None = None
 ) -> dict[str, Any]:
     """A sizing with its parts list and the closed loop of the drive of each axis."""
-    found: dict[str, Any] = plain(sizing) | plain(Report(machine_parts_of_axes(sizing)))
-    for axis in found["axes"]:
+    document: dict[str, Any] = plain(sizing) | plain(Report(machine_parts_of_axes(sizing)))
+    for axis in document["axes"]:
         proof = proofs.get(axis["name"])
         more = ReportedAxis(proof, series(proof) if proof else None, (paths or {}).get(axis["name"]))
         axis |= plain(more)
-    return found
+    return document
 
 
 def series(proof: Validation) -> Columns:
@@ -253,21 +253,23 @@ def on_path(spec: RobotSpec, speeds: PermittedSpeeds | None, runs: Mapping[str, 
     from drivesizer.control.path_following import extremes
 
     measured = spec.platform.following.measured if spec.platform else []
-    errors = [MeasuredErrors(one.name, one.position, one.heading) for one in measured]
+    errors = [MeasuredErrors(robot.name, robot.position, robot.heading) for robot in measured]
     return OnPath(speeds, errors, {name: Run(extremes(run), float(run.limited.max())) for name, run in runs.items()})
 
 
 def driving(
-    found: Driving, chosen: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
+    platform: Driving, drive: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None = None
 ) -> dict[str, Any]:
     """The document of ``drivesizer drive --json``: a platform on its path, its drive, and simulated path following."""
-    wheels = [{"number": one.number, "requirements": one.requirements, "grip": one.grip} for one in found.wheels]
+    wheels = [
+        {"number": wheel.number, "requirements": wheel.requirements, "grip": wheel.grip} for wheel in platform.wheels
+    ]
     return {
-        "spec": found.spec.entered,
-        "trajectory": getattr(found.spec.motion, "trajectory", None),
-        "length": found.trajectory.length,
-        "time": found.trajectory.total,
+        "spec": platform.spec.entered,
+        "trajectory": getattr(platform.spec.motion, "trajectory", None),
+        "length": platform.trajectory.length,
+        "time": platform.trajectory.total,
         "wheels": wheels,
-        "drive_set": chosen,
-        **on_path(found.spec, speeds, runs)._asdict(),
+        "drive_set": drive,
+        **on_path(platform.spec, speeds, runs)._asdict(),
     }

@@ -70,32 +70,32 @@ def properties(record: type, defs: Definitions) -> dict[str, Any]:
     own = made(record)
     section = next((name for name, part in PARTS.items() if part is record), None)
     columns = columns_of(section) if section else {}
-    types, said = get_type_hints(record, localns=_NAMES), _comments(record)
-    said |= {name: column.remark for name, column in columns.items()}
-    found = {}
+    types, remarks = get_type_hints(record, localns=_NAMES), _comments(record)
+    remarks |= {name: column.remark for name, column in columns.items()}
+    schemas = {}
     for key in keys(record):
         kind = get_type_hints(own[key], localns=_NAMES)["return"] if key in own else types[key]
-        text = sentence_case((inspect.getdoc(own[key]) or "").rstrip(".")) if key in own else said.get(key, "")
+        text = sentence_case((inspect.getdoc(own[key]) or "").rstrip(".")) if key in own else remarks.get(key, "")
         if key in columns and columns[key].kind in KINDS:
             text = KINDS[columns[key].kind].si
         if key == "unit" and "kind" in types:
             text = "SI"
         text = re.sub(r"\b(NaN|None)\b", "null", text)
         figures = {"type": ["number", "array", "null"]}  # one, or a column of them
-        found[key] = (figures if kind is Any else _schema(kind, defs)) | ({"description": text} if text else {})
-    return found
+        schemas[key] = (figures if kind is Any else _schema(kind, defs)) | ({"description": text} if text else {})
+    return schemas
 
 
 def _comments(record: type) -> dict[str, str]:
     """The comment beside each field of a record, those of its bases included."""
-    found: dict[str, str] = {}
+    remarks: dict[str, str] = {}
     for base in record.__mro__[::-1]:
         if is_dataclass(base) or hasattr(base, "_fields"):
             source = inspect.getsource(sys.modules[base.__module__])
             body = re.search(rf"^class {base.__name__}\b.*?(?=^\S|\Z)", source, re.M | re.S)
             comments = _FIELD.findall(body[0]) if body else []
-            found |= {name: said for name, said in comments if said}
-    return found
+            remarks |= {name: remark for name, remark in comments if remark}
+    return remarks
 
 
 def _schema(kind: Any, defs: Definitions) -> dict[str, Any]:
@@ -108,11 +108,11 @@ def _schema(kind: Any, defs: Definitions) -> dict[str, Any]:
     if origin is Literal:
         return {"enum": [*inner]}
     if origin in (Union, UnionType):
-        return {"anyOf": [_schema(one, defs) for one in inner]}
+        return {"anyOf": [_schema(member, defs) for member in inner]}
     if origin is np.ndarray:
         return {"type": "array"}
     if origin is tuple and Ellipsis not in inner:
-        return {"type": "array", "prefixItems": [_schema(one, defs) for one in inner], "maxItems": len(inner)}
+        return {"type": "array", "prefixItems": [_schema(member, defs) for member in inner], "maxItems": len(inner)}
     if origin in (tuple, list):
         return {"type": "array", "items": _schema(inner[0], defs)}
     if origin in (dict, Mapping):

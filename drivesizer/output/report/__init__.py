@@ -91,11 +91,11 @@ def write_document(document: Document, paths: Sequence[Path]) -> list[Path]:
 def _write(content: Any, paths: Sequence[Path], paper: str, date: str | None) -> list[Path]:
     files = dict[Path, bytes]()  # of one content, which keeps what takes time
     for path in paths:
-        made = _files(content, path, paper, date)
-        twice = files.keys() & made.keys()
+        contents = _files(content, path, paper, date)
+        twice = files.keys() & contents.keys()
         if twice:
             raise InputError(f"{min(twice)}: would be written twice; expected another name")
-        files |= made
+        files |= contents
     return write_files(files)
 
 
@@ -128,15 +128,15 @@ def report_json(content: Content | MachineContent) -> bytes:
     from drivesizer.results.machine import of_one_axis
 
     if isinstance(content, MachineContent):
-        found = report(content.sizing, content.proofs)
+        document = report(content.sizing, content.proofs)
     else:
         sizing, behaviour, paths = of_one_axis(content.result), content.behaviour, dict[str, OnPath]()
         name = sizing.axes[0].name
         if behaviour and content.result.spec.platform:
             paths[name] = on_path(content.result.spec, behaviour.permitted, behaviour.followed)
-        found = report(sizing, {name: content.validation} if content.validation else {}, paths)
+        document = report(sizing, {name: content.validation} if content.validation else {}, paths)
     # a lone surrogate, which a spec may have, becomes \udxxx
-    return f"{as_text(found)}\n".encode("utf-8", "backslashreplace")
+    return f"{as_text(document)}\n".encode("utf-8", "backslashreplace")
 
 
 def write_sets(result: SizingResult | MachineSizing, path: Path) -> list[Path]:
@@ -208,12 +208,12 @@ def write_series(validation: Validation, path: Path) -> list[Path]:
     return write_files({path: columns_csv(columns)})
 
 
-def write_driving(found: Driving, path: Path) -> list[Path]:
+def write_driving(platform: Driving, path: Path) -> list[Path]:
     """Write a platform's path with speeds and torques of its wheels as CSV."""
     from drivesizer.load_cases.platform import over_time
     from drivesizer.output.report.csv import columns_csv
 
-    return write_files({path: columns_csv(over_time(found))})
+    return write_files({path: columns_csv(over_time(platform))})
 
 
 def write_path(runs: Mapping[str, Followed], folder: Path) -> list[Path]:

@@ -34,7 +34,7 @@ COLUMNS = (
 def files_csv(content: Content | MachineContent, path: Path) -> dict[Path, bytes]:
     """The files of a CSV report: the tidy table, a file of each table and series that has one."""
     sections = list(wide_of(content, doc.WIDE))
-    axes = list(dict.fromkeys(one.axis for one in sections if one.axis))
+    axes = list(dict.fromkeys(section.axis for section in sections if section.axis))
     files = {path: _tidy(sections)}
     for section in sections:
         for block in doc.flat(section.blocks):
@@ -53,7 +53,7 @@ def report_csv(content: Content | MachineContent) -> bytes:
 
 
 def _tidy(sections: Sequence[doc.Printed]) -> bytes:
-    columns = ("axis", *COLUMNS) if any(one.axis for one in sections) else COLUMNS
+    columns = ("axis", *COLUMNS) if any(section.axis for section in sections) else COLUMNS
     return encoded(columns, ([row.get(column, "") for column in columns] for row in _rows(sections)))
 
 
@@ -141,12 +141,12 @@ def _value(cell: Any) -> Any:
 
 def sets_csv(result: SizingResult | MachineSizing) -> bytes:
     """One row per drive, of each axis where there are several: the best, the closest rejected, those of the front."""
-    axes = [(one.name, one.result) for one in result.axes] if isinstance(result, MachineSizing) else [("", result)]
+    axes = [(axis.name, axis.result) for axis in result.axes] if isinstance(result, MachineSizing) else [("", result)]
     heads, rows = list[str](), list[tuple[str, doc.Row]]()
     for axis, of in axes:
-        columns, found = drives_in_rows(every_list(of), of.objective)
+        columns, drives = drives_in_rows(every_list(of), of.objective)
         heads += [column.key for column in columns if column.key not in heads]
-        rows += [(axis, row) for row in found]
+        rows += [(axis, row) for row in drives]
     several = len(axes) > 1 or bool(axes[0][0])
     return encoded([*(["axis"] if several else []), *heads],
                    ([*([axis] if several else []), *(_value(row.cells.get(head, "")) for head in heads)]
@@ -200,7 +200,7 @@ def tables(
     >>> [row["status"] for row in found["check"] if row["name"] == "winding_temperature"]
     ['pass']
     """
-    found: dict[str, list[dict[str, Any]]] = {}
+    rows_of: dict[str, list[dict[str, Any]]] = {}
     for section in wide_of(content_of(result, proof), doc.WIDE):
         head: dict[str, Any] = {"axis": section.axis} if section.axis else {}
         if not isnan(section.rank):
@@ -214,5 +214,5 @@ def tables(
                 figures = {key: cell.value if isinstance(cell, doc.Quantity) else doc.text_of(cell)
                            for key, cell in cells.items()}  # fmt: skip
                 name = table.record or section.section.name
-                found.setdefault(name, []).append({**head, "name": row.name, **figures})
-    return found
+                rows_of.setdefault(name, []).append({**head, "name": row.name, **figures})
+    return rows_of

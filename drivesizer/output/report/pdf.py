@@ -27,8 +27,8 @@ def report_pdf(content: Reportable, *, paper: str = "a4", date: str | None = Non
     if paper not in PAPERS:
         raise InputError(f"paper {quoted(paper)} is not known; expected {' or '.join(PAPERS)}")
     filled, pictures = paper_data(document_of(content), date), content.pictures
-    wanted = {name: pictures[name].paper for name in pictures_of(filled["sections"]) if name in pictures}
-    figures = {name: {"svg": draw("typeset").decode()} for name, draw in wanted.items() if draw}
+    drawings = {name: pictures[name].paper for name in pictures_of(filled["sections"]) if name in pictures}
+    figures = {name: {"svg": draw("typeset").decode()} for name, draw in drawings.items() if draw}
     data = json.dumps(filled | {"sheet": paper, "figures": figures}, ensure_ascii=False, allow_nan=False)
     return _set(data)
 
@@ -40,10 +40,10 @@ def _set(data: str) -> bytes:
     folder = resources.files("drivesizer.output.report") / "typst"
     source = b"\n".join((folder / f"{name}.typ").read_bytes() for name in _SOURCE)
     try:
-        made: bytes = typst.compile(source, sys_inputs={"data": data}, font_paths=fonts(data), format="pdf")
+        pdf: bytes = typst.compile(source, sys_inputs={"data": data}, font_paths=fonts(data), format="pdf")
     except RuntimeError as error:
         raise ReportError(f"the report could not be set: {str(error).splitlines()[0]}") from error
-    return made
+    return pdf
 
 
 def fonts(text: str = "") -> Any:

@@ -148,40 +148,40 @@ def written(sections: Iterable[doc.Printed]) -> bytes:
     names, records = list[str](), dict[int, Any]()
     sheets: dict[str, list[doc.Printed]] = {}
     title = ""
-    for one in sections:
-        title = one.title or title
-        sheets.setdefault(title, []).append(one)
-    for title, found in sheets.items():
-        items = [*_items(found)]
+    for section in sections:
+        title = section.title or title
+        sheets.setdefault(title, []).append(section)
+    for title, printed in sheets.items():
+        items = [*_items(printed)]
         if any(isinstance(item, _Stack) for item in items):
             _fill(_Page(book.add_worksheet(_name(title, names)), pen), items)
-        for one in found:
-            for series in (block for block in doc.flat(one.blocks) if isinstance(block, doc.Series)):
-                page = book.add_worksheet(_name(f"{one.axis} over time" if one.axis else series.title, names))
+        for section in printed:
+            for series in (block for block in doc.flat(section.blocks) if isinstance(block, doc.Series)):
+                page = book.add_worksheet(_name(f"{section.axis} over time" if section.axis else series.title, names))
                 records[len(book.worksheets())] = _series(book, page, series, pen)
     book.close()
     return _with_records(stream.getvalue(), {number: rows for number, rows in records.items() if len(rows) > 1})
 
 
-def _name(title: str, taken: list[str]) -> str:
+def _name(title: str, names: list[str]) -> str:
     """The name of a sheet, of which a workbook has each once whatever its capitals, and that it cuts."""
     bare = re.sub(r"[\[\]:*?/\\]", " ", title).strip("' ") or "Sheet"
-    for number in range(1, 2 + len(taken)):
+    for number in range(1, 2 + len(names)):
         end = "" if number == 1 else f" {number}"
         name = bare[: 31 - len(end)].strip() + end
-        if name.lower() not in taken:
+        if name.lower() not in names:
             break
-    taken.append(name.lower())
+    names.append(name.lower())
     return name
 
 
-def _items(found: Sequence[doc.Printed]) -> Iterable[Any]:
+def _items(sections: Sequence[doc.Printed]) -> Iterable[Any]:
     """Tables and texts of a sheet in their order; those of drives and axes by their columns."""
     stacks: dict[tuple[str, ...], _Stack] = {}
     items: list[Any] = []
-    for one in found:
-        shared = bool(one.axis) or not isnan(one.rank)
-        for block in doc.flat(one.blocks):
+    for section in sections:
+        shared = bool(section.axis) or not isnan(section.rank)
+        for block in doc.flat(section.blocks):
             if isinstance(block, doc.Verdict | doc.Words | doc.Bullets) and not shared:
                 items.append(block)
             elif isinstance(block, doc.Table) and block.media in doc.BOOK and block.rows:
@@ -190,7 +190,7 @@ def _items(found: Sequence[doc.Printed]) -> Iterable[Any]:
                 if key not in stacks:
                     stacks[key] = _Stack("" if shared else doc.text_of(block.caption), columns)
                     items.append(stacks[key])
-                stacks[key].lines += [_Line(one.axis, one.rank, row) for row in block.rows]
+                stacks[key].lines += [_Line(section.axis, section.rank, row) for row in block.rows]
     return items
 
 
@@ -231,17 +231,17 @@ def _write_texts(sheet: _Page, block: doc.Verdict | doc.Words | doc.Bullets, acr
         case _:
             texts = [("text", block.text)]
     for look, text in texts:
-        said = visible(doc.text_of(text))
+        plain = visible(doc.text_of(text))
         sheet.page.merge_range(sheet.row, 0, sheet.row, across - 1, "", sheet.pen(look))
-        sheet.page.write_string(sheet.row, 0, said, sheet.pen(look))
-        sheet.high(sheet.row, max(1, _lines(said, sum(sheet.widths.get(place, 12) for place in range(across)))))
+        sheet.page.write_string(sheet.row, 0, plain, sheet.pen(look))
+        sheet.high(sheet.row, max(1, _lines(plain, sum(sheet.widths.get(place, 12) for place in range(across)))))
         sheet.row += 1
 
 
 def _places(stack: _Stack) -> list[_Place]:
     """The columns of a sheet: units beside figures of several units, and the SI beside a value."""
-    found = [_Place("axis", "", "axis")] if any(line.axis for line in stack.lines) else []
-    found += [_Place("drive", "", "rank")] if any(not isnan(line.rank) for line in stack.lines) else []
+    places = [_Place("axis", "", "axis")] if any(line.axis for line in stack.lines) else []
+    places += [_Place("drive", "", "rank")] if any(not isnan(line.rank) for line in stack.lines) else []
     before: list[str] = []
     for column in stack.columns:
         cells = (line.row.cells.get(column.key, "") for line in stack.lines if not line.row.total)
@@ -249,12 +249,12 @@ def _places(stack: _Stack) -> list[_Place]:
         kinds = {unit for unit in units if unit}
         named = column.head or ("status" if column.form == "status" else column.key)
         named += f" ({label(min(kinds))})" if len(kinds) == 1 else ""
-        found.append(_Place(named, column.key, "value", column.form))
+        places.append(_Place(named, column.key, "value", column.form))
         if len(kinds) > 1:
-            found += [_Place("unit", column.key, "unit")] if units != before else []
-            found += [_Place(f"SI {of}", column.key, f"SI {of}") for of in ("value", "unit") if column.key == "value"]
+            places += [_Place("unit", column.key, "unit")] if units != before else []
+            places += [_Place(f"SI {of}", column.key, f"SI {of}") for of in ("value", "unit") if column.key == "value"]
             before = units
-    return found
+    return places
 
 
 def _write_table(sheet: _Page, stack: _Stack) -> int:
@@ -328,8 +328,8 @@ def _formula(
     assert isinstance(cell, doc.Quantity)
     if row.total:
         here, last = letters[column.key], next(n for n, line in enumerate(stack.lines) if line.row.total)
-        known = [one.number for one in stack.numbers(column.key) if isfinite(one.number)]
-        unit = next((one.unit for one in stack.numbers(column.key)), cell.unit)
+        known = [quantity.number for quantity in stack.numbers(column.key) if isfinite(quantity.number)]
+        unit = next((quantity.unit for quantity in stack.numbers(column.key)), cell.unit)
         summed = cell if cell.kind in ("money", "count") else doc.Quantity(cell.value, unit, cell.kind)
         same = isclose(math.fsum(known), summed.number, rel_tol=1e-9)
         return f"=SUM({here}{first + 1}:{here}{first + last})" if same and last else ""
@@ -339,9 +339,9 @@ def _formula(
         return ""
     refs = [f"{letters[key]}{sheet.row + 1}" for key in keys]
     product = kind == "product"
-    found = values[0] * values[1] if product else values[1] / values[0] - 1.0
+    result = values[0] * values[1] if product else values[1] / values[0] - 1.0
     formula = ("={}*{}" if product else "={1}/{0}-1").format(*refs)
-    return formula if isclose(found, cell.number, rel_tol=1e-9, abs_tol=1e-12) else ""
+    return formula if isclose(result, cell.number, rel_tol=1e-9, abs_tol=1e-12) else ""
 
 
 def _lines(text: str, width: float) -> int:
@@ -371,26 +371,26 @@ def _series(book: Any, page: Any, series: doc.Series, pen: _Pen) -> Any:
     """Write the head and the first row; all rows, of a longer record some evenly and with the peaks of every column."""
     names, units = list(series.columns), [unit for _, _, unit in series.columns.values()]
     columns = [from_si(values, unit, kind) for values, kind, unit in series.columns.values()]
-    kept = curve_points(tuple(columns), MOST_SAMPLES)
-    rows = np.column_stack([values[kept] for values in columns])
+    samples = curve_points(tuple(columns), MOST_SAMPLES)
+    rows = np.column_stack([values[samples] for values in columns])
     for place, (name, unit) in enumerate(zip(names, units, strict=True)):
         head = f"{name.replace('_', ' ')} ({label(unit)})" if label(unit) else name.replace("_", " ")
         page.write_string(0, place, head, pen("right head"))
         page.set_column(place, place, max(12, len(head) + 1))
         if len(rows) and isfinite(rows[0, place]):
             page.write_number(1, place, rows[0, place], pen("number", "General"))
-    some = len(kept) < len(columns[0])
-    left = f"{len(kept)} of {len(columns[0])} samples, evenly and with the peaks of every column" if some else ""
+    thinned = len(samples) < len(columns[0])
+    left = f"{len(samples)} of {len(columns[0])} samples, evenly and with the peaks of every column" if thinned else ""
     note = "; ".join(filter(None, (series.note, left)))
     if note:
         page.write_string(0, len(names), note, pen("text"))
     page.freeze_panes(1, 1)
     page.set_landscape()
-    drawn = [name for name in series.drawn if name in names]
-    if drawn and len(rows):
+    curves = [name for name in series.drawn if name in names]
+    if curves and len(rows):
         chart, sheet = book.add_chart({"type": "scatter", "subtype": "straight"}), page.get_name()
-        of = [units[names.index(name)] for name in drawn]
-        for ink, name, unit in zip(_INKS, drawn, of, strict=False):
+        of = [units[names.index(name)] for name in curves]
+        for ink, name, unit in zip(_INKS, curves, of, strict=False):
             place = names.index(name)
             chart.add_series({
                 "name": [sheet, 0, place], "categories": [sheet, 1, 0, len(rows), 0], "values": [sheet, 1, place,
@@ -432,11 +432,11 @@ def _with_rows(sheet: str, rows: Any) -> str:
     if np.isfinite(rows).all():
         whole = f'<row r="%d">{"".join(cells)}</row>'
         columns = [part for column in rows[1:].T.tolist() for part in (numbers, column)]
-        made: Iterable[str] = map(whole.__mod__, zip(numbers, *columns, strict=True))
+        lines: Iterable[str] = map(whole.__mod__, zip(numbers, *columns, strict=True))
     else:
         known = (
             "".join(cell % (n, v) for cell, v in zip(cells, row, strict=True) if isfinite(v))
             for n, row in zip(numbers, rows[1:].tolist(), strict=True)
         )
-        made = (f'<row r="{n}">{row}</row>' for n, row in zip(numbers, known, strict=True))
-    return "".join((head, *made, end, rest))
+        lines = (f'<row r="{n}">{row}</row>' for n, row in zip(numbers, known, strict=True))
+    return "".join((head, *lines, end, rest))

@@ -111,8 +111,7 @@ def signed(found: OperatingField) -> tuple[Array, Array]:
 def _drawn(speed: Array, torque: Array) -> Array:
     """Segments of a trace that are drawn: so many, and the extremes."""
     extremes = [column.argmax(axis=0) for column in (speed, torque, -torque)]
-    found: Array = np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
-    return found
+    return np.unique(np.concatenate([np.arange(0, len(speed), -(-len(speed) // _MOST_SEGMENTS)), *extremes]))
 
 
 def reach_of(panel: Panel) -> float:

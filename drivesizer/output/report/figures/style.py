@@ -264,8 +264,7 @@ def thinned(time: Array, values: Array, window: Window) -> NDArray[np.int64]:
     start, end = max(first - 1, 0), min(last + 1, len(time))
     steps = np.flatnonzero(np.diff(time[start:end]) > _SEEN * (window.end - window.start))
     kept = [extremes(values[start:end], _MOST), steps, steps + 1]
-    found: NDArray[np.int64] = start + np.unique(np.concatenate(kept))
-    return found
+    return start + np.unique(np.concatenate(kept))
 
 
 class Strip(NamedTuple):

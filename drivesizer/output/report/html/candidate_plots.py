@@ -131,8 +131,7 @@ def weights_section(content: Content) -> dict[str, Any] | None:
         **_command(content, chosen),
     }  # fmt: skip
     blocks = [block, *as_data([picture_of("choices")])]
-    made: dict[str, Any] = cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": blocks})
-    return made
+    return cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": blocks})
 
 
 def _criteria(drives: tuple[Choice, ...]) -> Iterator[Criterion]:
