@@ -65,7 +65,7 @@ class MachineContent(Reported):
     @property
     def contents(self) -> dict[str, Content]:
         """The content of each axis by its name."""
-        return {one.name: one.content for one in self.axes}
+        return {axis.name: axis.content for axis in self.axes}
 
     @property
     def given(self) -> MachineSpec:
@@ -75,7 +75,7 @@ class MachineContent(Reported):
     @property
     def words(self) -> str:
         """The machine in a line; one of a single axis as a plain spec."""
-        names = [one.name for one in self.axes]
+        names = [axis.name for axis in self.axes]
         return f"Machine of {len(names)} axes: {', '.join(names)}" if len(names) > 1 else self.axes[0].content.words
 
     @property
@@ -96,13 +96,14 @@ class MachineContent(Reported):
     @cached_property
     def axes(self) -> list[AxisContent]:
         """Every axis, in the order of the file; without its front, which served the choice."""
-        lines, given = parts_by_axis(self.sizing), self.sizing.machine.axes
+        lines, specs = parts_by_axis(self.sizing), self.sizing.machine.axes
         return [
             AxisContent(
-                key=f"axis{number}-", sizing=one, lines=lines[one.name], own_supply=len(given) == 1 or axis.own_supply,
-                content=Content(replace(one.result, front=(), pareto=()), self.proofs.get(one.name)),
+                key=f"axis{number}-", sizing=sizing, lines=lines[sizing.name],
+                own_supply=len(specs) == 1 or axis.own_supply,
+                content=Content(replace(sizing.result, front=(), pareto=()), self.proofs.get(sizing.name)),
             )
-            for number, (one, axis) in enumerate(zip(self.sizing.axes, given, strict=True), 1)
+            for number, (sizing, axis) in enumerate(zip(self.sizing.axes, specs, strict=True), 1)
         ]  # fmt: skip
 
     @cached_property
@@ -118,7 +119,7 @@ class MachineContent(Reported):
     @property
     def drives(self) -> int:
         """Drives of all axes that have one."""
-        return sum(one.drives for one in self.sizing.axes if one.best)
+        return sum(axis.drives for axis in self.sizing.axes if axis.best)
 
     @cached_property
     def loads(self) -> dict[str, Pictured]:
@@ -134,12 +135,12 @@ class MachineContent(Reported):
         """The field of each axis' drive with its first load case, under the name of the axis."""
         from drivesizer.output.report.figures.field import panels
 
-        for one in self.axes:
-            drive, result = one.content.drive, one.content.result
-            found = panels(result.problem, drive, result.requirements) if drive else []
-            for panel in found[:1]:
+        for axis in self.axes:
+            drive, result = axis.content.drive, axis.content.result
+            drive_panels = panels(result.problem, drive, result.requirements) if drive else []
+            for panel in drive_panels[:1]:
                 number, _, field = panel.cases[0]
-                yield replace(panel, cases=((number, one.name, field),), points=())
+                yield replace(panel, cases=((number, axis.name, field),), points=())
 
     @cached_property
     def pictures(self) -> dict[str, Pictured]:
@@ -149,11 +150,13 @@ class MachineContent(Reported):
 
         if len(self.axes) == 1:
             return self.axes[0].content.pictures
-        made, power = dict(self.loads), self.sizing.power
+        figures, power = dict(self.loads), self.sizing.power
         if power is not None and len(power.unknown) < len(power.axes):
             plot = axes_power(power)
-            made["power"] = Pictured(on_paper(plot), [plot])
-        return made | {f"{one.key}{name}": figure for one in self.axes for name, figure in one.content.pictures.items()}
+            figures["power"] = Pictured(on_paper(plot), [plot])
+        return figures | {
+            f"{axis.key}{name}": figure for axis in self.axes for name, figure in axis.content.pictures.items()
+        }
 
 
 # -- The first page: the verdict, a row for each axis, all parts, and the machine's own checks.
@@ -161,8 +164,8 @@ class MachineContent(Reported):
 
 def _verdict(content: MachineContent) -> Iterator[Any]:
     sizing = content.sizing
-    without = [one.name for one in sizing.axes if one.best is None]
-    best = [one.best for one in sizing.axes if one.best]
+    without = [axis.name for axis in sizing.axes if axis.best is None]
+    best = [axis.best for axis in sizing.axes if axis.best]
     drives, ranked = number_of(content.drives, "drive"), ranked_by(sizing.objective, best)
     failed = [
         f"{name} fails on {proof.failed}".removesuffix(" on ")
@@ -193,10 +196,10 @@ def answer(content: MachineContent) -> Iterator[doc.Block]:
         "The axes: mass of other axes' drives on each, mass and price of one drive as far as known, energy of its cycle"
     )
     yield doc.table("axes", caption, map(_axis_row, content.axes))
-    found = [(one.name, one.content.drive) for one in content.axes]
+    drives = [(axis.name, axis.content.drive) for axis in content.axes]
     tight = [
         doc.Row({**check_row(check).cells, "axis": name})
-        for name, drive in found
+        for name, drive in drives
         for check in tightest(drive.deciding if drive else (), 1)
     ]
     by_axis = (doc.Column("axis", "axis", "name"), *doc.declared()["checks"][1])
@@ -204,9 +207,9 @@ def answer(content: MachineContent) -> Iterator[doc.Block]:
     if sizing.checks:
         yield check_table("Checks of all axes together", sizing.checks, "machine_checks")
     if content.bought:
-        axes = [one.name for one in content.axes if one.sizing.best]
+        axes = [axis.name for axis in content.axes if axis.sizing.best]
         whole = f"{all_drives(content.drives)} of {f'{len(axes)} axes' if len(axes) > 1 else axes[0]}"
-        lines = [(one.line, ", ".join(one.axes)) for one in content.bought]
+        lines = [(shared.line, ", ".join(shared.axes)) for shared in content.bought]
         yield summary.parts_table(f"Parts of {whole}", lines, content.totals)
         yield from summary.lacking_words(content.totals)
     power = sizing.power
@@ -215,36 +218,38 @@ def answer(content: MachineContent) -> Iterator[doc.Block]:
         yield doc.Bullets("Of all axes together:", [note for note in notes if note])
 
 
-def _axis_row(one: AxisContent) -> doc.Row:
+def _axis_row(axis: AxisContent) -> doc.Row:
     """An axis by its drive, mass, price, energy and smallest margin, with what rides on it."""
-    drive, sizing = one.content.drive, one.sizing
-    names = ", ".join("its own" if riding.of == one.name else riding.of for riding in sizing.carried)
+    drive, sizing = axis.content.drive, axis.sizing
+    names = ", ".join("its own" if riding.of == axis.name else riding.of for riding in sizing.carried)
     riding = f"on it {show(sizing.carried_mass, 'g', 'mass', 3)}: {names}" if sizing.carried else ""
     if drive is None:
         return doc.Row(
-            {"axis": one.name, "drive": ("no candidate", doc.Small(riding)), "status": (doc.Status("fail"),)},
-            name=one.name,
+            {"axis": axis.name, "drive": ("no candidate", doc.Small(riding)), "status": (doc.Status("fail"),)},
+            name=axis.name,
         )
     cells = dict(short_drive(drive).cells)
     label, *below = cells["drive"] if isinstance(cells["drive"], tuple) else (cells["drive"],)
     count = f"{sizing.drives} × " if sizing.drives > 1 else ""
     head = (doc.Strong("none; closest: "), label) if sizing.best is None else (count, label)
-    margin, title = tight_of(drive, one.content.validation)
-    cells |= {"axis": one.name, "drive": (*head, *below, doc.Small(riding)), "margin": margin, "tight": title,
-              "status": (doc.Status(one.status),)}  # fmt: skip
-    return doc.Row(cells, name=one.name, status=one.status, data={"axis": one.name})
+    margin, title = tight_of(drive, axis.content.validation)
+    cells |= {"axis": axis.name, "drive": (*head, *below, doc.Small(riding)), "margin": margin, "tight": title,
+              "status": (doc.Status(axis.status),)}  # fmt: skip
+    return doc.Row(cells, name=axis.name, status=axis.status, data={"axis": axis.name})
 
 
 def glance(content: MachineContent) -> Iterator[doc.Block]:
     """The figures that a reader wants first."""
-    checks = [(c, one.name) for one in content.axes if one.sizing.best for c in tightest(one.sizing.best.deciding, 1)]
+    checks = [
+        (c, axis.name) for axis in content.axes if axis.sizing.best for c in tightest(axis.sizing.best.deciding, 1)
+    ]
     checks += [(c, f"{name}, {v.loop}") for name, v in content.proofs.items() for c in tightest(v.checks, 1)]
     checks += [(c, "all axes") for c in tightest(content.sizing.checks, 1)]
     tiles = []
     if checks:
         check, name = smallest(checks)
-        said = doc.Quantity(check.margin, "%", "margin").text
-        tiles.append(("Smallest margin", said or "none", f"{name}: {check.title}"))
+        margin = doc.Quantity(check.margin, "%", "margin").text
+        tiles.append(("Smallest margin", margin or "none", f"{name}: {check.title}"))
     tiles += [summary.summed_tile(content.totals, figure, all_drives(content.drives)) for figure in ("mass", "price")]
     yield doc.Tiles(tiles)
 
@@ -267,7 +272,7 @@ def mass_tree(machine: MachineSpec) -> list[Branch]:
 
     def below(name: str, depth: int, on: str) -> Iterator[Branch]:
         yield Branch(name, depth, on)
-        further = {other for one in riding[name] for other in riding[one]}
+        further = {other for rider in riding[name] for other in riding[rider]}
         for other in riding[name]:
             if other not in further:
                 yield from below(other, depth + 1, name)
@@ -279,9 +284,9 @@ def choice_text(result: MachineSizing) -> str:
     """Whether another choice of the drives that ride on others can be better."""
     if not result.complete or not any(axis.carried for axis in result.axes):
         return ""
-    said = "no other choice of the carried drives gives"
-    said = said if result.certain else "another choice of the carried drives may give"
-    return f"{said} less {result.objective.replace('_', ' ')} in all"
+    words = "no other choice of the carried drives gives"
+    words = words if result.certain else "another choice of the carried drives may give"
+    return f"{words} less {result.objective.replace('_', ' ')} in all"
 
 
 def supply_texts(power: MachinePower) -> Iterator[str]:
@@ -296,19 +301,19 @@ def supply_texts(power: MachinePower) -> Iterator[str]:
         left, shared = (show(value, "J", "energy") for value in (power.energy_left, power.exchanged))
         resistor = power.braking.name if power.braking else ""
         burnt = f", brake resistor {resistor}" if resistor else ""
-        drawn = f"{left} that no axis draws, {shared} from axis to axis" if power.synchronised else f"{left} at most"
-        yield f"regenerated per cycle: {drawn}{burnt}"
+        balance = f"{left} that no axis draws, {shared} from axis to axis" if power.synchronised else f"{left} at most"
+        yield f"regenerated per cycle: {balance}{burnt}"
     if power.reliability:
         yield sampled_text(power.reliability)
     if power.energy:
         yield f"battery: {show(power.energy.autonomy, 'h', 'time')} with all axes"
 
 
-def sampled_text(found: Reliability) -> str:
+def sampled_text(reliability: Reliability) -> str:
     """The probability that no limit of the supply is exceeded, as a sentence without its point."""
-    said = f"over tolerances no limit of the supply is exceeded with {likely(found.probability)}"
-    error = f"{said} ± {100.0 * found.error:.2g} %, weakest: {sentence_case(found.weakest)}"
-    return f"{error}; unknown: {', '.join(found.unknown)}" if found.unknown else error
+    text = f"over tolerances no limit of the supply is exceeded with {likely(reliability.probability)}"
+    error = f"{text} ± {100.0 * reliability.error:.2g} %, weakest: {sentence_case(reliability.weakest)}"
+    return f"{error}; unknown: {', '.join(reliability.unknown)}" if reliability.unknown else error
 
 
 # -- Chapters on all axes: their loads side by side, power, who carries whom, closed loops, assumptions, the appendix.
@@ -316,9 +321,9 @@ def sampled_text(found: Reliability) -> str:
 
 def loads(content: MachineContent) -> Iterator[doc.Block]:
     """The field of each axis with its load."""
-    cases = any(len(one.content.cycles) > 1 for one in content.axes)
+    cases = any(len(axis.content.cycles) > 1 for axis in content.axes)
     first = " Of several load cases the first is drawn." if cases else ""
-    lacking = [one.name for one in content.axes if one.sizing.best is None and one.content.drive]
+    lacking = [axis.name for axis in content.axes if axis.sizing.best is None and axis.content.drive]
     missed = f" Of {', '.join(lacking)} it is the closest rejected drive." if lacking else ""
     names = [*content.loads]
     for name in names:
@@ -342,8 +347,8 @@ def supply(content: MachineContent) -> Iterator[doc.Block]:
     if power.exceeded:
         titles = {check.name: check.title for check in power.checks}
         caption = "Share of the time in which axes at random phases draw more than the supply gives"
-        rows = [doc.row("exceeded", one, name=one.check, title=titles.get(one.check, one.check))
-                for one in power.exceeded]  # fmt: skip
+        rows = [doc.row("exceeded", excess, name=excess.check, title=titles.get(excess.check, excess.check))
+                for excess in power.exceeded]  # fmt: skip
         yield doc.table("exceeded", caption, rows)
     if power.braking and any(figure.value for figure in power.braking.figures):
         of = f" with brake resistor {power.braking.name}" if power.braking.name else ""
@@ -351,12 +356,12 @@ def supply(content: MachineContent) -> Iterator[doc.Block]:
     if power.energy:
         yield doc.Pair([consumers_table(power.energy)], [figures_table("The battery", power.energy.figures, "battery")])
     if power.reliability:
-        found, said = power.reliability, sampled_text(power.reliability)
-        yield doc.Words(f"{said[0].upper()}{said[1:]}.")
-        if varying_checks(found):
+        reliability, text = power.reliability, sampled_text(power.reliability)
+        yield doc.Words(f"{text[0].upper()}{text[1:]}.")
+        if varying_checks(reliability):
             caption = "Limits of the supply that samples change: share that passes, and quantiles of the margin"
-            yield spreads_table(caption, varying_checks(found), "supply-checks")
-        yield percentiles_table("All axes over the samples: percentiles", found, "supply-figures")
+            yield spreads_table(caption, varying_checks(reliability), "supply-checks")
+        yield percentiles_table("All axes over the samples: percentiles", reliability, "supply-figures")
     texts = dict.fromkeys(
         text for record in (power, power.braking, power.energy) if record for text in record.assumptions
     )
@@ -372,27 +377,27 @@ def power_columns(power: MachinePower) -> dict[str, tuple[Any, str, str]]:
     rows = {f"{name} drawn": values for name, values in zip(power.axes, course.drawn, strict=True)}
     rows |= {f"{name} returned": values for name, values in zip(power.axes, course.returned, strict=True)}
     rows |= {"out of the source": course.total, "left": course.left}
-    held = {name: (np.append(values, values[-1:]), "power", "W") for name, values in rows.items()}
-    return {"time": (course.time, "time", "s"), **held}
+    columns = {name: (np.append(values, values[-1:]), "power", "W") for name, values in rows.items()}
+    return {"time": (course.time, "time", "s"), **columns}
 
 
 def riding_drives(content: MachineContent) -> Iterator[doc.Block]:
     """Axes below those that carry their drives."""
     sizing, rows = content.sizing, []
-    if not any(one.carried for one in sizing.axes):
+    if not any(axis.carried for axis in sizing.axes):
         return
     for branch in mass_tree(sizing.machine):
         axis = sizing.axis(branch.name)
         if not (branch.on or axis.carried):
             continue
         above = sizing.axis(branch.on).carried if branch.on else ()
-        found = next((one for one in above if one.of == branch.name), None)
+        rider = next((rider for rider in above if rider.of == branch.name), None)
         indent = f"└{'──' * (branch.depth - 1)} " if branch.depth else ""
         cells: dict[str, doc.Cell] = {"axis": indent + branch.name, "drive": axis.best.label if axis.best else "none"}
-        if found:
-            mass = doc.Quantity(found.mass, "g", "mass")
-            cells["own"] = replace(mass, own=f"at least {mass.text}") if found.lacking else mass
-            cells |= {"distance": doc.Quantity(found.distance, "mm", "length")} if found.distance is not None else {}
+        if rider:
+            mass = doc.Quantity(rider.mass, "g", "mass")
+            cells["own"] = replace(mass, own=f"at least {mass.text}") if rider.lacking else mass
+            cells |= {"distance": doc.Quantity(rider.distance, "mm", "length")} if rider.distance is not None else {}
         cells |= {"on": doc.Quantity(axis.carried_mass, "g", "mass")} if axis.carried else {}
         rows.append(doc.Row(cells, name=branch.name))
     caption = "Each axis below the one that carries its drives; masses are in the load of the carrying axis"
@@ -405,23 +410,23 @@ def closed_loops(content: MachineContent) -> Iterator[doc.Block]:
     """A row for each axis with a drive: what it was simulated over, and its tightest check."""
     if not content.proofs:
         return
-    rows = [_loop_row(one) for one in content.axes if one.sizing.best]
+    rows = [_loop_row(axis) for axis in content.axes if axis.sizing.best]
     caption = "Every axis simulated in its hardest load case, with the drives that ride on it"
     yield doc.table("axes_loops", caption, rows)
     yield doc.Words("Figures, gains and the loop over time are in the chapter of each axis.", "note")
 
 
-def _loop_row(one: AxisContent) -> doc.Row:
-    v = one.content.validation
+def _loop_row(axis: AxisContent) -> doc.Row:
+    v = axis.content.validation
     if v is None:
         return doc.Row(
-            {"axis": one.name, "over": "not simulated, see its warnings", "status": (doc.Status("unknown"),)},
-            name=one.name,
+            {"axis": axis.name, "over": "not simulated, see its warnings", "status": (doc.Status("unknown"),)},
+            name=axis.name,
         )
     tight = worst(v.checks)
     cells: dict[str, doc.Cell] = dict(check_row(tight).cells) if tight else {}
-    cells |= {"axis": one.name, "over": f"{v.loop}, {driven_over(v)}", "title": tight.title if tight else ""}
-    return doc.Row(cells | {"status": (doc.Status(v.status),)}, name=one.name, data={"axis": one.name})
+    cells |= {"axis": axis.name, "over": f"{v.loop}, {driven_over(v)}", "title": tight.title if tight else ""}
+    return doc.Row(cells | {"status": (doc.Status(v.status),)}, name=axis.name, data={"axis": axis.name})
 
 
 # -- The chapter of one axis: its answer, then sections of a document of it alone, without what the machine has once.
@@ -433,10 +438,10 @@ _ELSEWHERE = {  # sections of one axis that the machine prints once, or that `--
 }  # fmt: skip
 
 
-def _chapter(one: AxisContent) -> list[doc.Section]:
-    left = _ELSEWHERE | (set() if one.own_supply else {"braking"})
-    left |= {"derivation"} if one.content.result.method == "paper" else set()
-    riding = ", ".join(f"{found.of} ({show(found.mass, 'g', 'mass')})" for found in one.sizing.carried)
+def _chapter(axis: AxisContent) -> list[doc.Section]:
+    left = _ELSEWHERE | (set() if axis.own_supply else {"braking"})
+    left |= {"derivation"} if axis.content.result.method == "paper" else set()
+    riding = ", ".join(f"{rider.of} ({show(rider.mass, 'g', 'mass')})" for rider in axis.sizing.carried)
 
     def opening(content: Content) -> Iterator[doc.Block]:
         yield from summary.summary(content)
@@ -446,7 +451,7 @@ def _chapter(one: AxisContent) -> list[doc.Section]:
     unknown = doc.Section(
         name="unknown", title="Unknown and unquoted figures", blocks=summary.unknown_blocks, level=2, early="never"
     )
-    first = replace(_AXIS, title=f"Axis {one.name}", blocks=opening)
+    first = replace(_AXIS, title=f"Axis {axis.name}", blocks=opening)
     return [first, *(replace(section, level=2) for section in SECTIONS[1:] if section.name not in left), unknown]
 
 
@@ -462,10 +467,10 @@ def chapters(content: Content | MachineContent, *, of_all_drives: bool = False) 
     if isinstance(content, Content) or len(content.axes) == 1:
         return [Chapter(content if isinstance(content, Content) else content.axes[0].content)]
     if not of_all_drives:
-        axes = [Chapter(one.content, _chapter(one), one.key) for one in content.axes]
+        axes = [Chapter(axis.content, _chapter(axis), axis.key) for axis in content.axes]
         return [Chapter(content, FRONT), *axes, Chapter(content, BACK)]
     own = [section for section in SECTIONS if section.name not in ("repeat", "summary")]
-    return [Chapter(content, (*FRONT, *BACK)), *(Chapter(one.content, own, one.name) for one in content.axes)]
+    return [Chapter(content, (*FRONT, *BACK)), *(Chapter(axis.content, own, axis.name) for axis in content.axes)]
 
 
 Reportable = Content | MachineContent | doc.Document  # of which there are reports

@@ -26,61 +26,66 @@ _TITLES = {
 }
 
 
-def bench_document(found: Prediction | Identification | Comparison) -> doc.Document:
+def bench_document(result: Prediction | Identification | Comparison) -> doc.Document:
     """Prediction of a set, or figures of a log, with their course over time."""
     from drivesizer.output.report.figures.cycle import bench, measured_and_model
     from drivesizer.output.report.figures.picture import Pictured, abreast, on_paper
 
-    if isinstance(found, Prediction):
-        name, subject, blocks = found.label, "prediction", _prediction(found)
-        plots = bench(found)
+    if isinstance(result, Prediction):
+        name, subject, blocks = result.label, "prediction", _prediction(result)
+        plots = bench(result)
         pictures = {"bench": Pictured(abreast(plots, 1.46, columns=3, names=4), plots)}
     else:
-        plot = measured_and_model(found.time, found.traces) if len(found.traces) and len(found.time) else None
+        plot = measured_and_model(result.time, result.traces) if len(result.traces) and len(result.time) else None
         pictures = {"bench": Pictured(on_paper(plot), [plot])} if plot else {}
-        if isinstance(found, Identification):
-            name, subject = f"{found.log}: {found.label}" if found.label else found.log, "identification"
-            blocks = _identification(found)
+        if isinstance(result, Identification):
+            name, subject = f"{result.log}: {result.label}" if result.label else result.log, "identification"
+            blocks = _identification(result)
         else:
-            name, subject = f"{found.log}: {found.label}, {found.over}", "comparison"
-            blocks = _comparison(found)
+            name, subject = f"{result.log}: {result.label}, {result.over}", "comparison"
+            blocks = _comparison(result)
     sections = [doc.section("bench", subject.capitalize(), [*blocks, doc.picture(subject, "bench")])]
     return doc.Document(name=name, subject=subject, sections=sections, pictures=pictures)
 
 
-def _prediction(found: Prediction) -> Iterator[doc.Block]:
+def _prediction(prediction: Prediction) -> Iterator[doc.Block]:
     """A prediction as tables and sentences."""
-    given = found.conditions
+    conditions = prediction.conditions
     load, hold = (
-        "an unknown torque" if isnan(x) else show(x, "N*m", "torque", _DIGITS) for x in (given.load, given.hold)
+        "an unknown torque" if isnan(x) else show(x, "N*m", "torque", _DIGITS)
+        for x in (conditions.load, conditions.hold)
     )
-    words = {"load": load, "hold": hold, "duration": _time(given.duration).text}
-    around = [show(given.voltage, "V", "voltage"), show(given.ambient, "degC", "temperature")]
-    around += [f"{show(given.inertia, 'kg*m^2', 'inertia')} at the output"] if given.inertia else []
+    words = {"load": load, "hold": hold, "duration": _time(conditions.duration).text}
+    around = [show(conditions.voltage, "V", "voltage"), show(conditions.ambient, "degC", "temperature")]
+    around += [f"{show(conditions.inertia, 'kg*m^2', 'inertia')} at the output"] if conditions.inertia else []
     yield doc.Words(", ".join(around))
-    for group, some in groupby(found.figures, key=lambda one: one.group):
-        listed = list(some)
+    for group, figures in groupby(prediction.figures, key=lambda figure: figure.group):
+        listed = list(figures)
         yield doc.table("predicted", _TITLES[group].format(**words), map(_row, listed), record=group)
-        missing = dict.fromkeys(name for one in listed for name in one.missing)
+        missing = dict.fromkeys(name for figure in listed for name in figure.missing)
         if missing:
             yield doc.Words(f"missing: {', '.join(missing)}", "note")
-    if found.estimates:
-        yield doc.table("not_printed", "", [doc.row("not_printed", one, name="") for one in found.estimates])
-    bands = "; ".join(f"{name[0].lower()}{name[1:]} {text}" for name, text, _ in found.tolerances)
-    yield doc.Bullets((doc.Note(f"5 to 95 % of {found.samples} samples: {bands}."),), list(found.assumptions))
+    if prediction.estimates:
+        yield doc.table(
+            "not_printed", "", [doc.row("not_printed", estimate, name="") for estimate in prediction.estimates]
+        )
+    bands = "; ".join(f"{name[0].lower()}{name[1:]} {text}" for name, text, _ in prediction.tolerances)
+    yield doc.Bullets((doc.Note(f"5 to 95 % of {prediction.samples} samples: {bands}."),), list(prediction.assumptions))
 
 
-def _row(one: Predicted) -> doc.Row:
+def _row(figure: Predicted) -> doc.Row:
     """A figure with its band; what is unknown has none."""
-    never = f"; never {likely(one.never)}" if 0.0 < one.never < 1.0 else ""
-    over = f"; over its limit with {likely(one.over)}" if one.over > 0.0 else ""
-    cells: dict[str, doc.Cell] = {"title": one.title + never + over}
-    ends = {} if isnan(one.band.nominal) else {"p5": one.band.p5, "p95": one.band.p95}
-    for key, x in {"value": one.band.nominal, **ends}.items():
-        beyond = f"over {show(HOTTEST, 'degC', 'temperature', _DIGITS)}" if one.unit == "degC" and x >= HOTTEST else ""
-        quantity = doc.Quantity(x, one.unit, one.kind, _DIGITS, own=beyond)
-        cells[key] = _time(x) if one.kind == "time" else quantity
-    return doc.Row(cells, name=one.name)
+    never = f"; never {likely(figure.never)}" if 0.0 < figure.never < 1.0 else ""
+    over = f"; over its limit with {likely(figure.over)}" if figure.over > 0.0 else ""
+    cells: dict[str, doc.Cell] = {"title": figure.title + never + over}
+    ends = {} if isnan(figure.band.nominal) else {"p5": figure.band.p5, "p95": figure.band.p95}
+    for key, x in {"value": figure.band.nominal, **ends}.items():
+        beyond = (
+            f"over {show(HOTTEST, 'degC', 'temperature', _DIGITS)}" if figure.unit == "degC" and x >= HOTTEST else ""
+        )
+        quantity = doc.Quantity(x, figure.unit, figure.kind, _DIGITS, own=beyond)
+        cells[key] = _time(x) if figure.kind == "time" else quantity
+    return doc.Row(cells, name=figure.name)
 
 
 def _time(seconds: float) -> doc.Quantity:
@@ -95,70 +100,78 @@ def _time(seconds: float) -> doc.Quantity:
 _LOG_DIGITS = 4
 
 
-def _identification(found: Identification) -> Iterator[doc.Block]:
+def _identification(identification: Identification) -> Iterator[doc.Block]:
     """An identification: figures with bands, what cannot be separated, checks of the log."""
     rows = (
-        f"{found.samples:,} samples over {show(found.duration, 's', 'time', 4)}, " if isfinite(found.duration) else ""
+        f"{identification.samples:,} samples over {show(identification.duration, 's', 'time', 4)}, "
+        if isfinite(identification.duration)
+        else ""
     )
-    driven = {"none": "steady figures of a file"}.get(found.driven, f"the model is driven by the logged {found.driven}")
+    driven = {"none": "steady figures of a file"}.get(
+        identification.driven, f"the model is driven by the logged {identification.driven}"
+    )
     yield doc.Words(f"{rows}{driven}")
-    yield doc.table("identified", "", map(_identified_row, found.figures))
+    yield doc.table("identified", "", map(_identified_row, identification.figures))
     bands = "from .. to: 95 %, the widest of formal, bootstrap and subsets"
     sheet = (
         "; off by: in standard deviations of band and data sheet"
-        if any(isfinite(f.deviation) for f in found.figures)
+        if any(isfinite(f.deviation) for f in identification.figures)
         else ""
     )
-    condition = f"; condition {found.condition:.3g}" if isfinite(found.condition) else ""
-    if found.driven != "none":
+    condition = f"; condition {identification.condition:.3g}" if isfinite(identification.condition) else ""
+    if identification.driven != "none":
         yield doc.Words(f"{bands}{sheet}{condition}", "note")
-    yield from _findings(found.findings)
-    if found.inseparable:
-        yield doc.table("inseparable", "", [(one.figures, one.reason, one.needs) for one in found.inseparable])
-    if found.remarks:
-        yield doc.Bullets("", list(found.remarks))
+    yield from _findings(identification.findings)
+    if identification.inseparable:
+        yield doc.table(
+            "inseparable", "", [(group.figures, group.reason, group.needs) for group in identification.inseparable]
+        )
+    if identification.remarks:
+        yield doc.Bullets("", list(identification.remarks))
 
 
-def _identified_row(one: IdentifiedFigure) -> doc.Row:
-    cells: dict[str, doc.Cell] = {"title": one.title, "basis": one.basis}
+def _identified_row(figure: IdentifiedFigure) -> doc.Row:
+    cells: dict[str, doc.Cell] = {"title": figure.title, "basis": figure.basis}
     for key in ("value", "low", "high", "printed"):
-        x = getattr(one, key)
+        x = getattr(figure, key)
         if not isnan(x):
             plain = (
-                "" if key == "value" else f"{float(from_si(x, one.unit, one.kind)):.{_LOG_DIGITS}g}"
+                "" if key == "value" else f"{float(from_si(x, figure.unit, figure.kind)):.{_LOG_DIGITS}g}"
             )  # one unit a row
             own = plain if isfinite(x) else "no limit"
-            cells[key] = doc.Quantity(x, one.unit, one.kind, _LOG_DIGITS, own=own)
-    if not isnan(one.deviation):
-        cells["deviation"] = doc.Quantity(one.deviation, "1", "plain", 2)
-    return doc.Row(cells, name=one.name)
+            cells[key] = doc.Quantity(x, figure.unit, figure.kind, _LOG_DIGITS, own=own)
+    if not isnan(figure.deviation):
+        cells["deviation"] = doc.Quantity(figure.deviation, "1", "plain", 2)
+    return doc.Row(cells, name=figure.name)
 
 
-def _findings(found: Sequence[LogFinding]) -> Iterator[doc.Block]:
-    severe = [one.text for one in found if one.severe]
+def _findings(findings: Sequence[LogFinding]) -> Iterator[doc.Block]:
+    severe = [finding.text for finding in findings if finding.severe]
     yield from (doc.Words(text, "alarm") for text in severe)
-    if quiet := [one.text for one in found if not one.severe]:
+    if quiet := [finding.text for finding in findings if not finding.severe]:
         yield doc.Bullets("The log:", quiet)
 
 
-def _comparison(found: Comparison) -> Iterator[doc.Block]:
+def _comparison(comparison: Comparison) -> Iterator[doc.Block]:
     """A log beside its sizing: check by check, and what would explain the difference."""
     rows = []
-    for one in found.checks:
-        cells: dict[str, doc.Cell] = {"title": one.title, "status": (doc.Status(one.status),)}
-        figures = {"promised": one.promised, "measured": one.measured, "limit": one.limit}
-        cells |= {key: doc.Quantity(x, one.unit, one.kind, _LOG_DIGITS) for key, x in figures.items() if not isnan(x)}
-        cells |= {key: doc.Quantity(x, "%", "margin") for key, x in (("margin", one.margin), ("left", one.left))
+    for check in comparison.checks:
+        cells: dict[str, doc.Cell] = {"title": check.title, "status": (doc.Status(check.status),)}
+        figures = {"promised": check.promised, "measured": check.measured, "limit": check.limit}
+        cells |= {
+            key: doc.Quantity(x, check.unit, check.kind, _LOG_DIGITS) for key, x in figures.items() if not isnan(x)
+        }
+        cells |= {key: doc.Quantity(x, "%", "margin") for key, x in (("margin", check.margin), ("left", check.left))
                   if not isnan(x)}  # fmt: skip
-        rows.append(doc.Row(cells, name=one.name, status=one.status))
+        rows.append(doc.Row(cells, name=check.name, status=check.status))
     yield doc.table("log", "", rows)
-    yield from _findings(found.findings)
-    if isfinite(found.difference):
-        off, whole = (show(x, "mN*m", "torque", 3) for x in (found.difference, found.torque))
+    yield from _findings(comparison.findings)
+    if isfinite(comparison.difference):
+        off, whole = (show(x, "mN*m", "torque", 3) for x in (comparison.difference, comparison.torque))
         yield doc.Words(f"Torque of the motor: the spec is off by {off} RMS, of {whole} that the log needs.")
-    if found.explanations:
-        rows = [doc.row("explanations", one, share=doc.Quantity(one.share, "%", "dimensionless", 2))
-                for one in found.explanations]  # fmt: skip
+    if comparison.explanations:
+        rows = [doc.row("explanations", explanation, share=doc.Quantity(explanation.share, "%", "dimensionless", 2))
+                for explanation in comparison.explanations]  # fmt: skip
         yield doc.table("explanations", "", rows)
-    if found.remarks:
-        yield doc.Bullets("", list(found.remarks))
+    if comparison.remarks:
+        yield doc.Bullets("", list(comparison.remarks))

@@ -40,7 +40,7 @@ def overview(shelf: Mapping[str, Catalog]) -> doc.Document:
 
 def _overview(shelf: Mapping[str, Catalog]) -> Iterator[doc.Block]:
     for section, names in families(shelf).items():
-        hits = [hit for some in names.values() for hit in some]
+        hits = [hit for group in names.values() for hit in group]
         if not hits:
             continue
         yield doc.Heading(
@@ -49,7 +49,7 @@ def _overview(shelf: Mapping[str, Catalog]) -> Iterator[doc.Block]:
         if len(shelf) > _FEW:
             counts: Mapping[str, int] = dict(Counter(hit["manufacturer"] for hit in hits).most_common())
         else:
-            counts = {name: len(some) for name, some in sorted(names.items())}
+            counts = {name: len(group) for name, group in sorted(names.items())}
         yield counts_words(counts)
         yield _APART
     if len(shelf) > _FEW:
@@ -62,37 +62,39 @@ def counts_words(counts: Mapping[str, int], head: str = "") -> doc.Words:
     return doc.Words(head + ", ".join(f"{name or 'no family'} ({n})" for name, n in counts.items()), "names")
 
 
-def listing(found: Mapping[str, Selection], limit: int, named: Sequence[str]) -> doc.Document:
+def listing(selections: Mapping[str, Selection], limit: int, named: Sequence[str]) -> doc.Document:
     """The parts of selections by their sections, a line each; with the columns that conditions name."""
-    every = (block for section, some in found.items() for block in _list(section, some, limit, named))
-    return _document("Parts", "list of parts", every)
+    blocks = (block for section, selection in selections.items() for block in _list(section, selection, limit, named))
+    return _document("Parts", "list of parts", blocks)
 
 
-def _list(section: str, found: Selection, limit: int, named: Sequence[str]) -> Iterator[doc.Block]:
+def _list(section: str, selection: Selection, limit: int, named: Sequence[str]) -> Iterator[doc.Block]:
     note, _ = first_columns(section)
-    yield listed(section, found.hits[:limit], named)
-    count = len(found.hits)
+    yield listed(section, selection.hits[:limit], named)
+    count = len(selection.hits)
     more = f"the first {limit} of {count} {section}; --limit shows more" if count > limit else f"{count} {section}"
     yield doc.Words(f"{more}; {note}" if count and note else more)
-    if found.undecided:
-        yield doc.Words(f"{found.undecided} more may fit: a required figure is unknown")
-    if found.excluded:
-        yield doc.Words(f"{found.excluded} more are excluded from sizing by a note; --excluded lists them (×)")
+    if selection.undecided:
+        yield doc.Words(f"{selection.undecided} more may fit: a required figure is unknown")
+    if selection.excluded:
+        yield doc.Words(f"{selection.excluded} more are excluded from sizing by a note; --excluded lists them (×)")
 
 
 def listed(section: str, hits: Sequence[Hit], named: Sequence[str], *, makers: bool = False) -> doc.Table:
     """Parts, a line each, with the columns that conditions name; perhaps with their makers."""
     schema, (_, usual) = columns_of(section), first_columns(section)
     there = {column.name for _, column in usual} | {"part", "family", "manufacturer"}
-    wanted = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(named) if name in schema.keys() - there]
+    extra = [(name.replace("_", "\n"), schema[name]) for name in dict.fromkeys(named) if name in schema.keys() - there]
     columns = [doc.Column("part", "part", "name"), doc.Column("family", "family")]
     columns += [doc.Column("manufacturer", "maker")] if makers else []
-    for place, (head, one) in enumerate([*usual, *wanted]):  # requested columns go before the last of the usual ones
-        form = "text" if one.kind == "text" else "number"
-        columns.append(doc.Column(one.name, f"{head}\n{label(one.unit)}".rstrip(), form, yields=0 < place < len(usual)))
+    for place, (head, column) in enumerate([*usual, *extra]):  # requested columns go before the last of the usual ones
+        form = "text" if column.kind == "text" else "number"
+        columns.append(
+            doc.Column(column.name, f"{head}\n{label(column.unit)}".rstrip(), form, yields=0 < place < len(usual))
+        )
     rows = []
     for hit in hits:
-        cells = {one.name: part.cell(hit[one.name], one, unit=False) for _, one in (*usual, *wanted)}
+        cells = {column.name: part.cell(hit[column.name], column, unit=False) for _, column in (*usual, *extra)}
         mark = doc.Mark(" ×" if hit.table.excluded[hit.row] else "")
         names = {name: str(hit[name]) for name in ("family", "manufacturer")}
         rows.append(doc.Row({"part": (hit.part, mark), **names, **cells}))
@@ -159,92 +161,105 @@ _SHARES = [doc.Column(name, name, "number") for name in ("priced", *CONFIDENCE)]
 
 def statistics(shelf: Mapping[str, Catalog]) -> doc.Document:
     """The completeness of each catalogue, section by section, and the confidence of its figures."""
-    found = {name: {s: one for s in PARTS if (one := coverage(c, s)).parts} for name, c in shelf.items()}
-    blocks = _of_many(found) if len(shelf) > _FEW else _of_few(found, {n: pairs_of(c) for n, c in shelf.items()})
+    coverages = {name: {s: figures for s in PARTS if (figures := coverage(c, s)).parts} for name, c in shelf.items()}
+    blocks = (
+        _of_many(coverages) if len(shelf) > _FEW else _of_few(coverages, {n: pairs_of(c) for n, c in shelf.items()})
+    )
     return _document("Catalogues", "figures known", blocks)
 
 
-def _of_many(found: Mapping[str, Mapping[str, Coverage]]) -> Iterator[doc.Block]:
-    by_section = {s: [one[s] for one in found.values() if s in one] for s in PARTS}
-    rows = [(section, _number(some, "parts"), str(len(some)), *_shares(some)) for section, some in by_section.items()]
+def _of_many(coverages: Mapping[str, Mapping[str, Coverage]]) -> Iterator[doc.Block]:
+    by_section = {s: [sections[s] for sections in coverages.values() if s in sections] for s in PARTS}
+    rows = [
+        (section, _number(makers, "parts"), str(len(makers)), *_shares(makers))
+        for section, makers in by_section.items()
+    ]
     yield doc.table("coverage", "", rows, more=[doc.Column("makers", "makers", "number"), *_SHARES])
     whole = []
-    for name, sections in found.items():
-        parts = [f"{one.parts} {s if one.parts > 1 else singular(s)}" for s, one in sections.items()]
+    for name, sections in coverages.items():
+        parts = [f"{coverage.parts} {s if coverage.parts > 1 else singular(s)}" for s, coverage in sections.items()]
         whole.append((name, "\n".join(parts), *_shares([*sections.values()])))
     yield doc.table("coverage", "", whole, heads={"title": "catalogue"}, without=["number"],
                     more=[doc.Column("parts", "parts"), *_SHARES])  # fmt: skip
     yield from _currencies(by_section)
-    for section, every in by_section.items():
-        if every:
-            yield from _completeness({"all": every}, section)
-            left = Counter(name for one in every for name, some in one.silent.items() for _ in some)
-            said = ", ".join(f"{name} {count}" for name, count in left.most_common())
-            if said:
-                yield doc.Words(f"of {_number(every, 'families')} families leave out decisive figures: {said}")
+    for section, makers in by_section.items():
+        if makers:
+            yield from _completeness({"all": makers}, section)
+            left = Counter(name for coverage in makers for name, families in coverage.silent.items() for _ in families)
+            words = ", ".join(f"{name} {count}" for name, count in left.most_common())
+            if words:
+                yield doc.Words(f"of {_number(makers, 'families')} families leave out decisive figures: {words}")
     yield doc.Words("drivesizer catalog stats --catalog maxon shows one catalogue in detail")
 
 
-def _of_few(found: Mapping[str, Mapping[str, Coverage]], pairs: Mapping[str, Mapping[str, int]]) -> Iterator[doc.Block]:
-    for name, sections in found.items():
+def _of_few(
+    coverages: Mapping[str, Mapping[str, Coverage]], pairs: Mapping[str, Mapping[str, int]]
+) -> Iterator[doc.Block]:
+    for name, sections in coverages.items():
         fits = ", ".join(f"{count} combination{'s' * (count > 1)} of {what}"
                          for what, count in pairs[name].items() if count)  # fmt: skip
         yield doc.Heading(name, note=fits)
-        rows = [(section, str(one.parts), str(one.families), *_shares([one])) for section, one in sections.items()]
+        rows = [
+            (section, str(coverage.parts), str(coverage.families), *_shares([coverage]))
+            for section, coverage in sections.items()
+        ]
         yield doc.table("coverage", "", rows, more=[doc.Column("families", "families", "number"), *_SHARES])
-        yield from _currencies({section: [one] for section, one in sections.items()})
+        yield from _currencies({section: [coverage] for section, coverage in sections.items()})
     for section in PARTS:
-        some = {name: sections[section] for name, sections in found.items() if section in sections}
-        yield from _completeness({name: [one] for name, one in some.items()}, section)
-        for name, one in some.items():
-            said = []
-            for decisive, left in one.silent.items():
+        by_catalogue = {name: sections[section] for name, sections in coverages.items() if section in sections}
+        yield from _completeness({name: [coverage] for name, coverage in by_catalogue.items()}, section)
+        for name, figures in by_catalogue.items():
+            texts = []
+            for decisive, left in figures.silent.items():
                 first = ", ".join(left[:_FEW]) + (f" and {len(left) - _FEW} more" if left[_FEW:] else "")
-                said.append(f"{decisive} ({'all families' if len(left) == one.families else first})")
-            if said:
-                words = f"{name}, decisive figures that families leave out: {'; '.join(said)}"
+                texts.append(f"{decisive} ({'all families' if len(left) == figures.families else first})")
+            if texts:
+                words = f"{name}, decisive figures that families leave out: {'; '.join(texts)}"
                 yield doc.Words(printable(words))
 
 
-def _number(some: Sequence[Coverage], name: str) -> str:
-    return str(sum(getattr(one, name) for one in some))
+def _number(coverages: Sequence[Coverage], name: str) -> str:
+    return str(sum(getattr(coverage, name) for coverage in coverages))
 
 
-def _shares(some: Sequence[Coverage]) -> list[str]:
+def _shares(coverages: Sequence[Coverage]) -> list[str]:
     """The share of parts that have a price, and that of each confidence among all known figures."""
-    counts = {level: sum(one.sure[level] for one in some) for level in CONFIDENCE}
+    counts = {level: sum(coverage.sure[level] for coverage in coverages) for level in CONFIDENCE}
     shares = {level: _share(count, sum(counts.values())) for level, count in counts.items()}
     if not counts["measured"]:  # of own parts alone
         shares["measured"] = ""
-    return [_share(sum(one.priced for one in some), sum(one.parts for one in some)), *shares.values()]
+    return [
+        _share(sum(coverage.priced for coverage in coverages), sum(coverage.parts for coverage in coverages)),
+        *shares.values(),
+    ]
 
 
 def _currencies(by_section: Mapping[str, Sequence[Coverage]]) -> Iterator[doc.Block]:
     """The currencies of the prices, with the number of parts that have one in each."""
-    said = []
-    for section, some in by_section.items():
-        count: Counter[str] = sum((Counter(one.prices) for one in some), Counter())
+    texts = []
+    for section, coverages in by_section.items():
+        count: Counter[str] = sum((Counter(coverage.prices) for coverage in coverages), Counter())
         if count:
-            said.append(f"{section} {', '.join(f'{number} in {code}' for code, number in count.most_common())}")
-    if said:
-        yield doc.Words(f"prices: {'; '.join(said)}")
+            texts.append(f"{section} {', '.join(f'{number} in {code}' for code, number in count.most_common())}")
+    if texts:
+        yield doc.Words(f"prices: {'; '.join(texts)}")
 
 
-def _completeness(found: Mapping[str, Sequence[Coverage]], section: str) -> Iterator[doc.Block]:
+def _completeness(coverages: Mapping[str, Sequence[Coverage]], section: str) -> Iterator[doc.Block]:
     """Of each figure the share of parts that have it; of several catalogues together, or of each beside the others."""
 
-    def known(column: str, some: Sequence[Coverage]) -> int:
-        return sum(one.known[column] for one in some)
+    def known(column: str, group: Sequence[Coverage]) -> int:
+        return sum(coverage.known[column] for coverage in group)
 
-    columns = [column for column in printed(section) if any(known(column, some) for some in found.values())]
-    for start in range(0, len(found), _FEW):
-        beside = dict(list(found.items())[start : start + _FEW])
-        rows = [(column.replace("_", " "), *(_share(known(column, some), sum(one.parts for one in some))
-                                             for some in beside.values())) for column in columns]  # fmt: skip
+    columns = [column for column in printed(section) if any(known(column, group) for group in coverages.values())]
+    for start in range(0, len(coverages), _FEW):
+        catalogues = dict(list(coverages.items())[start : start + _FEW])
+        rows = [(column.replace("_", " "), *(_share(known(column, group), sum(coverage.parts for coverage in group))
+                                             for group in catalogues.values())) for column in columns]  # fmt: skip
         yield doc.table("across", f"{section}: figures known", rows, heads={"title": section},
-                        more=[doc.Column(name, name, "number") for name in beside])  # fmt: skip
+                        more=[doc.Column(name, name, "number") for name in catalogues])  # fmt: skip
     never = [column.replace("_", " ") for column in printed(section) if column not in columns]
-    if found and never:
+    if coverages and never:
         yield doc.Words(f"never known: {', '.join(never)}")
 
 
@@ -265,30 +280,30 @@ def _share(count: int, total: int) -> str:
 # -- imports, and figures that contradict one another
 
 
-def imported(found: Imported, *, guessed: bool = False) -> Iterator[doc.Block]:
+def imported(table: Imported, *, guessed: bool = False) -> Iterator[doc.Block]:
     """The parts and columns that an import read, those that it left out, and what a sizing still lacks."""
-    parts = sum(found.families.values())
-    kind = found.section if parts > 1 else singular(found.section)
-    count = number_of(len(found.families), "family", "families")
-    yield counts_words(found.families, f"{parts} {kind} in {count}: ")
+    parts = sum(table.families.values())
+    kind = table.section if parts > 1 else singular(table.section)
+    count = number_of(len(table.families), "family", "families")
+    yield counts_words(table.families, f"{parts} {kind} in {count}: ")
     rows = [
         (printable(head.theirs), head.column.replace(" ", ", "), head.unit if head.unit != "1" else "",
          printable(first))
-        for head, first in zip(found.heads, found.examples, strict=True) if head.column not in ("", head.theirs)
+        for head, first in zip(table.heads, table.examples, strict=True) if head.column not in ("", head.theirs)
     ]  # fmt: skip
     yield doc.table("read_columns", "guessed by name and unit, to be looked at" if guessed else "columns", rows)
-    yield from map(doc.Words, (*import_words(found), *still_needed(found.catalog, found.section)))
+    yield from map(doc.Words, (*import_words(table), *still_needed(table.catalog, table.section)))
 
 
-def import_words(found: Imported) -> list[str]:
+def import_words(table: Imported) -> list[str]:
     """Names that an import took by itself, assumed, left out and skipped, a line each."""
-    same = [head.theirs for head in found.heads if head.column == head.theirs != ""]
+    same = [head.theirs for head in table.heads if head.column == head.theirs != ""]
     left = [f"{head.theirs} ({head.lacks})" if head.lacks else head.theirs
-            for head in found.heads if head.theirs and not head.column]  # fmt: skip
-    said = {"columns with matching names": same, "assumed": found.assumed, "left out": left,
-            "not understood, unknown now": found.cells, "columns without a value": found.empty,
-            "rows skipped": found.skipped}  # fmt: skip
-    return [printable(f"{what}: {'; '.join(names)}") for what, names in said.items() if names]
+            for head in table.heads if head.theirs and not head.column]  # fmt: skip
+    remarks = {"columns with matching names": same, "assumed": table.assumed, "left out": left,
+            "not understood, unknown now": table.cells, "columns without a value": table.empty,
+            "rows skipped": table.skipped}  # fmt: skip
+    return [printable(f"{what}: {'; '.join(names)}") for what, names in remarks.items() if names]
 
 
 def added(catalog: Catalog, section: str, target: Path) -> Iterator[doc.Block]:
@@ -309,28 +324,30 @@ def still_needed(catalog: Catalog, section: str) -> list[str]:
     return [printable(f"a sizing still needs: {'; '.join(need)}")] if need else []
 
 
-def findings(found: Sequence[Finding], *, everything: bool = False) -> Iterator[doc.Block]:
+def findings(findings: Sequence[Finding], *, everything: bool = False) -> Iterator[doc.Block]:
     """Figures that contradict one another, by the identity that they break."""
     groups: dict[tuple[str, ...], list[Finding]] = {}
-    for one in found:
-        if one.unexplained or everything:
-            groups.setdefault((one.file, one.section, one.identity, one.meaning, one.accepted), []).append(one)
-    for (file, section, identity, meaning, accepted), some in groups.items():
+    for finding in findings:
+        if finding.unexplained or everything:
+            groups.setdefault(
+                (finding.file, finding.section, finding.identity, finding.meaning, finding.accepted), []
+            ).append(finding)
+    for (file, section, identity, meaning, accepted), group in groups.items():
         yield doc.Words((doc.Strong(f"{file}, {section}: {identity}"),))
         yield doc.Words(f"  {meaning}")
         if accepted:
             yield doc.Words(f"  accepted: {accepted}")
-        if some[0].kind:
-            yield doc.table("broken", "", map(_broken, some))
+        if group[0].kind:
+            yield doc.table("broken", "", map(_broken, group))
         else:
-            yield doc.Words("  " + ", ".join(one.part for one in some))
-    wrong = sum(one.unexplained for one in found)
-    accepted_too = sum(bool(one.accepted) for one in found)
-    said = f"{wrong} unexplained, {accepted_too} accepted, {len(found) - wrong - accepted_too} informational"
-    yield doc.Words(said if everything or wrong == len(found) else f"{said}; --all shows them")
+            yield doc.Words("  " + ", ".join(finding.part for finding in group))
+    wrong = sum(finding.unexplained for finding in findings)
+    accepted_too = sum(bool(finding.accepted) for finding in findings)
+    words = f"{wrong} unexplained, {accepted_too} accepted, {len(findings) - wrong - accepted_too} informational"
+    yield doc.Words(words if everything or wrong == len(findings) else f"{words}; --all shows them")
 
 
-def _broken(one: Finding) -> tuple[str, ...]:
-    value, expected = (show(x, one.unit, one.kind) for x in (one.found, one.expected))
-    shares = ("" if isnan(share) else f"{100 * share:.1f} %" for share in (one.deviation, one.tolerance))
-    return one.part, one.family, value, f"{one.relation.removeprefix('=')} {expected}".strip(), *shares
+def _broken(finding: Finding) -> tuple[str, ...]:
+    value, expected = (show(x, finding.unit, finding.kind) for x in (finding.found, finding.expected))
+    shares = ("" if isnan(share) else f"{100 * share:.1f} %" for share in (finding.deviation, finding.tolerance))
+    return finding.part, finding.family, value, f"{finding.relation.removeprefix('=')} {expected}".strip(), *shares

@@ -70,8 +70,8 @@ class Reported(ABC):
     @property
     def title_block(self) -> list[tuple[str, str]]:
         """Names and texts of the customer, project, author and revision, as far as they are given."""
-        given = self.given.report.model_dump(exclude_none=True)
-        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in given.items()]
+        entries = self.given.report.model_dump(exclude_none=True)
+        return [(name.replace("_", " ").capitalize(), str(text)) for name, text in entries.items()]
 
     @property
     def file(self) -> str:

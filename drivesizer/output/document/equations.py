@@ -35,8 +35,8 @@ def equations() -> doc.Document:
         unit = matrix.result.unit
         short = "" if "," in unit or "per" in unit else label(unit)  # the unit of a vector where it is short
         rows.append((f"({matrix.number})", matrix.title, computed, short))
-    said = "* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why."
-    return _document("Equations of the paper", "", [doc.table("equations", "", rows), doc.Words(said)])
+    note = "* the printed form fails the unit check or gives another value; `drivesizer equations 10` says why."
+    return _document("Equations of the paper", "", [doc.table("equations", "", rows), doc.Words(note)])
 
 
 def _document(name: str, words: str, blocks: Sequence[doc.Block]) -> doc.Document:
@@ -76,30 +76,30 @@ def platform_equation(declared: MatrixEquation, numbers: EquationNumbers | None 
     return _document(declared.title, f"equation ({declared.number})", blocks)
 
 
-def _tables(every: Sequence[Numbers]) -> Iterator[doc.Table]:
+def _tables(tables: Sequence[Numbers]) -> Iterator[doc.Table]:
     """Matrices one by one; vectors with the same labels beside each other, scalars below each other."""
     columns: dict[tuple[str, ...], list[Numbers]] = {}
-    for one in every:
-        if one.columns == ("",):
-            columns.setdefault(one.rows, []).append(one)
+    for table in tables:
+        if table.columns == ("",):
+            columns.setdefault(table.rows, []).append(table)
         else:
-            yield _matrix(one, printed(one), one.symbol)
+            yield _matrix(table, printed(table), table.symbol)
     for rows, alike in columns.items():
         if rows == ("",):
-            scalars = [(one.symbol, cell(one.values.item(), one.units[0][0])) for one in alike]
+            scalars = [(table.symbol, cell(table.values.item(), table.units[0][0])) for table in alike]
             yield doc.table("across", "", scalars, more=[doc.Column("value", "", "number")])
         else:
-            units = [[u for one in alike for u in one.units[i]] for i in range(len(rows))]
-            values = np.hstack([one.values for one in alike])
-            together = alike[0]._replace(columns=tuple(one.symbol for one in alike), values=values, units=units)
+            units = [[u for table in alike for u in table.units[i]] for i in range(len(rows))]
+            values = np.hstack([table.values for table in alike])
+            together = alike[0]._replace(columns=tuple(table.symbol for table in alike), values=values, units=units)
             yield _matrix(together, printed(together, above=False))
 
 
-def _matrix(numbers: Numbers, shown: Printed, symbol: str = "") -> doc.Table:
+def _matrix(numbers: Numbers, texts: Printed, symbol: str = "") -> doc.Table:
     """Numbers with their labels, symbol and unit in the corner."""
-    corner = f"{symbol} ({shown.unit})" if shown.unit else symbol
-    rows = [(name, *cells) for name, cells in zip(numbers.rows, shown.cells, strict=True)]
-    columns = [doc.Column(f"n{n}", head, "number") for n, head in enumerate(shown.heads)]
+    corner = f"{symbol} ({texts.unit})" if texts.unit else symbol
+    rows = [(name, *cells) for name, cells in zip(numbers.rows, texts.cells, strict=True)]
+    columns = [doc.Column(f"n{n}", head, "number") for n, head in enumerate(texts.heads)]
     return doc.table("across", "", rows, heads={"title": corner}, more=columns)
 
 

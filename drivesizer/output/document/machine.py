@@ -44,7 +44,7 @@ def machine(of: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 def mass_blocks(drive: DriveSet) -> Iterator[doc.Block]:
     """The masses of the machine one by one, their sum, and what it lacks."""
     yield masses_table(drive.masses, [f for f in drive.machine if f.name in _OF_MASSES])
-    lacks = ", ".join(dict.fromkeys(one.name for one in drive.masses if isnan(one.each)))
+    lacks = ", ".join(dict.fromkeys(mass.name for mass in drive.masses if isnan(mass.each)))
     if lacks:
         yield doc.Words(f"Not known and not in the sum: {lacks}.", "note")
 
@@ -57,7 +57,7 @@ def battery_picture(content: Content) -> Iterator[doc.Block]:
     budget = content.drive.energy if content.drive else None
     if budget is None:
         return
-    lacks = " Unknown consumers are not counted." if any(isnan(one.mean) for one in budget.consumers) else ""
+    lacks = " Unknown consumers are not counted." if any(isnan(consumer.mean) for consumer in budget.consumers) else ""
     yield doc.picture("battery", battery=budget.battery, lacks=lacks)
 
 
@@ -90,30 +90,33 @@ def braking(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 
 def permitted(content: Content) -> Iterator[doc.Block]:
     """Speeds that the drives permit, by direction."""
-    found = content.behaviour.permitted if content.behaviour else None
-    if found is None:
+    permitted_speeds = content.behaviour.permitted if content.behaviour else None
+    if permitted_speeds is None:
         return
-    with_motors = platform.failed_motors_text(found) if found.failed else "with all motors"
+    with_motors = platform.failed_motors_text(permitted_speeds) if permitted_speeds.failed else "with all motors"
     yield doc.picture("permitted", motors=with_motors)
-    yield from permitted_blocks(found)
+    yield from permitted_blocks(permitted_speeds)
 
 
-def permitted_blocks(found: PermittedSpeeds) -> Iterator[doc.Block]:
+def permitted_blocks(permitted_speeds: PermittedSpeeds) -> Iterator[doc.Block]:
     """Speeds of a quarter turn, and what limits them."""
-    with_motors = platform.failed_motors_text(found) if found.failed else "with all motors"
-    heads = [platform.failed_motors_text(found), *(f"without {failed}" for failed in found.speed if failed)]
+    with_motors = platform.failed_motors_text(permitted_speeds) if permitted_speeds.failed else "with all motors"
+    heads = [
+        platform.failed_motors_text(permitted_speeds),
+        *(f"without {failed}" for failed in permitted_speeds.speed if failed),
+    ]
     columns = [*(doc.Column(re.sub(r"\W+", "_", head), head, "number") for head in heads),
                doc.Column("note", f"limited, {with_motors}, by", "small", media="paper")]  # fmt: skip
     rows = []
     for degrees in range(0, 91, 15):
-        here = list(found.at(degrees).values())
+        here = list(permitted_speeds.at(degrees).values())
         speeds = [doc.Quantity(v, "m/s", "speed", 3, own="–" if isnan(v) else "any" if isinf(v) else "")
                   for v, _ in here]  # fmt: skip
         if not isnan(here[0][0]):
             cells = dict[str, doc.Cell](zip((c.key for c in columns), [*speeds, here[0][1]], strict=True))
             rows.append(doc.Row({"title": f"{degrees} °", **cells}, name=str(degrees)))
     yield doc.table("permitted", platform.SPEEDS, rows, more=columns)
-    yield doc.Bullets("In these speeds:", [*platform.speed_remarks(found)])
+    yield doc.Bullets("In these speeds:", [*platform.speed_remarks(permitted_speeds)])
 
 
 def followed(content: Content) -> Iterator[doc.Block]:
@@ -139,13 +142,13 @@ def followed_blocks(path: Driving, drive: DriveSet | None, runs: Mapping[str, Fo
                for key in keys]  # fmt: skip
     columns.append(doc.Column("limited", "at the torque limit", "number"))
     measured = path.spec.platform.following.measured if path.spec.platform else ()
-    rows = [doc.Row({"title": f"{one.name}, measured", "position": doc.Quantity(one.position, "m", "length", 3),
-                     "heading": doc.Quantity(one.heading, "deg", "angle", 3)}, name=_slug(f"{one.name} measured"))
-            for one in measured]  # fmt: skip
+    rows = [doc.Row({"title": f"{row.name}, measured", "position": doc.Quantity(row.position, "m", "length", 3),
+                     "heading": doc.Quantity(row.heading, "deg", "angle", 3)}, name=_slug(f"{row.name} measured"))
+            for row in measured]  # fmt: skip
     for name, run in runs.items():
-        found = {one.title: one for one in extremes(run)}
+        deviations = {deviation.title: deviation for deviation in extremes(run)}
         cells: dict[str, doc.Cell] = {
-            key: doc.Quantity(abs(found[key].value), found[key].unit, found[key].kind, 3) for key in keys
+            key: doc.Quantity(abs(deviations[key].value), deviations[key].unit, deviations[key].kind, 3) for key in keys
         }
         limited = doc.Quantity(float(run.limited.max()), "%", "dimensionless", 3)
         rows.append(doc.Row({"title": name, **cells, "limited": limited}, name=_slug(name)))
@@ -161,21 +164,21 @@ def kinematics_and_dynamics(content: Content) -> Iterator[doc.Block]:
     spec = content.result.spec
     if not spec.platform:
         return
-    found = platform.platform_numbers(spec, content.drive)
+    numbers = platform.platform_numbers(spec, content.drive)
     yield doc.Words(doc.sentence("symbols"))
     yield doc.Heading("Kinematics")
-    yield numbers_table(found.wheels)
-    kinematics, dynamics = found.matrices[:4], found.matrices[4:]
+    yield numbers_table(numbers.wheels)
+    kinematics, dynamics = numbers.matrices[:4], numbers.matrices[4:]
     yield from _pairs([*kinematics[:3:2], *kinematics[1::2]])
-    yield numbers_table(found.mobility)
+    yield numbers_table(numbers.mobility)
     yield doc.Heading("Dynamics")
-    yield doc.Words(f"{found.rotors} C̄ and C_q are at a turning speed of 1 rad/s, with which they grow.")
-    yield from _pairs([one for pair in zip(dynamics[::2], dynamics[1::2], strict=True) for one in pair])
+    yield doc.Words(f"{numbers.rotors} C̄ and C_q are at a turning speed of 1 rad/s, with which they grow.")
+    yield from _pairs([table for pair in zip(dynamics[::2], dynamics[1::2], strict=True) for table in pair])
     yield doc.Heading("Forces and torques")
     yield doc.Words(
-        f"{found.moment} Rolling resistance is that of wheels, rollers and casters, which the paper leaves out."
+        f"{numbers.moment} Rolling resistance is that of wheels, rollers and casters, which the paper leaves out."
     )
-    yield from map(numbers_table, found.at_instant)
+    yield from map(numbers_table, numbers.at_instant)
 
 
 def _pairs(tables: list[Numbers]) -> Iterator[doc.Block]:
@@ -189,11 +192,11 @@ _SI = {"deg": ("rad", radians(1.0)), "mm": ("m", 1e-3)}
 
 def numbers_table(numbers: Numbers) -> doc.Table:
     """A matrix or a table of the platform, each unit once."""
-    shown, rows = platform.printed(numbers), []
+    layout, rows = platform.printed(numbers), []
     keys = [_slug(head) or f"n{n}" for n, head in enumerate(numbers.columns)]
     equation = str(next(iter(numbers.equations), ""))
     for name, texts, values, units in zip(
-        numbers.rows, shown.cells, numbers.values.tolist(), numbers.units, strict=True
+        numbers.rows, layout.cells, numbers.values.tolist(), numbers.units, strict=True
     ):
         cells: dict[str, doc.Cell] = {"title": name, "symbol": numbers.symbol, "equation": equation}
         for key, text, value, unit in zip(keys, texts, values, units, strict=True):
@@ -202,8 +205,8 @@ def numbers_table(numbers: Numbers) -> doc.Table:
         rows.append(doc.Row(cells, name=_slug(f"{numbers.name} {name}")))
     named = ", ".join(f"({number})" for number in numbers.equations)
     caption = f"{numbers.meaning} {named}: {platform.formula(numbers)}" if named else numbers.meaning
-    caption += f", in {shown.unit}" if shown.unit else ""
-    columns = [doc.Column(key, head, "number") for key, head in zip(keys, shown.heads, strict=True)]
+    caption += f", in {layout.unit}" if layout.unit else ""
+    columns = [doc.Column(key, head, "number") for key, head in zip(keys, layout.heads, strict=True)]
     return doc.table("numbers", caption, rows, more=columns)
 
 
@@ -218,12 +221,12 @@ _KIND = {"deg": "angle", "mm": "length"}
 
 
 def driving_blocks(
-    found: Driving, drive: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None
+    driving: Driving, drive: DriveSet | None, runs: Mapping[str, Followed], speeds: PermittedSpeeds | None
 ) -> Iterator[doc.Block]:
     """Requirements at each wheel, checks of a drive on the path, its speeds by direction, the runs that follow it."""
     rows = []
-    for wheel in found.wheels:
-        cells: dict[str, doc.Cell] = {"wheel": doc.Quantity(wheel.number), "friction": _friction(wheel.grip, found)}
+    for wheel in driving.wheels:
+        cells: dict[str, doc.Cell] = {"wheel": doc.Quantity(wheel.number), "friction": _friction(wheel.grip, driving)}
         cells |= {r.name: doc.Quantity(float(r.value), r.unit, r.kind) for r in wheel.requirements}
         rows.append(doc.Row(cells, name=f"wheel_{wheel.number}"))
     yield doc.table("wheels", "Requirements at the wheels", rows)
@@ -235,12 +238,12 @@ def driving_blocks(
     if speeds:
         yield from permitted_blocks(speeds)
     if runs:
-        yield from followed_blocks(found, drive, runs)
+        yield from followed_blocks(driving, drive, runs)
 
 
-def _friction(grip: OwnLimit | None, found: Driving) -> doc.Cell:
+def _friction(grip: OwnLimit | None, driving: Driving) -> doc.Cell:
     """Coefficient at the worst moment, where the wheel's load is known."""
-    mu = getattr(found.spec.load, "friction_coefficient", None)
+    mu = getattr(driving.spec.load, "friction_coefficient", None)
     if grip is None or not mu or isnan(grip.limit):
         return "unknown"
     return doc.Quantity(grip.demand / grip.limit * mu, "1", "dimensionless") if grip.limit > 0.0 else "lifts off"

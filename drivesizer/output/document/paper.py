@@ -16,9 +16,9 @@ _MOST_LISTED = 40  # sections of a table of contents on half a page
 
 def paper_data(document: doc.Document, date: str | None = None) -> dict[str, Any]:
     """Everything that a report prints but its figures; texts are printed as strings, never read as markup."""
-    given = dict(document.block)
-    revision = f"revision {given['Revision']}" if "Revision" in given else ""
-    header = ", ".join(filter(None, (document.name, given.get("Project", ""), revision)))
+    title_block = dict(document.block)
+    revision = f"revision {title_block['Revision']}" if "Revision" in title_block else ""
+    header = ", ".join(filter(None, (document.name, title_block.get("Project", ""), revision)))
     sections = sections_data(document.sections)
     return cleaned({"name": document.name, "header": short(header), "block": document.block,
                                     "machine": document.machine, "version": __version__, "date": short(date or "", 40),
@@ -28,16 +28,16 @@ def paper_data(document: doc.Document, date: str | None = None) -> dict[str, Any
 
 def sections_data(sections: Iterable[doc.Printed]) -> list[dict[str, Any]]:
     """Sections as plain data; one without a title goes on in the one above."""
-    found: list[dict[str, Any]] = []
+    chapters: list[dict[str, Any]] = []
     for section, title, blocks, _, axis in sections:
         data = [as_data(block, axis) for block in blocks if _on_paper(block)]
-        if not found or title not in ("", found[-1]["title"]):
+        if not chapters or title not in ("", chapters[-1]["title"]):
             name = f"{axis}{section.name}" if axis else section.name
-            found.append({"name": name, "title": title, "level": section.level,
+            chapters.append({"name": name, "title": title, "level": section.level,
                           "appendix": section.appendix, "blocks": data})  # fmt: skip
         else:
-            found[-1]["blocks"] += data
-    return [section for section in found if section["blocks"] or section["level"] == 1]
+            chapters[-1]["blocks"] += data
+    return [section for section in chapters if section["blocks"] or section["level"] == 1]
 
 
 def _on_paper(block: doc.Block) -> bool:
@@ -67,14 +67,14 @@ def as_data(value: Any, axis: str = "") -> Any:
         return {"kind": "number", "text": value.text, "value": number, "note": value.note}
     if isinstance(value, doc.Pair):
         sides = {"left": value.left, "right": value.right}
-        return {"kind": "pair"} | {side: [as_data(one, axis) for one in blocks if _on_paper(one)]
+        return {"kind": "pair"} | {side: [as_data(block, axis) for block in blocks if _on_paper(block)]
                                    for side, blocks in sides.items()}  # fmt: skip
     if is_dataclass(value) and not isinstance(value, type):
-        found = {"kind": type(value).__name__.lower()} | {
-            one.name: as_data(getattr(value, one.name), axis) for one in fields(value)
+        record = {"kind": type(value).__name__.lower()} | {
+            field.name: as_data(getattr(value, field.name), axis) for field in fields(value)
         }
-        found |= {"name": f"{axis}{value.name}"} if isinstance(value, doc.Picture | doc.TableLink) else {}
-        return found | {"alt": value.alt + of} if isinstance(value, doc.Picture) else found
+        record |= {"name": f"{axis}{value.name}"} if isinstance(value, doc.Picture | doc.TableLink) else {}
+        return record | {"alt": value.alt + of} if isinstance(value, doc.Picture) else record
     if isinstance(value, dict):
         return {key: as_data(entry, axis) for key, entry in value.items()}
     return [as_data(entry, axis) for entry in value] if isinstance(value, list | tuple) else value
@@ -93,5 +93,5 @@ def pictures_of(sections: Any) -> Iterator[str]:
             yield sections["name"]
         sections = [*sections.values()]
     if isinstance(sections, list | tuple):
-        for one in sections:
-            yield from pictures_of(one)
+        for entry in sections:
+            yield from pictures_of(entry)

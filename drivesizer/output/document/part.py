@@ -85,8 +85,8 @@ def figures_of(hit: Hit, *, sources: bool = False) -> doc.Table:
 def cell(value: Any, column: Column, *, unit: bool = True) -> doc.Cell:
     """A figure as a data sheet prints it; without its unit where the head has that, and then a dash where unknown."""
     if isinstance(value, str) or isnan(value):
-        said = figure(value, column)
-        return "–" if said == "unknown" and not unit else said
+        text = figure(value, column)
+        return "–" if text == "unknown" and not unit else text
     kind = "money" if column.kind.startswith("price") else column.kind
     return doc.Quantity(value, column.unit, kind, 5, own=figure(value, column, unit=unit))
 
@@ -125,10 +125,10 @@ def behaviour(hit: Hit) -> Iterator[doc.Block]:
 
 def _prices(hit: Hit) -> Iterator[doc.Block]:
     """The prices that lists have of a part, the newest first."""
-    found = [one for one in hit.catalog.prices if (one.section, one.part) == (hit.section, hit.part)]
-    rows = [(f"{one.amount:.2f} {one.currency}", str(one.pieces), one.date, one.seller,
-             one.order_number, "; ".join(filter(None, (one.delivery, one.note))))
-            for one in sorted(found, key=lambda one: one.date, reverse=True)]  # fmt: skip
+    prices = [price for price in hit.catalog.prices if (price.section, price.part) == (hit.section, hit.part)]
+    rows = [(f"{price.amount:.2f} {price.currency}", str(price.pieces), price.date, price.seller,
+             price.order_number, "; ".join(filter(None, (price.delivery, price.note))))
+            for price in sorted(prices, key=lambda price: price.date, reverse=True)]  # fmt: skip
     if rows:
         yield doc.table("list_prices", "Prices of lists", rows)
 
@@ -141,17 +141,17 @@ CURVES = {  # names of a part's curves, of which some have several
 
 def _discharges(hit: Hit) -> Iterator[doc.Block]:
     """The printed discharges of a battery, constant currents and constant powers apart; times down, voltages across."""
-    every = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
-    for held, unit in HELD.items():
-        own = every.on(~np.isnan(getattr(every, held)))
-        ends, draw, rows = np.unique(own.cutoff_voltage), getattr(own, held), []
+    discharges = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
+    for constant, unit in HELD.items():
+        own = discharges.on(~np.isnan(getattr(discharges, constant)))
+        ends, draw, rows = np.unique(own.cutoff_voltage), getattr(own, constant), []
         for time in np.unique(own.time):
             cells = [draw[(own.time == time) & (own.cutoff_voltage == end)] for end in ends]
             lasts = show(float(time), "min" if float(time) < 3600.0 else "h", "time")
             rows.append((lasts, *(f"{c[0]:g}" if len(c) else "–" for c in cells)))
         columns = [doc.Column("lasts", "lasts", "number")]
         columns += [doc.Column(f"{end:g}", show(float(end), "V", "voltage"), "number") for end in ends]
-        yield doc.table("across", f"Constant {held} ({unit}), down to", rows, without=["title"], more=columns)
+        yield doc.table("across", f"Constant {constant} ({unit}), down to", rows, without=["title"], more=columns)
 
 
 def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
@@ -160,32 +160,36 @@ def _pull_outs(hit: Hit) -> Iterator[doc.Block]:
 
     own = hit.catalog.pull_outs.on(hit.catalog.pull_outs.stepper == hit.row)
     for curve in np.unique(own.curve).tolist():
-        one = own.on(own.curve == curve)
+        points = own.on(own.curve == curve)
         rows = [
             (show(speed, "rpm", "rotary_speed", 4), show(torque, "N*m", "torque", 3))
-            for speed, torque in zip(one.speed.tolist(), one.torque.tolist(), strict=True)
+            for speed, torque in zip(points.speed.tolist(), points.torque.tolist(), strict=True)
         ]
-        yield doc.table("pull_outs", f"Pull-out torque: {pull_out_conditions(one)}", rows)
+        yield doc.table("pull_outs", f"Pull-out torque: {pull_out_conditions(points)}", rows)
 
 
 def _estimates(hit: Hit) -> Iterator[doc.Block]:
     """Figures that its data sheet leaves out, as its peers have them; limits that all others of its family have."""
     schema = columns_of(hit.section)
 
-    def shown(name: str, value: float, digits: int) -> str:
+    def text_of(name: str, value: float, digits: int) -> str:
         return show(value, schema[name].unit, schema[name].kind, digits)
 
     rows = []
-    for one in estimates_of(hit.table, hit.row):
-        value, low, high = (shown(one.figure, figure, 2) for figure in (one.value, one.low, one.high))
-        rows.append((one.figure.replace("_", " "), value, f"{low} to {high}", law_text(one.fit)))
+    for estimate in estimates_of(hit.table, hit.row):
+        value, low, high = (
+            text_of(estimate.figure, figure, 2) for figure in (estimate.value, estimate.low, estimate.high)
+        )
+        rows.append((estimate.figure.replace("_", " "), value, f"{low} to {high}", law_text(estimate.fit)))
     if rows:
         yield doc.table("part_estimates", "", rows)
         yield doc.Words("Sizing takes these unless the spec has select: {estimates: off}.", "note")
     limits = []
-    for found in family_limits(hit.table, hit.row):
-        alike = "the one other part prints it" if found.members == 1 else f"{found.members} parts print it, all alike"
-        limits.append((found.figure.replace("_", " "), shown(found.figure, found.value, 3), f"{SAME_FAMILY}; {alike}"))
+    for limit in family_limits(hit.table, hit.row):
+        alike = "the one other part prints it" if limit.members == 1 else f"{limit.members} parts print it, all alike"
+        limits.append(
+            (limit.figure.replace("_", " "), text_of(limit.figure, limit.value, 3), f"{SAME_FAMILY}; {alike}")
+        )
     if limits:
         yield doc.table("family_limits", "", limits)
         yield doc.Words("Sizing does not use them.", "note")
@@ -202,13 +206,13 @@ _SLOW = ("winding_time_constant", "motor_time_constant")
 def _heat(hit: Hit) -> Iterator[doc.Block]:
     """Continuous current over ambient temperature and overload times at 25 degC, or what is missing for them."""
     ambients, overloads = _ambients(hit), _overloads(hit)
-    found = [table for table in (ambients, overloads) if table]
-    if found:
-        yield doc.Pair(found[:1], found[1:])
+    tables = [table for table in (ambients, overloads) if table]
+    if tables:
+        yield doc.Pair(tables[:1], tables[1:])
     notes = _bounds(hit) if overloads else []
-    needed = [*(() if found else HEAT[:1]), *(() if overloads else (*HEAT[1:], *_SLOW))]
+    needed = [*(() if tables else HEAT[:1]), *(() if overloads else (*HEAT[1:], *_SLOW))]
     if missing := ", ".join(name.replace("_", " ") for name in needed if isnan(hit[name])):
-        notes.append(f"{'overload' if found else 'heat'}: unknown without {missing}")
+        notes.append(f"{'overload' if tables else 'heat'}: unknown without {missing}")
     yield from (doc.Words(note) for note in notes)
 
 
@@ -233,8 +237,8 @@ def _overloads(hit: Hit) -> doc.Table | None:
     rows = [("current", *map(_amperes, currents))]
     for name, row in zip(("from cold", "from warm"), zip(*times, strict=True), strict=True):
         if not isnan(row[0]):
-            each = ((x, "h" if x > 7200.0 else "min" if x > 120.0 else "s") for x in row)
-            rows.append((name, *(show(x, unit, "time", 3) for x, unit in each)))
+            durations = ((x, "h" if x > 7200.0 else "min" if x > 120.0 else "s") for x in row)
+            rows.append((name, *(show(x, unit, "time", 3) for x, unit in durations)))
     limit = show(hit["max_winding_temperature"], "degC", "temperature")
     columns = [doc.Column(f"{times:g}", f"{times:g} ×", "number") for times in _OVERLOADS]
     return doc.table("across", f"Overload at standstill, 25 °C, to {limit}", rows, more=columns)
@@ -265,17 +269,17 @@ EXCLUDED = "excluded from sizing by a note"
 
 def partner_lines(hit: Hit) -> list[tuple[str, dict[str, int]]]:
     """Parts that go with a part: a line for each kind, and of each of its families how many."""
-    found: list[tuple[str, dict[str, int]]] = []
+    lines: list[tuple[str, dict[str, int]]] = []
     for section, counts in partners(hit).items():
         if counts:
-            found.append(
+            lines.append(
                 (f"{section}: {sum(counts.values())} in {number_of(len(counts), 'family', 'families')}: ", counts)
             )
         else:
-            found.append((f"{section}: none is listed; one may still exist", {}))
+            lines.append((f"{section}: none is listed; one may still exist", {}))
     if hit.section == "gearheads" and hit["mounting"] == CLAMPING_HUB:
-        found.append(("motors: of any maker, with a shaft that fits the clamping hub", {}))
-    return found
+        lines.append(("motors: of any maker, with a shaft that fits the clamping hub", {}))
+    return lines
 
 
 def own_remarks(hit: Hit) -> Iterator[doc.Words]:
@@ -283,13 +287,17 @@ def own_remarks(hit: Hit) -> Iterator[doc.Words]:
     if hit.table.excluded[hit.row]:
         yield doc.Words(EXCLUDED, "alarm")
     sheet, stated = datasheet(hit.section, hit.table.record(hit.row), hit.catalog), dict[tuple[int, str], list[str]]()
-    for one in tolerances(hit):
-        name = f"losses of the {one.part}" if one.figure == "efficiency" else one.figure.replace("_", " ")
-        stated.setdefault((one.source, one.text), []).append(f"{name} {one.tolerance}")
+    for tolerance in tolerances(hit):
+        name = (
+            f"losses of the {tolerance.part}"
+            if tolerance.figure == "efficiency"
+            else tolerance.figure.replace("_", " ")
+        )
+        stated.setdefault((tolerance.source, tolerance.text), []).append(f"{name} {tolerance.tolerance}")
     for (number, text), figures in stated.items():
         source = hit.catalog.sources[number]
-        said = "; ".join(filter(None, (", ".join(figures), text)))
-        yield doc.Words((doc.Strong("tolerances: "), f"{said} ({source.document}; {source.confidence})"))
+        remark = "; ".join(filter(None, (", ".join(figures), text)))
+        yield doc.Words((doc.Strong("tolerances: "), f"{remark} ({source.document}; {source.confidence})"))
     for note in sheet["notes"]:
         words = "; ".join(text for text in (note["text"], note["confidence"]) if text)
         yield doc.Words((doc.Strong("note: "), f"{note['where']}: {words}" if note["where"] else words))
@@ -310,13 +318,13 @@ def remarks(hit: Hit, *, sources: bool = False) -> Iterator[doc.Words]:
 def comparison(hits: Sequence[Hit], rows: Sequence[Row], most: int) -> Iterator[doc.Block]:
     """Parts side by side, so many in a table; a row in which they differ is marked, ? where some are unknown."""
     for start in range(0, len(hits), most):
-        some = range(start, min(start + most, len(hits)))
-        columns = [doc.Column(str(n), f"{hits[n].part}\n{hits[n].catalogue}", "number") for n in some]
-        made = []
+        places = range(start, min(start + most, len(hits)))
+        columns = [doc.Column(str(n), f"{hits[n].part}\n{hits[n].catalogue}", "number") for n in places]
+        lines = []
         for row in rows:
-            name, cells = row.column.name.replace("_", " "), {str(n): cell(row.values[n], row.column) for n in some}
+            name, cells = row.column.name.replace("_", " "), {str(n): cell(row.values[n], row.column) for n in places}
             mark = {True: "≠", False: "", None: "?"}[row.differs]
-            made.append(doc.Row({"mark": mark, "title": (doc.Strong(name),) if row.differs else name, **cells}))
-        yield doc.table("beside", "", made, more=columns)
+            lines.append(doc.Row({"mark": mark, "title": (doc.Strong(name),) if row.differs else name, **cells}))
+        yield doc.table("beside", "", lines, more=columns)
     differing = sum(row.differs is True for row in rows)
     yield doc.Words(f"≠ differs ({differing} of {len(rows)} rows), ? undecided: a figure is unknown")

@@ -219,20 +219,20 @@ class Table:
 @cache
 def declared() -> dict[str, tuple[dict[str, Any], list[Column]]]:
     """The tables that ``tables.txt`` declares: how each looks, and its columns."""
-    found: dict[str, tuple[dict[str, Any], list[Column]]] = {}
+    tables: dict[str, tuple[dict[str, Any], list[Column]]] = {}
     for head, cells in rows_of_file(__package__, "tables.txt"):
         name, *looks = head.split()
-        if name not in found:
-            found[name] = {key: value or True for key, _, value in (look.partition("=") for look in looks)}, []
+        if name not in tables:
+            tables[name] = {key: value or True for key, _, value in (look.partition("=") for look in looks)}, []
         key, title, look, of, unit, formula = (*cells, *[""] * 5)[:6]
         words, (unit, _, kind) = look.split(), unit.partition(" ")
-        found[name][1].append(Column(
+        tables[name][1].append(Column(
             key, title, next((word for word in words if word in FORMS), "text"),
             next((float(word) for word in words if word[0].isdigit()), 0.0),
             next((word for word in get_args(Media) if word in words), "all"),
             "merged" in words, "yields" in words, tuple(formula.split()), of or key, unit, kind,
         ))  # fmt: skip
-    return found
+    return tables
 
 
 def row(
@@ -268,12 +268,12 @@ def table(
     without: Collection[str] = (), more: Sequence[Column] = (), **look: Any,
 ) -> Table:  # fmt: skip
     """A declared table of rows, each given as such or as its cells in order; some of its heads may be other ones."""
-    looks, every = declared()[kind]
+    looks, declared_columns = declared()[kind]
     own = heads or {}
-    columns = [replace(c, head=own.get(c.key, c.head)) for c in every if c.key not in without] + [*more]
-    made = [one if isinstance(one, Row) else Row({c.key: cell for c, cell in zip(columns, one, strict=False)})
-            for one in rows]  # fmt: skip
-    return Table(caption, columns, made, **looks | look)
+    columns = [replace(c, head=own.get(c.key, c.head)) for c in declared_columns if c.key not in without] + [*more]
+    table_rows = [row if isinstance(row, Row) else Row({c.key: cell for c, cell in zip(columns, row, strict=False)})
+            for row in rows]  # fmt: skip
+    return Table(caption, columns, table_rows, **looks | look)
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,7 +344,7 @@ def _pictures() -> dict[str, list[str]]:
 
 def picture(declared: str, name: str = "", **words: str) -> Picture:
     """A figure as ``pictures.txt`` declares it, with words in its caption."""
-    alt, about, look, caption = (one.format(**words) for one in _pictures()[declared])
+    alt, about, look, caption = (text.format(**words) for text in _pictures()[declared])
     return Picture(name or declared, caption, alt, about, "floats" in look, "small" in look)
 
 
@@ -426,17 +426,17 @@ class Section:
 
 def sections(which: str) -> tuple[Section, ...]:
     """The sections of an axis, or of a machine before or behind its axes, as ``sections.txt`` declares them."""
-    found = []
+    declared_sections = []
     for head, (name, function, *cells) in rows_of_file(__package__, "sections.txt"):
         if head == which:
             title, words, *_ = (*cells, "", "")
             module, _, of = function.partition(".")
             parts = (word.partition("=") for word in words.split())
-            given: dict[str, Any] = {key: value or True for key, _, value in parts}
-            given["level"] = int(given.get("level", 1))
+            properties: dict[str, Any] = {key: value or True for key, _, value in parts}
+            properties["level"] = int(properties.get("level", 1))
             blocks = getattr(import_module(f"{__package__}.{module}"), of)
-            found.append(Section(name=name, title=title, blocks=blocks, **given))
-    return tuple(found)
+            declared_sections.append(Section(name=name, title=title, blocks=blocks, **properties))
+    return tuple(declared_sections)
 
 
 class Printed(NamedTuple):

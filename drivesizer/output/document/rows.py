@@ -45,7 +45,7 @@ def check_row(c: Check) -> doc.Row:
         limit="" if bare else doc.Quantity(c.limit, c.unit, c.kind),
         margin=doc.Quantity(c.margin, "%", "margin", note=needed), used=doc.Bar(use(c.margin), use(c.needed), c.status),
         at="" if isnan(at) else doc.Quantity(at, "s", "time"),
-        origins="; ".join(f"{figure_words(*one[:2])}: {one.confidence}" for one in c.origins),
+        origins="; ".join(f"{figure_words(*origin[:2])}: {origin.confidence}" for origin in c.origins),
     )  # fmt: skip
 
 
@@ -81,18 +81,18 @@ def tightest_table(caption: doc.Text, checks: Sequence[Check], name: str = "tigh
 
 def tight_of(drive: DriveSet, proof: Validation | None) -> tuple[str, str]:
     """The smallest margin of a drive, in its closed loop too, and its check; a condition that fails has none."""
-    found = [(check, "") for check in tightest(drive.deciding, 1)]
-    found += [(check, f"{proof.loop}: ") for check in tightest(proof.checks, 1)] if proof else []
-    if not found:
+    checks = [(check, "") for check in tightest(drive.deciding, 1)]
+    checks += [(check, f"{proof.loop}: ") for check in tightest(proof.checks, 1)] if proof else []
+    if not checks:
         return "unknown", ""
-    check, where = smallest(found)
+    check, where = smallest(checks)
     title = f"{where}{check.title}"
     return ("none", f"{title}: not met") if isnan(check.margin) else (margin(check.margin), title)
 
 
-def smallest(found: Iterable[tuple[Check, str]]) -> tuple[Check, str]:
+def smallest(checks: Iterable[tuple[Check, str]]) -> tuple[Check, str]:
     """The check of the smallest margin with its words; a condition that fails, which has none, comes first."""
-    return min(found, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
+    return min(checks, key=lambda pair: -inf if isnan(pair[0].margin) else pair[0].margin)
 
 
 # -- figures without a limit, requirements of the load, requirements on the machine
@@ -120,13 +120,13 @@ def requirements_table(caption: doc.Text, requirements: Iterable[Requirement], *
     return doc.table("requirements", caption, rows, **look)
 
 
-def required_table(caption: doc.Text, found: DriveSet) -> doc.Table | None:
+def required_table(caption: doc.Text, drive: DriveSet) -> doc.Table | None:
     """Requirements on the machine, what is reached and by what margin; None where the spec has none."""
-    if not any(check.name in OWN_REQUIREMENTS for check in found.budget):
+    if not any(check.name in OWN_REQUIREMENTS for check in drive.budget):
         return None
     order = list(REQUIREMENTS)
     rows = []
-    for c in sorted((c for c in found.budget if c.name in REQUIREMENTS), key=lambda c: order.index(c.name)):
+    for c in sorted((c for c in drive.budget if c.name in REQUIREMENTS), key=lambda c: order.index(c.name)):
         upper = REQUIREMENTS[c.name] == "limit"
         demand, limit = (doc.Quantity(value, c.unit, c.kind) for value in (c.demand, c.limit))
         remarks = "; ".join(filter(None, ("" if c.case == AS_SPECIFIED else case_of(c), c.note)))
@@ -137,7 +137,7 @@ def required_table(caption: doc.Text, found: DriveSet) -> doc.Table | None:
 
 def changes_table(caption: str, changes: Sequence[Relaxation]) -> doc.Table:
     """Fields of the spec as they are and as they would have to be."""
-    if any(one.status != "pass" for one in changes):
+    if any(change.status != "pass" for change in changes):
         caption = caption.replace(" passes,", " passes or fails no check,", 1)
     rows = [
         doc.row("changes", r, name=r.field, field=r.field.replace("_", " ").replace(".", " › "),
@@ -154,10 +154,10 @@ def changes_table(caption: str, changes: Sequence[Relaxation]) -> doc.Table:
 def masses_table(masses: Sequence[MassRow], sums: Sequence[Figure]) -> doc.Table:
     """The masses of the machine one by one, and their sums."""
     rows = [
-        doc.row("masses", one, number=doc.Quantity(one.number, own=f"{one.number} ×"),
-                each=doc.Quantity(one.each, "kg", "mass", own=one.text(one.each, "kg") if one.band else ""),
-                status=(doc.Status("unknown"),) if isnan(one.each) else "")
-        for one in masses
+        doc.row("masses", mass, number=doc.Quantity(mass.number, own=f"{mass.number} ×"),
+                each=doc.Quantity(mass.each, "kg", "mass", own=mass.text(mass.each, "kg") if mass.band else ""),
+                status=(doc.Status("unknown"),) if isnan(mass.each) else "")
+        for mass in masses
     ]  # fmt: skip
     whole = [
         doc.Row({"title": f.title, "value": doc.Quantity(f.value, f.unit, f.kind)}, f.name, total=True) for f in sums
@@ -168,12 +168,13 @@ def masses_table(masses: Sequence[MassRow], sums: Sequence[Figure]) -> doc.Table
 def consumers_table(budget: EnergyBudget) -> doc.Table:
     """Mean and highest power of each consumer of the battery, and their sum."""
     rows = [
-        doc.row("consumers", one, number=doc.Quantity(one.number) if one.number > 1 else "",
-                duty="" if isnan(one.duty) or one.duty == 1.0 else doc.Quantity(one.duty, "%", "dimensionless"),
-                note="assumed" if one.assumed else "")
-        for one in budget.consumers if one.mean or isnan(one.mean)
+        doc.row("consumers", consumer, number=doc.Quantity(consumer.number) if consumer.number > 1 else "",
+                duty="" if isnan(consumer.duty) or consumer.duty == 1.0 else doc.Quantity(consumer.duty, "%",
+                                                                                         "dimensionless"),
+                note="assumed" if consumer.assumed else "")
+        for consumer in budget.consumers if consumer.mean or isnan(consumer.mean)
     ]  # fmt: skip
-    lacks = any(isnan(one.mean) for one in budget.consumers)
+    lacks = any(isnan(consumer.mean) for consumer in budget.consumers)
     whole = doc.quantities("W", "power", value=budget.mean_power, limit=budget.peak_power)
     total = doc.Row({"title": "total", **whole, "note": "of the known ones" if lacks else ""}, "total", total=True)
     return doc.table("consumers", "Consumers of the battery", [*rows, total])
@@ -189,6 +190,6 @@ def margin_quantity(value: float) -> doc.Quantity:
     return doc.Quantity(value if isfinite(value) else nan, "%", "margin", own="" if isfinite(value) else "–")
 
 
-def margins(found: Reliability | Spread) -> dict[str, Any]:
+def margins(spread: Reliability | Spread) -> dict[str, Any]:
     """The quantiles of a margin over samples."""
-    return {key: margin_quantity(getattr(found, key)) for key in ("low", "middle", "high")}
+    return {key: margin_quantity(getattr(spread, key)) for key in ("low", "middle", "high")}

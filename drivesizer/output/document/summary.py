@@ -24,19 +24,19 @@ from drivesizer.units import show_band
 # -- The parts list of the machine: families large, order numbers small, masses and prices with their totals.
 
 
-def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequence[Total]) -> doc.Table:
+def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], totals: Sequence[Total]) -> doc.Table:
     """Parts to order with the axes that need them, and the totals of mass and price."""
     dated = (f"{x.price_date}{f' at {x.seller}' * bool(x.seller)}" for x, _ in lines if x.price_date)
     dates = ", ".join(dict.fromkeys(dated))
     remarks = [f"prices of {dates}"] if dates else []
     remarks += ["without cables, connectors and couplings"]
-    remarks += ["≈ estimated"] if any(total.estimated for total in every) else []
+    remarks += ["≈ estimated"] if any(total.estimated for total in totals) else []
     single = all(line.quantity == 1 for line, _ in lines)
     price = "price" if single else "prices"
-    mass, prices = (next((t for t in every if t.name == "mass"), None), _of_all_currencies(every))
+    mass, prices = (next((t for t in totals if t.name == "mass"), None), _of_all_currencies(totals))
     sums: dict[str, doc.Cell] = {"role": "total", "masses": total_of(mass) if mass else "unknown"}
     sums[price] = total_of(prices[0]) if len(prices) == 1 else (
-        " + ".join(total_of(one).text for one in prices) or "unknown")  # fmt: skip
+        " + ".join(total_of(price).text for price in prices) or "unknown")  # fmt: skip
     rows = [*(_part_row(line, axes) for line, axes in lines), doc.Row(sums, name="total", total=True)]
     left_out = [key for key, out in (("axes", not any(axes for _, axes in lines)), ("prices", single)) if out]
     table = doc.table("parts", (caption, doc.Note("; ".join(remarks))), rows, without=left_out)
@@ -44,11 +44,11 @@ def parts_table(caption: str, lines: Sequence[tuple[PartLine, str]], every: Sequ
     return replace(table, columns=columns)
 
 
-def _of_all_currencies(every: Sequence[Total]) -> list[Total]:
+def _of_all_currencies(totals: Sequence[Total]) -> list[Total]:
     """The totals of price, of which each lacks what has a price in no currency."""
-    found = [total for total in every if total.name == "price"]
-    return [replace(one, lacks=tuple(role for role in one.lacks if all(role in other.lacks for other in found)))
-            for one in found]  # fmt: skip
+    prices = [total for total in totals if total.name == "price"]
+    return [replace(price, lacks=tuple(role for role in price.lacks if all(role in other.lacks for other in prices)))
+            for price in prices]  # fmt: skip
 
 
 def total_of(total: Total) -> doc.Quantity:
@@ -58,15 +58,15 @@ def total_of(total: Total) -> doc.Quantity:
     return replace(bare, own=f"≥ {bare.text}" if total.lacks else "")
 
 
-def lacking_words(every: Sequence[Total]) -> Iterator[doc.Block]:
+def lacking_words(totals: Sequence[Total]) -> Iterator[doc.Block]:
     """The band of what is estimated in the totals, and the parts that they leave out."""
-    said, prices = [], _of_all_currencies(every)
-    for one in (*(total for total in every if total.name != "price"), *prices[:1]):
-        if one.estimated:
-            said.append(f"{one.name} {show_band(one.low, one.high, 'g', 'mass')}, by estimates")
-        said += [f"no {one.name} of {', '.join(one.lacks)}"] if one.lacks else []
-    if said:
-        yield doc.Words(f"In all: {'; '.join(said)}.", "note")
+    texts, prices = [], _of_all_currencies(totals)
+    for total in (*(total for total in totals if total.name != "price"), *prices[:1]):
+        if total.estimated:
+            texts.append(f"{total.name} {show_band(total.low, total.high, 'g', 'mass')}, by estimates")
+        texts += [f"no {total.name} of {', '.join(total.lacks)}"] if total.lacks else []
+    if texts:
+        yield doc.Words(f"In all: {'; '.join(texts)}.", "note")
 
 
 def _part_row(line: PartLine, axes: str) -> doc.Row:
@@ -114,8 +114,8 @@ def summary(content: Content) -> Iterator[doc.Block]:
     yield _title_table(content)
     if best is None:
         return
-    said = f"Parts of {content.drives}: {OUTCOMES[content.outcome]}"
-    parts = parts_table(said, [(line, "") for line in content.bought], totals(content.bought))
+    caption = f"Parts of {content.drives}: {OUTCOMES[content.outcome]}"
+    parts = parts_table(caption, [(line, "") for line in content.bought], totals(content.bought))
     yield replace(parts, media="print", file="") if content.outcome == "missed" else parts  # it is not bought
     yield from lacking_words(totals(content.bought))
     if content.outcome == "missed":
@@ -131,11 +131,11 @@ def summary(content: Content) -> Iterator[doc.Block]:
 def _title_table(content: Content) -> doc.Table:
     """The machine in a workbook, which has no title page."""
     result = content.result
-    said: dict[str, doc.Text] = {"Machine": result.spec.name, "Kind": machine_words(result.spec)}
-    said |= dict(content.title_block)
-    said |= {"Ranked by": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
-    said |= {"Verdict": (doc.Status(content.status),)}
-    return doc.table("notes", "Drive sizing", said.items(), media="book", look="wide")
+    notes: dict[str, doc.Text] = {"Machine": result.spec.name, "Kind": machine_words(result.spec)}
+    notes |= dict(content.title_block)
+    notes |= {"Ranked by": f"{result.objective.replace('_', ' ')}, method of {result.method}"}
+    notes |= {"Verdict": (doc.Status(content.status),)}
+    return doc.table("notes", "Drive sizing", notes.items(), media="book", look="wide")
 
 
 def outcome_texts(content: Content) -> Iterator[Any]:
@@ -154,11 +154,11 @@ def _drive_texts(content: Content) -> Iterator[Any]:
     result, best, sampled, v = content.result, content.drive, content.result.uncertainty, content.validation
     assert best is not None
     counts = result.counts
-    some = 0 < counts.judged < counts.feasible
+    partly = 0 < counts.judged < counts.feasible
     numbers = (
-        f"Of {number_of(counts.considered, 'drive')} {meeting(counts, best.status, ' of the drive' if some else '')}"
+        f"Of {number_of(counts.considered, 'drive')} {meeting(counts, best.status, ' of the drive' if partly else '')}"
     )
-    numbers += f", {counts.judged:,} were checked in the machine" if some else ""
+    numbers += f", {counts.judged:,} were checked in the machine" if partly else ""
     required = confidence(sampled.confidence) if sampled and sampled.confidence is not None else ""
     if content.outcome == "unsure":
         yield doc.Strong(f"No drive reaches the confidence of {required}.")
@@ -207,14 +207,14 @@ def glance(content: Content) -> Iterator[doc.Block]:
     ])  # fmt: skip
 
 
-def summed_tile(every: Sequence[Total], name: str, drives: str) -> tuple[str, str, str]:
+def summed_tile(totals: Sequence[Total], name: str, drives: str) -> tuple[str, str, str]:
     """A total of the parts list: its name, its value, and the parts that it leaves out or estimates."""
-    found = [total for total in every if total.name == name]
-    lacks = [role for role in found[0].lacks if all(role in t.lacks for t in found)] if found else []
+    sums = [total for total in totals if total.name == name]
+    lacks = [role for role in sums[0].lacks if all(role in t.lacks for t in sums)] if sums else []
     least = ", at least" if lacks else ""
     notes = [f"without {', '.join(lacks)}"] if least else []
-    notes += [f"estimated: {', '.join(total.estimated)}" for total in found if total.estimated]
-    value = " + ".join(total_of(total).text.removeprefix("≥ ") for total in found) or "unknown"
+    notes += [f"estimated: {', '.join(total.estimated)}" for total in sums if total.estimated]
+    value = " + ".join(total_of(total).text.removeprefix("≥ ") for total in sums) or "unknown"
     return f"{name.capitalize()} of {drives}{least}", value, "; ".join(notes)
 
 
@@ -257,8 +257,8 @@ def not_enough(result: SizingResult) -> str:
 
 def changes_by_outcome(changes: Sequence[Relaxation], of: str) -> Iterator[tuple[str, list[Relaxation]]]:
     """Changes of a spec after which a drive passes, then those after which it fails nothing and figures are missing."""
-    passing = [one for one in changes if one.status == "pass"]
-    rest = [one for one in changes if one.status != "pass"]
+    passing = [change for change in changes if change.status == "pass"]
+    rest = [change for change in changes if change.status != "pass"]
     if passing:
         yield f"Any one of these changes alone would let {of} pass:", passing
     if rest:
@@ -276,17 +276,17 @@ def _undecided(result: SizingResult) -> str:
     spec, left_out = result.spec, result.counts.left_out
     if spec.select.unknown != "reject":
         return ""
-    battery, said = spec.battery, list[str]()
+    battery, texts = spec.battery, list[str]()
     if battery is not None and battery.part is None:
         lacking = [f"battery.{name}" for name in type(battery).model_fields if name in _OF_THE_BATTERY]
         lacking = [name for name in lacking if getattr(battery, name.removeprefix("battery.")) is None]
         if lacking:
-            said.append(f"The battery is not wholly known, so no drive is: give {', '.join(lacking)}.")
-    said += _of_the_machine(result)
+            texts.append(f"The battery is not wholly known, so no drive is: give {', '.join(lacking)}.")
+    texts += _of_the_machine(result)
     if left_out:
         fail = "1 drive fails nothing" if left_out == 1 else f"{left_out:,} drives fail nothing"
-        said.append(f"{fail}, but figures are missing: select: {{unknown: allow}} shows which.")
-    return " ".join(said)
+        texts.append(f"{fail}, but figures are missing: select: {{unknown: allow}} shows which.")
+    return " ".join(texts)
 
 
 def _of_the_machine(result: SizingResult) -> Iterator[str]:
@@ -296,8 +296,8 @@ def _of_the_machine(result: SizingResult) -> Iterator[str]:
         return
     unknown = [check for check in closest.budget if check.status == "unknown" and part_of(check.name) != "Battery"]
     if unknown:
-        said = "; ".join(check.title + (f" ({check.note})" if check.note else "") for check in unknown)
-        yield f"Unknown of {closest.label} in the machine: {said}."
+        titles = "; ".join(check.title + (f" ({check.note})" if check.note else "") for check in unknown)
+        yield f"Unknown of {closest.label} in the machine: {titles}."
 
 
 def changes(content: Content) -> Iterator[doc.Block]:
@@ -322,38 +322,41 @@ def grounds(content: Content) -> Iterator[doc.Block]:
     """Grounds of the verdict: checks by status, estimates, tolerances, the closed loop."""
     if content.drive:
         number = Counter(check.status for check in content.drive.deciding)
-        said = f"{number['pass']} of {number_of(len(content.drive.deciding), 'check')} pass"
+        share = f"{number['pass']} of {number_of(len(content.drive.deciding), 'check')} pass"
         rows = _grounds(content, content.drive)
-        yield doc.table("notes", f"Confidence in the verdict: {said}", rows, name="confidence")
+        yield doc.table("notes", f"Confidence in the verdict: {share}", rows, name="confidence")
 
 
 def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, doc.Text]]:
     result = content.result
     for status in GRAVEST[:-1]:
-        some = [check for check in best.deciding if check.status == status]
-        if some:
-            yield status, ((doc.Status(status), " ", _decided_by(some, best, content)))
+        checks = [check for check in best.deciding if check.status == status]
+        if checks:
+            yield status, ((doc.Status(status), " ", _decided_by(checks, best, content)))
     if missing := missing_figures(best):
         yield "missing", ", ".join(missing)
     if best.estimated:
         hanging = any(check.status == "open" for check in best.deciding)
-        held = "they decide the open checks" if hanging else "no check turns within their bands"
-        yield "estimated figures", f"{', '.join(one.title for one in best.estimated)}; {held}"
+        remark = "they decide the open checks" if hanging else "no check turns within their bands"
+        yield "estimated figures", f"{', '.join(estimate.title for estimate in best.estimated)}; {remark}"
     counts = {role: Counter(not_quoted(part, role, best, result.catalog).values())
               for role, part in best.parts.items() if part is not None}  # fmt: skip
     doubts = [
-        f"{role} {', '.join(f'{n} {level}' for level, n in found.items())}" for role, found in counts.items() if found
+        f"{role} {', '.join(f'{n} {level}' for level, n in levels.items())}"
+        for role, levels in counts.items()
+        if levels
     ]
     if doubts:
         yield "not quoted", f"{'; '.join(doubts)}: to be confirmed"
-    one = reported(result)
-    if result.uncertainty and one and one.reliability:
-        found = one.reliability
-        claim = "no check fails" if found.unknown else "all checks pass"
-        count = "1 check is" if len(found.unknown) == 1 else f"{len(found.unknown)} checks are"
-        unknown = f"; {count} unknown: {'; '.join(found.unknown)}" if found.unknown else ""
-        yield "tolerances", (f"{claim} with a probability of {likely(found.probability)} "
-                             f"± {100 * found.error:.2g} %; weakest check: {found.weakest}{unknown}")  # fmt: skip
+    sampled_drive = reported(result)
+    if result.uncertainty and sampled_drive and sampled_drive.reliability:
+        reliability = sampled_drive.reliability
+        claim = "no check fails" if reliability.unknown else "all checks pass"
+        count = "1 check is" if len(reliability.unknown) == 1 else f"{len(reliability.unknown)} checks are"
+        unknown = f"; {count} unknown: {'; '.join(reliability.unknown)}" if reliability.unknown else ""
+        yield "tolerances", (f"{claim} with a probability of {likely(reliability.probability)} "
+                             f"± {100 * reliability.error:.2g} %; "
+                             f"weakest check: {reliability.weakest}{unknown}")  # fmt: skip
     if result.method == "paper" and best.beside:
         status = verdict(best.beside)
         which = ", ".join(check.title for check in best.beside if check.status == status != "pass")
@@ -371,28 +374,28 @@ def _grounds(content: Content, best: DriveSet) -> Iterator[tuple[str, doc.Text]]
         )
 
 
-def _decided_by(some: Sequence[Check], best: DriveSet, content: Content) -> str:
+def _decided_by(checks: Sequence[Check], best: DriveSet, content: Content) -> str:
     """Checks by their titles, with what would decide them; those of the battery in one, with the fields that do."""
-    battery, said = content.result.problem.spec.battery, []
-    of_battery = [check for check in some if check.status == "unknown" and part_of(check.name) == "Battery"]
+    battery, texts = content.result.problem.spec.battery, []
+    of_battery = [check for check in checks if check.status == "unknown" and part_of(check.name) == "Battery"]
     if battery and len(of_battery) > 1:
         fields = ", ".join(lacking(pack_of(battery, content.result.catalog)))
-        said.append(
+        texts.append(
             f"{len(of_battery)} checks of the battery" + (f"; the spec's battery gives no {fields}" if fields else "")
         )
-        some = [check for check in some if check not in of_battery]
-    for check in some:
+        checks = [check for check in checks if check not in of_battery]
+    for check in checks:
         if check.status == "open":
-            said.append(
+            texts.append(
                 f"{check.title} {check.note}" + (f" ({about(check.probability)})" if about(check.probability) else "")
             )
         elif check.name == "bus_voltage" and check.note and best.braking and check.status == "unknown":
-            said.append(f"{check.title}; decided by {_deciding(best.braking)}")
+            texts.append(f"{check.title}; decided by {_deciding(best.braking)}")
         elif (check.name, check.method) == ("price", "budget"):
-            said.append(f"{check.title} ({check.note})")
+            texts.append(f"{check.title} ({check.note})")
         else:
-            said.append(check.title)
-    return "; ".join(said)
+            texts.append(check.title)
+    return "; ".join(texts)
 
 
 def _deciding(braking: BrakingBudget) -> str:
@@ -445,8 +448,8 @@ def _identity(s: DriveSet) -> doc.Table:
              "price": f"sum of {', '.join(s.price_of)}" if s.price_of else ""}  # fmt: skip
     for name, title, figure, unit, kind in doc.texts("identity"):
         if (value := doc.attribute(s, figure)) is not None:
-            shown = doc.Quantity(value, unit or s.currency, kind)
-            rows.append(doc.Row({"title": title, "value": shown, "note": notes.get(name, "")}, name=name))
+            quantity = doc.Quantity(value, unit or s.currency, kind)
+            rows.append(doc.Row({"title": title, "value": quantity, "note": notes.get(name, "")}, name=name))
     rows.append(doc.Row({"title": "All checks", "status": (doc.Status(s.status),)}, name="verdict"))
     return doc.table("identity", "Parts, ratios, mass and price", rows)
 
@@ -468,8 +471,9 @@ def estimates(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
     if not drive.estimated:
         return
     yield doc.Words(doc.sentence("estimates"), "note")
-    rows = [doc.row("estimates", one, name=f"{one.part}_{one.figure}", note=one.law.removeprefix("; "))
-            for one in drive.estimated]  # fmt: skip
+    rows = [doc.row("estimates", estimate, name=f"{estimate.part}_{estimate.figure}",
+                    note=estimate.law.removeprefix("; "))
+            for estimate in drive.estimated]  # fmt: skip
     yield doc.table("estimates", "Estimated figures", rows)
     hanging = [check for check in drive.own_checks if check.status == "open"]
     if hanging:
@@ -502,13 +506,13 @@ def physics(_: OfDrives, drive: DriveSet) -> Iterator[doc.Block]:
 
 def assumptions(content: Reported) -> Iterator[doc.Block]:
     """Assumptions, warnings, and figures to be confirmed."""
-    every = content.contents
+    contents = content.contents
     for intro, look, name in (("Assumptions of the sizing:", "", "assumptions"), ("Warnings:", "alarm", "warnings")):
-        found: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
-        for axis, one in every.items():
-            for text in getattr(one.result, name):
-                found.setdefault(text, []).append(axis)
-        texts = [f"{', '.join(names)}: {text}" if len(names) < len(every) else text for text, names in found.items()]
+        axes: dict[str, list[str]] = {}  # those of all axes once, those of some with their names
+        for axis, axis_content in contents.items():
+            for text in getattr(axis_content.result, name):
+                axes.setdefault(text, []).append(axis)
+        texts = [f"{', '.join(names)}: {text}" if len(names) < len(contents) else text for text, names in axes.items()]
         if texts:
             yield doc.Bullets((doc.Strong(intro),) if look else intro, texts, look)
     if isinstance(content, Content):

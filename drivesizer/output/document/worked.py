@@ -42,21 +42,21 @@ class Moment(NamedTuple):
 
 def _summed(parts: Iterable[str], terms: Terms, at: Moment | None = None) -> str:
     """A sum of parts, without what is 0 or not given; ± is against the motion, and nothing at rest."""
-    sign, kept = at.sign if at else "", []
+    sign, summands = at.sign if at else "", []
     for part in parts:
         of, text = part[0].replace("±", sign), part[2:]
         names = set(re.findall(r"[A-Za-z]\w*", text)) - {"sin", "cos"}
         if of and names <= terms.keys() and value_of(text, terms):
-            kept.append(f"{of} {text}")
-    return " ".join(kept).removeprefix("+ ") or "0"
+            summands.append(f"{of} {text}")
+    return " ".join(summands).removeprefix("+ ") or "0"
 
 
 # -- The force on what moves along a line, and the torque of what turns: formulas of ``loads``, each at a moment.
 
 
 _FORCES, _TORQUES, _SYMBOLS, _DRAG = (
-    {name: cells for head, (name, *cells) in listed(__package__, "worked.txt") if head == wanted}
-    for wanted in ("force", "torque", "symbol", "drag")
+    {name: cells for head, (name, *cells) in listed(__package__, "worked.txt") if head == kind}
+    for kind in ("force", "torque", "symbol", "drag")
 )
 
 
@@ -88,7 +88,7 @@ def _plain(parts: Sequence[str], terms: Terms) -> list[str]:
 
 def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
     """The load's own formula at a moment; none where it does not give what the load cycle has there."""
-    kind, found, wheel = load.kind, list[dict[str, Any]](), load.kind == "wheeled_vehicle"
+    kind, steps, wheel = load.kind, list[dict[str, Any]](), load.kind == "wheeled_vehicle"
     if kind not in _FORCES and kind not in _TORQUES:
         return []
     try:
@@ -100,7 +100,7 @@ def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
         else:
             title, expression = "Force on what moves, at this moment", _summed(_plain(_FORCES[kind], terms), terms, at)
             first, force = worked("force", title, "F", expression, terms, "N", "force")
-            found, drives = [first], force * at.way
+            steps, drives = [first], force * at.way
             loss = load.rope_efficiency if kind == "hoist" else getattr(load, "efficiency", 1.0)
             if loss is None:
                 return []
@@ -117,7 +117,7 @@ def _load_steps(load: Any, at: Moment) -> list[dict[str, Any]]:
         return []
     title = "Torque of one drive at the driven shaft"
     last, torque = worked("shaft_torque", title, "T", inner, terms, "N*m", "torque")
-    return [*found, last] if isclose(torque, at.torque, rel_tol=1e-6, abs_tol=1e-9) else []
+    return [*steps, last] if isclose(torque, at.torque, rel_tol=1e-6, abs_tol=1e-9) else []
 
 
 # -- From the driven shaft to the motor: the moment of its largest torque, and the mean over the cycle.
@@ -173,7 +173,7 @@ def with_numbers(content: Content) -> Iterator[doc.Block]:
         note = "At the temperature of the data sheet; the check has the winding as warm as it then is."
         steps.append(worked("motor_voltage", "Its voltage", "U", _summed(["+ k_e * omega", "+ R * I"], volts),
                             volts, "V", "voltage", note)[0])  # fmt: skip
-    steps += _over_the_cycle([one for one in drive.pieces if one.case == case.name], k_t)
+    steps += _over_the_cycle([piece for piece in drive.pieces if piece.case == case.name], k_t)
     yield from map(doc.Equation, steps)
 
 
@@ -182,14 +182,14 @@ _MOST_PIECES = 8  # under one root
 
 def _over_the_cycle(pieces: list[Any], k_t: float) -> Iterator[dict[str, Any]]:
     """The RMS torque as the root of the squares of the pieces, and the RMS current."""
-    parts = [one for one in pieces if one.name != "cycle" and one.rms_torque]
+    parts = [piece for piece in pieces if piece.name != "cycle" and piece.rms_torque]
     if not parts or len(parts) > _MOST_PIECES:
         return
-    terms: Terms = {f"tau_{n}": (one.rms_torque, "N*m") for n, one in enumerate(parts, 1)}
-    terms |= {f"t_{n}": (one.duration, "s") for n, one in enumerate(parts, 1)}
+    terms: Terms = {f"tau_{n}": (piece.rms_torque, "N*m") for n, piece in enumerate(parts, 1)}
+    terms |= {f"t_{n}": (piece.duration, "s") for n, piece in enumerate(parts, 1)}
     terms |= {"t": (pieces[-1].duration, "s")}
     squares = " + ".join(f"tau_{n}**2 * t_{n}" for n in range(1, len(parts) + 1))
-    names = ", ".join(f"{n} {one.name}" for n, one in enumerate(parts, 1))
+    names = ", ".join(f"{n} {piece.name}" for n, piece in enumerate(parts, 1))
     step, rms = worked(
         "motor_rms_torque", "RMS torque of the motor over the cycle", "tau_rms", f"sqrt(({squares}) / t)", terms,
         "mN*m", "torque", f"RMS torque and time of each piece of the motion: {names}", bare=True,
