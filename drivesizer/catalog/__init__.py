@@ -98,9 +98,9 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     CatalogError
         When a file does not follow the schema.
     """
-    named = [each for name in names for each in (shipped() if name == "all" else [name])]
-    found = [path_of(name, beside) for name in dict.fromkeys(named)]
-    paths = list({os.path.realpath(path): path for path in found}.values())  # a file by two names is one
+    named = [catalog_name for name in names for catalog_name in (shipped() if name == "all" else [name])]
+    files = [path_of(name, beside) for name in dict.fromkeys(named)]
+    paths = list({os.path.realpath(path): path for path in files}.values())  # a file by two names is one
     stems = [path.name if is_list(path) else path.stem for path in paths]
     for stem in stems:
         if stems.count(stem) > 1:
@@ -110,14 +110,14 @@ def load(names: Iterable[str] = ("maxon",), *, beside: Path | None = None) -> Ca
     except InputError as error:
         raise UnknownCatalogError(str(error)) from None
     lists = [_list_beside(path) for path in paths]
-    keys = [_key(raw, *map(read_bytes, beside)) for raw, beside in zip(raws, lists, strict=True)]
+    keys = [_key(raw, *map(read_bytes, price_lists)) for raw, price_lists in zip(raws, lists, strict=True)]
 
     def join() -> Catalog:
-        every = []
-        for path, stem, raw, key, beside in zip(paths, stems, raws, keys, lists, strict=True):
-            make = partial(_parsed, path, raw, *beside)
-            every.append(catalog_of_text(path, raw) if is_handed(path) else _compiled(stem, key, make))
-        return matched(joined(every))
+        catalogs = []
+        for path, stem, raw, key, price_lists in zip(paths, stems, raws, keys, lists, strict=True):
+            make = partial(_parsed, path, raw, *price_lists)
+            catalogs.append(catalog_of_text(path, raw) if is_handed(path) else _compiled(stem, key, make))
+        return matched(joined(catalogs))
 
     if len(paths) == 1:
         return join()
@@ -144,8 +144,8 @@ def path_of(name: str, beside: Path | None = None) -> Path:
 
 def _list_beside(path: Path) -> list[Path]:
     """The price list that ships with a shipped catalogue."""
-    beside = path.parent / "prices" / f"{path.stem}.csv"
-    return [beside] if _found_once().get(path.stem) == path and beside.is_file() else []
+    prices = path.parent / "prices" / f"{path.stem}.csv"
+    return [prices] if _found_once().get(path.stem) == path and prices.is_file() else []
 
 
 def _key(*raws: bytes) -> str:
@@ -209,10 +209,10 @@ def of(
         rows = list(zip(*columns.values(), strict=True))
         tables = [
             {
-                "family": one, "source": "table", "columns": list(columns),
-                "rows": [list(row) for row, of_row in zip(rows, family, strict=True) if of_row == one],
+                "family": group, "source": "table", "columns": list(columns),
+                "rows": [list(row) for row, of_row in zip(rows, family, strict=True) if of_row == group],
             }
-            for one in dict.fromkeys(family)
+            for group in dict.fromkeys(family)
         ]  # fmt: skip
         direct = {"motor_gearhead": [{"source": "table", "motors": list(dict.fromkeys(family)), "gearheads": [DIRECT]}]}
         given = {
@@ -236,23 +236,23 @@ def _parsed(path: Path, raw: bytes, *lists: Path) -> Catalog:
     if is_list(path):
         return price_list(path, digest_of(raw))
     digest = digest_of(raw, *map(read_bytes, lists))
-    found = parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest)
-    prices = (price for one in lists for price in price_list(one, "", shipped=True).prices)
-    return matched(replace(found, prices=(*found.prices, *prices))) if lists else found
+    catalog = parse(YamlSource(decoded(raw, path), str(path)), path.stem, digest)
+    prices = (price for file in lists for price in price_list(file, "", shipped=True).prices)
+    return matched(replace(catalog, prices=(*catalog.prices, *prices))) if lists else catalog
 
 
 _REMEMBERED = 8
 _memory: dict[str, Catalog] = {}  # of late, the newest last; of some of them the disk is not to keep anything
-_Found = TypeVar("_Found", Catalog, Catalog | None)
+_Value = TypeVar("_Value", Catalog, Catalog | None)
 
 
-def _remembered(key: str, make: Callable[[], _Found]) -> _Found:
-    found = cast("_Found", _memory.pop(key, None) or make())
+def _remembered(key: str, make: Callable[[], _Value]) -> _Value:
+    value = cast("_Value", _memory.pop(key, None) or make())
     while len(_memory) >= _REMEMBERED:
         del _memory[next(iter(_memory))]
-    if found is not None:
-        _memory[key] = found
-    return found
+    if value is not None:
+        _memory[key] = value
+    return value
 
 
 def _compiled(name: str, key: str, make: Callable[[], Catalog]) -> Catalog:
@@ -260,10 +260,10 @@ def _compiled(name: str, key: str, make: Callable[[], Catalog]) -> Catalog:
     place = folder() / f"{name}-{key}.catalog"
     try:
         seen = place.stat()
-        found = _remembered(f"{place} {seen.st_mtime_ns} {seen.st_size}", lambda: recall(place))
+        catalog = _remembered(f"{place} {seen.st_mtime_ns} {seen.st_size}", lambda: recall(place))
     except OSError:
-        found = None
-    if found is None:
-        found = make()
-        store(place, found)
-    return found
+        catalog = None
+    if catalog is None:
+        catalog = make()
+        store(place, catalog)
+    return catalog

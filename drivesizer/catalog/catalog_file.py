@@ -107,14 +107,14 @@ class Reader:
             raise self.fail(path, "expected a list")
         return value
 
-    def entries(self, given: Any, path: Path_, shape: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Path_]]:
+    def entries(self, items: Any, path: Path_, shape: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], Path_]]:
         """Groups of fields of a list that may be left out, each with its place."""
-        for index, entry in enumerate(self.sequence([] if given is None else given, path)):
+        for index, entry in enumerate(self.sequence([] if items is None else items, path)):
             yield self.fields(entry, (*path, index), shape), (*path, index)
 
-    def rows(self, given: Any, path: Path_, width: int) -> Iterator[tuple[list[Any], Path_]]:
+    def rows(self, rows: Any, path: Path_, width: int) -> Iterator[tuple[list[Any], Path_]]:
         """Rows of a table, each with its place."""
-        for index, row in enumerate(self.sequence(given, path)):
+        for index, row in enumerate(self.sequence(rows, path)):
             if not isinstance(row, list) or len(row) != width:
                 have = len(row) if isinstance(row, list) else 0
                 raise self.fail((*path, index), f"expected {width} cells as in `columns`, found {have}")
@@ -146,10 +146,10 @@ class Reader:
             raise self.fail(path, f"{quoted(value)} is not true or false")
         return value
 
-    def read(self, path: Path_, convert: Callable[..., Any], *given: Any) -> Any:
+    def read(self, path: Path_, convert: Callable[..., Any], *arguments: Any) -> Any:
         """A text by a reader of units or tolerances."""
         try:
-            return convert(*given)
+            return convert(*arguments)
         except InputError as error:
             raise self.fail(path, str(error)) from None
 
@@ -160,10 +160,10 @@ def _did_you_mean(key: str, allowed: Iterable[str]) -> str:
     return f"; did you mean {quoted(close[0])}?" if close else f"; expected one of {', '.join(sorted(allowed))}"
 
 
-def _read_sources(reader: Reader, given: Any) -> None:
-    if not given:
+def _read_sources(reader: Reader, sources: Any) -> None:
+    if not sources:
         raise reader.fail(("sources",), "expected at least one, e.g. sheet: {document: ..., confidence: quoted}")
-    for key, entry in reader.mapping(given, ("sources",), "sheet").items():
+    for key, entry in reader.mapping(sources, ("sources",), "sheet").items():
         path: Path_ = ("sources", key)
         entry = reader.fields(entry, path, schema.SOURCE)
         _known_confidence(reader, entry["confidence"], path)
@@ -178,19 +178,21 @@ def _known_confidence(reader: Reader, value: Any, path: Path_) -> None:
 # -- Tables of parts
 
 
-def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]:
+def _section(reader: Reader, section: str, entries: Any, maker: str) -> Table[Any]:
     """All tables of a section under each other."""
     shape, found_tables = schema.table(section), [tables.empty(section)]
     places = list[Path_]()  # of every row, for messages
-    for entry, path in reader.entries(given, (section,), shape):
+    for entry, path in reader.entries(entries, (section,), shape):
         head = {"manufacturer": maker, "family": reader.plain_text(entry["family"], (*path, "family"))}
-        found: dict[str, Any] = dict(_table(reader, section, entry, path))
-        count = len(found["part"])
+        columns: dict[str, Any] = dict(_table(reader, section, entry, path))
+        count = len(columns["part"])
         places += [(*path, "rows", row) for row in range(count)]
         source = np.full(count, reader.source_number(entry["source"], (*path, "source")), np.int32)
-        found_tables.append(Table(section, tables.filled(section, found | head, count), source, np.zeros(count, bool)))
-        _read_notes(reader, section, entry, path, found | head)
-    whole = {name: np.concatenate([one[name] for one in found_tables]) for name in columns_of(section)}
+        found_tables.append(
+            Table(section, tables.filled(section, columns | head, count), source, np.zeros(count, bool))
+        )
+        _read_notes(reader, section, entry, path, columns | head)
+    whole = {name: np.concatenate([table[name] for table in found_tables]) for name in columns_of(section)}
     numbers = whole["part"].tolist()
     first: dict[str, int] = {}
     for row, part in enumerate(numbers):
@@ -199,12 +201,12 @@ def _section(reader: Reader, section: str, given: Any, maker: str) -> Table[Any]
     _at_several_voltages(reader, whole, places)
     out = {p for note in reader.notes if note.section == section and note.exclude for p in note.parts}
     excluded = np.array([part in out for part in numbers], bool)
-    return Table(section, whole, np.concatenate([one.source for one in found_tables]), excluded)
+    return Table(section, whole, np.concatenate([table.source for table in found_tables]), excluded)
 
 
 def _at_several_voltages(reader: Reader, columns: dict[str, NDArray[Any]], places: list[Path_]) -> None:
     """Refuse two rows of an order number at one voltage, or at none: no supply says which of them counts."""
-    found: dict[tuple[str, float], str] = {}
+    part_at: dict[tuple[str, float], str] = {}
     for row, order in enumerate(columns["order_number"].tolist() if "order_number" in columns else ()):
         volts = float(columns["nominal_voltage"][row])
         if not order:
@@ -213,7 +215,7 @@ def _at_several_voltages(reader: Reader, columns: dict[str, NDArray[Any]], place
             raise reader.fail(
                 places[row], f"order_number {quoted(order)} needs nominal_voltage, at which its figures hold"
             )
-        first = found.setdefault((order, volts), part := str(columns["part"][row]))
+        first = part_at.setdefault((order, volts), part := str(columns["part"][row]))
         if first != part:
             raise reader.fail(
                 places[row], f"{quoted(part)} and {quoted(first)} are {quoted(order)} at {volts:g} V; give one"
@@ -225,39 +227,39 @@ def _table(reader: Reader, section: str, entry: dict[str, Any], path: Path_) -> 
     columns = columns_of(section)
     headers = _headers(reader, section, entry["columns"], (*path, "columns"))
     rows = list(reader.rows(entry["rows"], (*path, "rows"), len(headers)))
-    found: dict[str, NDArray[Any]] = {}
+    figures: dict[str, NDArray[Any]] = {}
     for place, (column, factor, offset) in enumerate(headers):
-        each = [(row[place], (*at, place)) for row, at in rows]
+        cells = [(row[place], (*at, place)) for row, at in rows]
         if column.kind == "text":
             read = reader.part_number if column.name == "part" else reader.plain_text
-            found[column.name] = np.array([read(*cell) for cell in each], str)
+            figures[column.name] = np.array([read(*cell) for cell in cells], str)
             continue
-        values = np.array([_cell(reader, column, *cell) for cell in each], float) * factor + offset
+        values = np.array([_cell(reader, column, *cell) for cell in cells], float) * factor + offset
         if wrong := _impossible(column, values):
-            cell, here = each[wrong[0]]
+            cell, here = cells[wrong[0]]
             raise reader.fail(here, f"{column.name} {quoted(cell)} {wrong[1]}")
-        found[column.name] = values
+        figures[column.name] = values
     common = reader.fields(entry.get("common") or {}, (*path, "common"), {"properties": columns})
     for name, value in common.items():
         here = (*path, "common", name)
-        if name in found:
+        if name in figures:
             raise reader.fail(here, f"{name} is a column of this table as well; give it once")
         if name in _NOT_A_COLUMN:
             raise reader.fail(here, _NOT_A_COLUMN[name])
-        found[name] = np.full(len(rows), _figure(reader, columns[name], value, here))
-    return found
+        figures[name] = np.full(len(rows), _figure(reader, columns[name], value, here))
+    return figures
 
 
-def _headers(reader: Reader, section: str, given: Any, path: Path_) -> list[tuple[Column, float, float]]:
+def _headers(reader: Reader, section: str, heads: Any, path: Path_) -> list[tuple[Column, float, float]]:
     """The columns that a table names, each with the factor and offset of its unit."""
     columns, headers = columns_of(section), list[tuple[Column, float, float]]()
-    for index, text in enumerate(reader.sequence(given, path)):
+    for index, text in enumerate(reader.sequence(heads, path)):
         at, (name, unit) = (*path, index), _head(text)
         if name not in columns:
             raise reader.fail(at, f"unknown column {quoted(name)}{_did_you_mean(name, columns)}")
         if name in _NOT_A_COLUMN or name not in parts.printed(section):
-            said = _NOT_A_COLUMN.get(name, f"{name} of {section} is not given: the search fills it")
-            raise reader.fail(at, said)
+            reason = _NOT_A_COLUMN.get(name, f"{name} of {section} is not given: the search fills it")
+            raise reader.fail(at, reason)
         column = columns[name]
         bare = column.kind in ("text", "ratio")
         if bare and unit:
@@ -328,13 +330,13 @@ def _read_notes(reader: Reader, section: str, entry: dict[str, Any], path: Path_
             _known_confidence(reader, note["confidence"], at)
         if "source" in note:
             reader.source_number(note["source"], (*at, "source"))
-        said: dict[str, Any] = {
+        remark: dict[str, Any] = {
             key: reader.plain_text(note.get(key), (*at, key)) for key in ("text", "confidence", "source")
         }
-        said |= {key: reader.flag(note.get(key, False), (*at, key)) for key in ("exclude", "accepted", "rule")}
-        if said["source"]:
-            said["source"] = reader.sources[said["source"]].document
-        reader.notes.append(Note(section=section, parts=numbers, fields=names, **said))
+        remark |= {key: reader.flag(note.get(key, False), (*at, key)) for key in ("exclude", "accepted", "rule")}
+        if remark["source"]:
+            remark["source"] = reader.sources[remark["source"]].document
+        reader.notes.append(Note(section=section, parts=numbers, fields=names, **remark))
 
 
 # -- Parts that go together: families and part numbers resolved to rows.
@@ -343,12 +345,14 @@ def _read_notes(reader: Reader, section: str, entry: dict[str, Any], path: Path_
 # loaded together.
 
 
-def _pairs(reader: Reader, whole: Mapping[str, Table[Any]], given: Any) -> dict[str, Any]:
+def _pairs(reader: Reader, whole: Mapping[str, Table[Any]], lists: Any) -> dict[str, Any]:
     """The pairs of each relation, and under ``across`` what names another catalogue."""
     members = {section: table.members for section, table in whole.items()}
-    found: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {relation: [] for relation in parts.RELATIONS}
+    by_relation: dict[str, list[tuple[NDArray[Any], NDArray[Any], int]]] = {
+        relation: [] for relation in parts.RELATIONS
+    }
     across: list[tables.Across] = []
-    for relation, groups in reader.fields(given, ("compatibility",), {"properties": schema.LISTS}).items():
+    for relation, groups in reader.fields(lists, ("compatibility",), {"properties": schema.LISTS}).items():
         left, *rights = sections = schema.LISTS[relation]
         listed = reader.sequence(groups, ("compatibility", relation))
         for group, path in reader.entries(listed, ("compatibility", relation), schema.group(relation)):
@@ -367,24 +371,24 @@ def _pairs(reader: Reader, whole: Mapping[str, Table[Any]], given: Any) -> dict[
                 out = _rows(reader, members[rights[0]], group["without"], (*path, "without"))
                 rows[rights[0]] = np.setdiff1d(rows[rights[0]], out)
             for right in rights:
-                found[f"motor_{parts.singular(right)}"].append((rows[left], rows[right], source))
+                by_relation[f"motor_{parts.singular(right)}"].append((rows[left], rows[right], source))
     rank = [tables.CONFIDENCE.index(source.confidence) for source in reader.sources.values()]
     pairs: dict[str, Any] = {"across": tuple(across)}
-    for name, groups in found.items():  # each pair once with the most reliable source that states it
+    for name, groups in by_relation.items():  # each pair once with the most reliable source that states it
         all_of = [np.zeros((3, 0), np.int64)]
-        for motors, others, source in sorted(groups, key=lambda one: rank[one[2]]):
-            each = np.repeat(motors, len(others)), np.tile(others, len(motors))
-            all_of.append(np.array([*each, np.full(len(each[0]), source)]))
+        for motors, others, source in sorted(groups, key=lambda group: rank[group[2]]):
+            pair_rows = np.repeat(motors, len(others)), np.tile(others, len(motors))
+            all_of.append(np.array([*pair_rows, np.full(len(pair_rows[0]), source)]))
         pairs[name] = tables.unique_pairs(*np.concatenate(all_of, axis=1))
     return pairs
 
 
-def _rows(reader: Reader, members: Mapping[str, NDArray[Any]], given: Any, path: Path_) -> NDArray[Any]:
-    found = [np.zeros(0, np.int64)]
-    for index, name in enumerate(reader.sequence(given, path)):
+def _rows(reader: Reader, members: Mapping[str, NDArray[Any]], names: Any, path: Path_) -> NDArray[Any]:
+    rows = [np.zeros(0, np.int64)]
+    for index, name in enumerate(reader.sequence(names, path)):
         _check_member(reader, members, name, (*path, index))
-        found.append(members[str(name)])
-    return np.unique(np.concatenate(found))
+        rows.append(members[str(name)])
+    return np.unique(np.concatenate(rows))
 
 
 def _check_member(reader: Reader, members: Mapping[str, Any], name: Any, path: Path_) -> None:
@@ -393,10 +397,10 @@ def _check_member(reader: Reader, members: Mapping[str, Any], name: Any, path: P
         raise reader.fail(path, f"{quoted(name)} is neither a family nor a part of this catalogue{hint}")
 
 
-def _names(reader: Reader, members: Mapping[str, Any], given: Any, path: Path_) -> tuple[tuple[str, str], ...]:
+def _names(reader: Reader, members: Mapping[str, Any], entries: Any, path: Path_) -> tuple[tuple[str, str], ...]:
     """One side of a list that names parts of other catalogues: catalogue, empty for this one, and family or part."""
     names: list[tuple[str, str]] = []
-    for index, name in enumerate(given):
+    for index, name in enumerate(entries):
         if not isinstance(name, dict):
             _check_member(reader, members, name, (*path, index))
             names.append(("", str(name)))
@@ -411,22 +415,22 @@ def _names(reader: Reader, members: Mapping[str, Any], given: Any, path: Path_) 
 # -- Discharge tables, as makers print them: rows are end voltages, columns times
 
 
-def _discharges(reader: Reader, given: Any, batteries: dict[str, int]) -> parts.Discharges:
+def _discharges(reader: Reader, entries: Any, batteries: dict[str, int]) -> parts.Discharges:
     seen: dict[tuple[int, str, float, float], Path_] = {}
     rows: list[tuple[float, ...]] = []
-    for entry, path in reader.entries(given, (parts.DISCHARGES,), schema.DISCHARGE):
+    for entry, path in reader.entries(entries, (parts.DISCHARGES,), schema.DISCHARGE):
         battery = _row(reader, entry, "battery", batteries, path)
         source = reader.source_number(entry["source"], (*path, "source"))
-        held, unit = _head(entry["held"])
-        if held not in parts.HELD or not unit:
+        quantity, unit = _head(entry["held"])
+        if quantity not in parts.HELD or not unit:
             text = f"{quoted(entry['held'])} is not known; expected current (A) or power (W)"
             raise reader.fail((*path, "held"), text)
-        factor = reader.read((*path, "held"), scale, unit, held)[0]
+        factor = reader.read((*path, "held"), scale, unit, quantity)[0]
         cells = entry.get("cells", 1)
         if isinstance(cells, bool) or not isinstance(cells, int) or cells < 1:
             raise reader.fail((*path, "cells"), f"{quoted(cells)} is not a number of cells in series")
         volts, times = _discharge_head(reader, entry["columns"], (*path, "columns"))
-        factor *= cells if held == "power" else 1.0  # the cells of a block carry the same current
+        factor *= cells if quantity == "power" else 1.0  # the cells of a block carry the same current
         for row, at in reader.rows(entry["rows"], (*path, "rows"), len(times) + 1):
             cutoff = _above_zero(reader, row[0], (*at, 0)) * volts * cells
             for place, time in enumerate(times, 1):
@@ -434,9 +438,9 @@ def _discharges(reader: Reader, given: Any, batteries: dict[str, int]) -> parts.
                     continue
                 here = (*at, place)
                 draw = _above_zero(reader, row[place], here) * factor
-                if seen.setdefault((battery, held, cutoff, time), here) is not here:
+                if seen.setdefault((battery, quantity, cutoff, time), here) is not here:
                     raise reader.fail(here, "this end voltage and time are given twice for the battery")
-                pair = (draw, np.nan) if held == "current" else (np.nan, draw)
+                pair = (draw, np.nan) if quantity == "current" else (np.nan, draw)
                 rows.append((battery, source, cutoff, time, *pair))
     return parts.entries(parts.Discharges, rows)
 
@@ -455,9 +459,9 @@ def _head(text: Any) -> tuple[str, str]:
     return (match[1], match[2] or "") if match else (str(text), "")
 
 
-def _discharge_head(reader: Reader, given: Any, path: Path_) -> tuple[float, list[float]]:
+def _discharge_head(reader: Reader, columns: Any, path: Path_) -> tuple[float, list[float]]:
     """Factor of the end voltages' unit, and the times [s]: ``[cutoff_voltage (V), 5 min, 1 h]``."""
-    first, *others = reader.sequence(given, path) or [""]
+    first, *others = reader.sequence(columns, path) or [""]
     name, unit = _head(first)
     if name != "cutoff_voltage" or not unit or not others:
         raise reader.fail(path, "expected cutoff_voltage (V) and then times, e.g. [cutoff_voltage (V), 30 min, 1 h]")
@@ -478,9 +482,9 @@ def _above_zero(reader: Reader, cell: Any, path: Path_) -> float:
 # -- Pull-out curves of steppers: rows are speeds and torques at a supply voltage
 
 
-def _pull_outs(reader: Reader, given: Any, steppers: dict[str, int]) -> parts.PullOuts:
+def _pull_outs(reader: Reader, entries: Any, steppers: dict[str, int]) -> parts.PullOuts:
     points: list[tuple[Any, ...]] = []
-    for number, (entry, path) in enumerate(reader.entries(given, (parts.PULL_OUTS,), schema.PULL_OUT)):
+    for number, (entry, path) in enumerate(reader.entries(entries, (parts.PULL_OUTS,), schema.PULL_OUT)):
         stepper = _row(reader, entry, "stepper", steppers, path)
         source = reader.source_number(entry["source"], (*path, "source"))
         at_head = {"current": np.nan}
@@ -502,34 +506,34 @@ def _points(reader: Reader, entry: dict[str, Any], path: Path_) -> list[list[flo
         raise reader.fail((*path, "columns"), text)
     factors = [reader.read((*path, "columns"), scale, _head(head)[1], kind)[0]
                for head, (kind, _) in zip(heads, kinds.values(), strict=True)]  # fmt: skip
-    found: list[list[float]] = []
+    points: list[list[float]] = []
     for number, row in enumerate(reader.sequence(entry["rows"], (*path, "rows"))):
         at: Path_ = (*path, "rows", number)
         numbers = isinstance(row, list) and all(isinstance(c, int | float) and not isinstance(c, bool) for c in row)
         if not numbers or len(row) != len(factors) or min(row) < 0:
             raise reader.fail(at, f"{quoted(row)} is not a speed and a torque of 0 or more, e.g. [300, 0.41]")
         point = [float(cell) * factor for cell, factor in zip(row, factors, strict=True)]
-        if found and not point[0] > found[-1][0]:
+        if points and not point[0] > points[-1][0]:
             raise reader.fail(at, f"speed {row[0]:g} is not above that of the row before; expected rising speeds")
-        found.append(point)
-    if len(found) < 2:
-        raise reader.fail((*path, "rows"), f"found {len(found)} points; expected at least 2")
-    return found
+        points.append(point)
+    if len(points) < 2:
+        raise reader.fail((*path, "rows"), f"found {len(points)} points; expected at least 2")
+    return points
 
 
 # -- Prices of parts, of this file or any other
 
 
-def _prices(reader: Reader, given: Any, name: str) -> Iterator[tables.Price]:
-    for entry, path in reader.entries(given, ("prices",), schema.PRICES):
+def _prices(reader: Reader, entries: Any, name: str) -> Iterator[tables.Price]:
+    for entry, path in reader.entries(entries, ("prices",), schema.PRICES):
         source = list(reader.sources.values())[reader.source_number(entry["source"], (*path, "source"))]
         heads = [str(head) for head in reader.sequence(entry["columns"], (*path, "columns"))]
         shared = reader.fields(entry.get("common") or {}, (*path, "common"), schema.PRICES["properties"]["common"])
         for head in (head for head in heads if head not in schema.PRICES["properties"]["common"]["properties"]):
             raise reader.fail((*path, "columns"), f"unknown column {quoted(head)}; expected part, price, currency ...")
         for cells, at in reader.rows(entry["rows"], (*path, "rows"), len(heads)):
-            given = shared | dict(zip(heads, cells, strict=True))
-            row = {key: reader.plain_text(value, at) for key, value in given.items()}
+            fields = shared | dict(zip(heads, cells, strict=True))
+            row = {key: reader.plain_text(value, at) for key, value in fields.items()}
             amount, code, pieces = row.pop("price", ""), row.pop("currency", "EUR"), row.pop("pieces", "") or "1"
             price = reader.read(at, to_si, f"{amount} {code}", "price")
             if not pieces.isdecimal() or not price > 0.0 or not row.get("part"):
@@ -543,10 +547,10 @@ def _prices(reader: Reader, given: Any, name: str) -> Iterator[tables.Price]:
 
 
 def _maker_tolerances(
-    reader: Reader, given: Any, maker: str, families: Mapping[str, set[str]]
+    reader: Reader, entries: Any, maker: str, families: Mapping[str, set[str]]
 ) -> tuple[MakerTolerance, ...]:
-    found: list[MakerTolerance] = []
-    for entry, path in reader.entries(given, (TOLERANCES,), schema.TOLERANCE):
+    tolerances: list[MakerTolerance] = []
+    for entry, path in reader.entries(entries, (TOLERANCES,), schema.TOLERANCE):
         roles = [part for part in schema.FIGURES if part in entry]
         if not roles:
             example = "e.g. motor: {resistance: +- 10 %}"
@@ -563,10 +567,10 @@ def _maker_tolerances(
             if not texts:
                 raise reader.fail(at, f"expected {', '.join(allowed)}, e.g. {allowed[0]}: +- 10 %")
             for name, tolerance in texts.items():
-                one = MakerTolerance(part, name, tolerance, maker, named, text, source)
-                _refuse_second(reader, one, found, (*at, name))
-                found.append(one)
-    return tuple(found)
+                maker_tolerance = MakerTolerance(part, name, tolerance, maker, named, text, source)
+                _refuse_second(reader, maker_tolerance, tolerances, (*at, name))
+                tolerances.append(maker_tolerance)
+    return tuple(tolerances)
 
 
 def _families(reader: Reader, entry: dict[str, Any], at: Path_, known: set[str], part: str) -> tuple[str, ...]:
@@ -583,10 +587,12 @@ def _families(reader: Reader, entry: dict[str, Any], at: Path_, known: set[str],
     return tuple(dict.fromkeys(names))
 
 
-def _refuse_second(reader: Reader, one: MakerTolerance, found: Sequence[MakerTolerance], path: Path_) -> None:
+def _refuse_second(
+    reader: Reader, tolerance: MakerTolerance, tolerances: Sequence[MakerTolerance], path: Path_
+) -> None:
     """Refuse a second tolerance of the same figure and family, or of the same figure for all families."""
-    for other in (other for other in found if one[:2] == other[:2]):
-        both = set(one.families) & set(other.families)
-        if both or not (one.families or other.families):
-            of = f" of {min(both)}" if both else ""
-            raise reader.fail(path, f"{one.part} {one.figure}{of} is given twice")
+    for other in (other for other in tolerances if tolerance[:2] == other[:2]):
+        common = set(tolerance.families) & set(other.families)
+        if common or not (tolerance.families or other.families):
+            of = f" of {min(common)}" if common else ""
+            raise reader.fail(path, f"{tolerance.part} {tolerance.figure}{of} is given twice")

@@ -44,8 +44,8 @@ def _declared() -> Iterator[Law]:
         section, _, classes = head.partition(": ")
         for terms in choices.split(";") if ": " in head else ():
             names = tuple(term for term in terms.split() if term != "-")
-            each = (of.strip() for of in classes.split(","))
-            yield from (Law(section, of, figure, names) for of in each if of not in left)
+            class_names = (of.strip() for of in classes.split(","))
+            yield from (Law(section, of, figure, names) for of in class_names if of not in left)
 
 
 LAWS: tuple[Law, ...] = tuple(_declared())
@@ -64,17 +64,17 @@ _FIGURES = {name: _Figure(*rest) for head, (name, *rest) in ROWS if head == "fig
 
 def column(table: Table[Any], name: str) -> NDArray[np.float64]:
     """A column of a law, as the catalogue has it or made from it; NaN where that is unknown or not above 0."""
-    one = _FIGURES.get(f"{table.section} {name}")
-    values = value(one.value, table) if one else table[name]
+    definition = _FIGURES.get(f"{table.section} {name}")
+    values = value(definition.value, table) if definition else table[name]
     return np.where(values > 0.0, values, np.nan)
 
 
 def given_column(table: Table[Any], figure: str, values: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
     """The column that a law's figure gives, with its values."""
-    one = _FIGURES.get(f"{table.section} {figure}")
-    if one is None or not one.column:
+    definition = _FIGURES.get(f"{table.section} {figure}")
+    if definition is None or not definition.column:
         return figure, values
-    return one.column, np.asarray(value(one.given, table, figure=values))
+    return definition.column, np.asarray(value(definition.given, table, figure=values))
 
 
 def members_of(table: Table[Any], of: str) -> NDArray[np.bool_]:
@@ -170,7 +170,7 @@ class Fit(NamedTuple):
 def fits(catalog: Catalog) -> list[Fit]:
     """Every law that the parts of a catalogue suffice for."""
     printed = as_printed(catalog)
-    return [found for law in LAWS if (found := fit(law, printed.table(law.section))) is not None]
+    return [law_fit for law in LAWS if (law_fit := fit(law, printed.table(law.section))) is not None]
 
 
 def fit(law: Law, table: Table[Any]) -> Fit | None:
@@ -301,7 +301,7 @@ def assumed_mass(section: str) -> tuple[float, float, float]:
     return value, value * exp(low), value * exp(high)
 
 
-def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
+def estimates_by_rated_current(table: Table[Any], estimates: dict[str, Estimates]) -> dict[str, Estimates]:
     """Estimates in accord with the printed nominal current.
 
     What it gives beside the printed torque no friction takes: k_t (I_N - I_0) is no less. At that current no winding is
@@ -311,26 +311,30 @@ def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -
     anything from there to the best class.
     """
     if "max_winding_temperature" not in table.columns:
-        return found
+        return estimates
     unstated, rating = np.isnan(table["max_winding_temperature"]), _rated_current(table)
-    if table.section == "motors" and (idle := found.get("no_load_current")):
+    if table.section == "motors" and (idle := estimates.get("no_load_current")):
         for_torque = np.minimum(table["nominal_torque"] / table["torque_constant"], rating) / _ABOVE
         most = (rating - np.nan_to_num(for_torque))[idle.rows]
         low, high = np.fmin(idle.low, most), np.fmin(idle.high, most)
         value = np.where(idle.value > high, np.sqrt(low * high), idle.value)
-        found = found | {"no_load_current": idle._replace(value=value, low=low, high=high)}
-    winding, housing = (_filled(table, found, name) for name in _R_TH)
-    printed, one = table["max_winding_temperature"], np.ones(len(table))
+        estimates = estimates | {"no_load_current": idle._replace(value=value, low=low, high=high)}
+    winding, housing = (_filled(table, estimates, name) for name in _R_TH)
+    printed, R_winding = table["max_winding_temperature"], np.ones(len(table))
     hottest = np.where(unstated, _HOTTEST, printed)
-    current = continuous_current(np.asarray(resistance_25(table)), one, 0.0 * one, hottest, rated_ambient(table))
+    current = continuous_current(
+        np.asarray(resistance_25(table)), R_winding, 0.0 * R_winding, hottest, rated_ambient(table)
+    )
     with np.errstate(invalid="ignore", divide="ignore"):  # the resistance with which it brings about what is permitted
         largest = np.asarray(current / rating) ** 2
     share = np.fmin(1.0, largest / (winding + housing))
-    limited = {name: _scaled(found[name], share) for name in _R_TH if name in found}
-    times = {name: _scaled(found[name], share[:1].repeat(3, 0)) for name in _TAU if name in found}
-    found = found | limited | times
-    one, other = (_filled(table, found, name) for name in _R_TH)
-    warm = np.asarray(steady_winding_temperature(rated_ambient(table), resistance_25(table), one, other, rating))
+    limited = {name: _scaled(estimates[name], share) for name in _R_TH if name in estimates}
+    times = {name: _scaled(estimates[name], share[:1].repeat(3, 0)) for name in _TAU if name in estimates}
+    estimates = estimates | limited | times
+    R_winding, R_housing = (_filled(table, estimates, name) for name in _R_TH)
+    warm = np.asarray(
+        steady_winding_temperature(rated_ambient(table), resistance_25(table), R_winding, R_housing, rating)
+    )
     rows = np.flatnonzero(unstated & (warm < _HOTTEST + 0.1).all(axis=0))
     value, low, high = warm[:, rows]
     brushed = table["kind"][rows] == "brushed"
@@ -344,10 +348,10 @@ def estimates_by_rated_current(table: Table[Any], found: dict[str, Estimates]) -
     least = np.array([_LEAST[kind] for kind in table["kind"][rest].tolist()], float)
     most = np.full(len(rest), _HOTTEST)
     unrated = Estimates(rest, np.sqrt(least * most), least, most, np.full(len(rest), UNRATED))
-    both: list[NDArray[Any]] = [np.concatenate(columns) for columns in zip(rated, unrated, strict=True)]
-    order = np.argsort(both[0])
-    every = Estimates(*(column[order] for column in both))
-    return found | {"max_winding_temperature": every} if len(order) else found
+    sides: list[NDArray[Any]] = [np.concatenate(columns) for columns in zip(rated, unrated, strict=True)]
+    order = np.argsort(sides[0])
+    temperatures = Estimates(*(column[order] for column in sides))
+    return estimates | {"max_winding_temperature": temperatures} if len(order) else estimates
 
 
 def _rated_current(table: Table[Any]) -> NDArray[np.float64]:
@@ -363,7 +367,7 @@ def _output_constant(table: Table[Any]) -> NDArray[np.float64]:
     return np.asarray(np.where(np.isnan(inner), table["torque_constant"], inner))
 
 
-def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dict[str, Estimates]:
+def peak_torque_estimates(table: Table[Any], estimates: dict[str, Estimates]) -> dict[str, Estimates]:
     """Estimates with ratings that actuators do not print: peaks from the continuous figure to that at stall.
 
     A peak current is at least that of a printed peak torque; a continuous torque is a tenth to all of the peak.
@@ -371,7 +375,7 @@ def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dic
     Where no stall is printed either nothing bounds it: the middle is that of a band up to ten times the continuous one.
     """
     if table.section != "actuators":
-        return found
+        return estimates
     more = dict[str, Estimates]()
 
     def between(name: str, low: NDArray[np.float64], usual: NDArray[np.float64], high: NDArray[np.float64]) -> None:
@@ -389,12 +393,12 @@ def peak_torque_estimates(table: Table[Any], found: dict[str, Estimates]) -> dic
         between(name, low, np.where(unprinted, _MOST * lasting, stall), np.where(unprinted, inf, stall))
     short = np.where(np.isnan(table["peak_torque"]), table["stall_torque"], table["peak_torque"])
     between("nominal_torque", short / _MOST, short, short)
-    return found | more
+    return estimates | more
 
 
 def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
     """Figures of actuators that are a rule of thumb, with a band from there to the stall."""
-    table, found = catalog.actuators, dict[str, Estimates]()
+    table, estimates = catalog.actuators, dict[str, Estimates]()
     for name, stall in _STALL.items():
         rows = catalog.by_rule(name)
         value = table[name][rows]
@@ -402,26 +406,26 @@ def rule_of_thumb_bands(catalog: Catalog) -> dict[str, Estimates]:
         wide = high > value  # written so that NaN fails too
         if wide.any():
             law = np.full(int(wide.sum()), RULE)
-            found[name] = Estimates(rows[wide], value[wide], value[wide], high[wide], law)
+            estimates[name] = Estimates(rows[wide], value[wide], value[wide], high[wide], law)
     for name, (least, usual, most, best) in _OF_PRINTED_STALL.items():
         rows = catalog.by_rule(name)
         value, law = table[name][rows], np.full(len(rows), _OF_STALL)
         if len(rows):
             high = np.maximum(value, np.minimum(most * value, best))
-            found[name] = Estimates(rows, usual * value, least * value, high, law)
-    return found
+            estimates[name] = Estimates(rows, usual * value, least * value, high, law)
+    return estimates
 
 
 def estimates_by_rule(catalog: Catalog, row: int, figure: str) -> list[Estimate]:
     """A figure of an actuator that is by a rule, where it is one."""
-    found = rule_of_thumb_bands(catalog).get(figure)
-    return [_of_row(figure, found, k) for k in np.flatnonzero(found.rows == row).tolist()] if found else []
+    band = rule_of_thumb_bands(catalog).get(figure)
+    return [_of_row(figure, band, k) for k in np.flatnonzero(band.rows == row).tolist()] if band else []
 
 
-def _of_row(figure: str, found: Estimates, k: int) -> Estimate:
+def _of_row(figure: str, estimates: Estimates, k: int) -> Estimate:
     """One of the estimates of a figure."""
-    value, low, high = (float(column[k]) for column in (found.value, found.low, found.high))
-    return Estimate(figure, value, low, high, shipped_laws()[found.fit[k]])
+    value, low, high = (float(column[k]) for column in (estimates.value, estimates.low, estimates.high))
+    return Estimate(figure, value, low, high, shipped_laws()[estimates.fit[k]])
 
 
 # A servo's printed stall is that of a warm motor or its controller's limit: of the resistance out of it 0.70 to 0.84
@@ -431,18 +435,18 @@ def _of_row(figure: str, found: Estimates, k: int) -> Estimate:
 _OF_PRINTED_STALL = {"resistance": (0.68, 0.95, 1.0, inf), "efficiency": (1.0, 1.0, 1.5, 0.85)}
 
 
-def _filled(table: Table[Any], found: dict[str, Estimates], name: str) -> NDArray[np.float64]:
+def _filled(table: Table[Any], estimates: dict[str, Estimates], name: str) -> NDArray[np.float64]:
     """Value, low and high of every part, shape (3, parts): printed ones are all three alike."""
     columns = np.tile(table[name], (3, 1))
-    if name in found:
-        columns[:, found[name].rows] = found[name].value, found[name].low, found[name].high
+    if name in estimates:
+        columns[:, estimates[name].rows] = estimates[name].value, estimates[name].low, estimates[name].high
     return columns
 
 
-def _scaled(found: Estimates, share: NDArray[np.float64]) -> Estimates:
-    value, low, high = np.array([found.value, found.low, found.high]) * share[:, found.rows]
+def _scaled(estimates: Estimates, share: NDArray[np.float64]) -> Estimates:
+    value, low, high = np.array([estimates.value, estimates.low, estimates.high]) * share[:, estimates.rows]
     low = np.minimum(low, high)  # what is cut at one end need not be cut alike at the other or in the middle
-    return found._replace(value=np.clip(value, low, high), low=low, high=high)
+    return estimates._replace(value=np.clip(value, low, high), low=low, high=high)
 
 
 # -- Estimates of what a data sheet leaves out, each with its band and its law.
@@ -492,19 +496,21 @@ class _Parts:
             self._terms[name] = _Term(np.log(column(self.table, name)), exact, exact)
         return self._terms[name]
 
-    def complete(self, name: str, found: Estimates) -> None:
+    def complete(self, name: str, estimates: Estimates) -> None:
         """A figure with what was estimated of it."""
         columns = [values.copy() for values in self.term(name)]
-        for into, values in zip(columns, (found.value, found.low / found.value, found.high / found.value), strict=True):
-            into[found.rows] = np.log(values)
+        for into, values in zip(
+            columns, (estimates.value, estimates.low / estimates.value, estimates.high / estimates.value), strict=True
+        ):
+            into[estimates.rows] = np.log(values)
         self._terms[name] = _Term(*columns)
 
     def strangers(self, fit: Fit) -> NDArray[np.bool_]:
         """Mask of the parts that are built as no peer of a law is; none where either is not known."""
-        found = np.zeros(len(self.table), bool)
+        mask = np.zeros(len(self.table), bool)
         for names, which in self._built if fit.constructions else ():
-            found |= ~np.isin(names, ("", *fit.constructions))[which]
-        return found
+            mask |= ~np.isin(names, ("", *fit.constructions))[which]
+        return mask
 
     def members(self, of: str) -> NDArray[np.bool_]:
         """Mask of the parts of a class."""
@@ -520,25 +526,27 @@ def estimates(table: Table[Any], only: Collection[Fit] = ()) -> dict[str, Estima
     with a printed figure more that gives a value outside its band.
     A term may be an estimate itself, of a figure that is declared before: its band then widens that of the result.
     """
-    found: dict[str, Estimates] = {}
+    by_figure: dict[str, Estimates] = {}
     parts = _Parts(table)
     laws = [(number, fit) for number, fit in enumerate(shipped_laws()) if fit.law.section == table.section]
-    given = {fit.law.figure for fit in only}
-    laws = [(number, fit) for number, fit in laws if fit in only or fit.law.figure not in given]
+    figures = {fit.law.figure for fit in only}
+    laws = [(number, fit) for number, fit in laws if fit in only or fit.law.figure not in figures]
     for figure in dict.fromkeys(fit.law.figure for _, fit in laws):
-        one = _estimate(parts, figure, [law for law in laws if law[1].law.figure == figure])
-        if len(one.rows):
-            some = table.taken(one.rows)
-            (name, middle), low, high = (given_column(some, figure, x) for x in (one.value, one.low, one.high))
-            keep = np.isnan(some[name]) & ~np.isnan(middle)
+        estimate = _estimate(parts, figure, [law for law in laws if law[1].law.figure == figure])
+        if len(estimate.rows):
+            subset = table.taken(estimate.rows)
+            (name, middle), low, high = (
+                given_column(subset, figure, x) for x in (estimate.value, estimate.low, estimate.high)
+            )
+            keep = np.isnan(subset[name]) & ~np.isnan(middle)
             if keep.any():
                 ends = np.sort([low[1][keep], high[1][keep]], axis=0)
-                found[name] = Estimates(one.rows[keep], middle[keep], ends[0], ends[1], one.fit[keep])
-            parts.complete(figure, one)
+                by_figure[name] = Estimates(estimate.rows[keep], middle[keep], ends[0], ends[1], estimate.fit[keep])
+            parts.complete(figure, estimate)
     rated = table
-    if "resistance" in found:  # what a rated current brings about is judged with the middle of those
-        rated = table.changed({"resistance": _filled(table, found, "resistance")[0]})
-    return peak_torque_estimates(table, estimates_by_rated_current(rated, found))
+    if "resistance" in by_figure:  # what a rated current brings about is judged with the middle of those
+        rated = table.changed({"resistance": _filled(table, by_figure, "resistance")[0]})
+    return peak_torque_estimates(table, estimates_by_rated_current(rated, by_figure))
 
 
 def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estimates:
@@ -546,19 +554,19 @@ def _estimate(parts: _Parts, figure: str, laws: list[tuple[int, Fit]]) -> Estima
     band, by = np.full((3, count), np.nan), np.full(count, -1)
     missing, width = np.isnan(parts.term(figure).middle), np.full(count, np.inf)
     values = [(number, law, _law_value(law, parts, parts.strangers(law))) for number, law in laws if missing.any()]
-    for number, law, found in values:
-        spread = found.above - found.below + np.where(parts.strangers(law), _LAST, 0.0)
+    for number, law, term in values:
+        spread = term.above - term.below + np.where(parts.strangers(law), _LAST, 0.0)
         better = missing & (spread < width) & ((by < 0) | (law.source == ""))
-        better &= ~_refuted(parts, law, found, values)
-        for place, side in enumerate((np.zeros(count), found.below, found.above)):
-            band[place][better] = np.exp(found.middle + side)[better]
+        better &= ~_refuted(parts, law, term, values)
+        for place, side in enumerate((np.zeros(count), term.below, term.above)):
+            band[place][better] = np.exp(term.middle + side)[better]
         by[better], width[better] = number, spread[better]
     rows = np.flatnonzero(by >= 0)
     value, low, high = band[:, rows]
     return Estimates(rows, value, low, high, by[rows])
 
 
-def _refuted(parts: _Parts, law: Fit, found: _Term, others: list[tuple[int, Fit, _Term]]) -> NDArray[np.bool_]:
+def _refuted(parts: _Parts, law: Fit, term: _Term, others: list[tuple[int, Fit, _Term]]) -> NDArray[np.bool_]:
     """Parts whose inertia by a law with a printed figure more is outside a law's band: peers of one mass are others."""
     refuted = np.zeros(len(parts.table), bool)
     if law.law.figure != _OF_SIZE:
@@ -566,19 +574,19 @@ def _refuted(parts: _Parts, law: Fit, found: _Term, others: list[tuple[int, Fit,
     for _, fit, other in others:
         if set(fit.law.terms) > set(law.law.terms):
             more = [parts.term(name).above == 0.0 for name in fit.law.terms if name not in law.law.terms]
-            off = other.middle - found.middle
-            refuted |= np.logical_and.reduce(more) & ((off < found.below) | (off > found.above))
+            off = other.middle - term.middle
+            refuted |= np.logical_and.reduce(more) & ((off < term.below) | (off > term.above))
     return refuted
 
 
 def _law_value(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> _Term:
     """The figure by one law; NaN where the law does not reach. Errors of terms add to it as independent ones."""
-    taken = [parts.term(name) for name in fit.law.terms]
-    x = np.column_stack([np.zeros((len(parts.table), 0)), *(term.middle for term in taken)])
+    terms = [parts.term(name) for name in fit.law.terms]
+    x = np.column_stack([np.zeros((len(parts.table), 0)), *(term.middle for term in terms)])
     wider = widening(fit.peers, x) if fit.peers else np.ones(len(parts.table))
     middle: Array = np.where(parts.members(fit.law.of), fit.coefficients[0], np.nan)
     below, above = ((wider * end) ** 2 for end in _ends(fit, parts, stranger))
-    for factor, term, (low, high) in zip(fit.coefficients[1:], taken, fit.ranges, strict=True):
+    for factor, term, (low, high) in zip(fit.coefficients[1:], terms, fit.ranges, strict=True):
         inside = (term.middle > low - _BEYOND) & (term.middle < high + _BEYOND)
         middle += factor * np.where(inside, term.middle, np.nan)
         ends = (term.below, term.above) if factor > 0.0 else (term.above, term.below)
@@ -591,23 +599,23 @@ def _ends(fit: Fit, parts: _Parts, stranger: NDArray[np.bool_]) -> Array:
     twice = (_STRANGER * fit.band[0], _STRANGER * fit.band[1])
     names, which = parts.makers
     maker = ~np.isin(names, fit.makers)[which]
-    found = np.tile(np.array(fit.band)[:, None], len(maker))
+    band = np.tile(np.array(fit.band)[:, None], len(maker))
     for other, ends in ((maker, fit.other_makers or twice), (stranger, twice)):
-        wider = other & (ends[1] - ends[0] > found[1] - found[0])
-        found[:, wider] = np.array(ends)[:, None]
-    return found
+        wider = other & (ends[1] - ends[0] > band[1] - band[0])
+        band[:, wider] = np.array(ends)[:, None]
+    return band
 
 
 def estimates_of(table: Table[Any], row: int) -> list[Estimate]:
     """All that a part's data sheet leaves out and its peers give."""
-    return [_of_row(figure, found, 0) for figure, found in estimates(table.taken(slice(row, row + 1))).items()]
+    return [_of_row(figure, values, 0) for figure, values in estimates(table.taken(slice(row, row + 1))).items()]
 
 
 def as_records(table: Table[Any], row: int) -> list[dict[str, Any]]:
     """The estimates of a part for JSON, and limits of its family: figures in SI, the 5th to the 95th percentile."""
     names = ("figure", "value", "low", "high", "terms", "peers", "parts", "families")
-    rows = [(*one[:4], list(one.fit.law.terms), one.fit.source or one.fit.law.of or one.fit.law.section, one.fit.parts,
-             one.fit.families) for one in estimates_of(table, row)]  # fmt: skip
+    rows = [(*figures, list(fit.law.terms), fit.source or fit.law.of or fit.law.section, fit.parts, fit.families)
+            for *figures, fit in estimates_of(table, row)]  # fmt: skip
     rows += [(name, x, x, x, [], SAME_FAMILY, members, 1) for name, x, members in family_limits(table, row)]
     return [dict(zip(names, cells, strict=True)) for cells in rows]
 
@@ -652,14 +660,14 @@ def written(fits: list[Fit]) -> str:
     def six(value: Any) -> Any:
         if isinstance(value, float):
             return float(f"{value:.6g}")
-        return [six(one) for one in value] if isinstance(value, tuple) else value
+        return [six(entry) for entry in value] if isinstance(value, tuple) else value
 
     lines = []
     for fit in fits:
         width = float(np.exp(fit.width * (fit.band[1] - fit.band[0])))
         record = fit.law._asdict() | fit._asdict() | (fit.peers._asdict() if fit.peers else {}) | {"width": width}
-        kept = {name: six(value) for name, value in record.items() if name not in ("law", "source", "peers")}
-        lines.append(json.dumps(kept))
+        fields = {name: six(value) for name, value in record.items() if name not in ("law", "source", "peers")}
+        lines.append(json.dumps(fields))
     return "[\n" + ",\n".join(lines) + "\n]\n"
 
 
@@ -692,14 +700,14 @@ def family_limits(table: Table[Any], row: int) -> list[FamilyLimit]:
     """Limits that a part lacks and all others of its family that print them have alike."""
     families = families_of(table)
     family = families == families[row] if table["family"][row] else np.zeros(len(table), np.bool_)
-    found = []
+    limits = []
     for figure in LIMITS.get(table.section, ()):
         printed = table[figure][family & ~np.isnan(table[figure])]
         if not np.isnan(table[figure][row]) or len(printed) < _LEAST_OF_FAMILY:
             continue
         if np.ptp(printed) <= _ROUNDING * np.abs(printed).max():
-            found.append(FamilyLimit(figure, float(printed[0]), len(printed)))
-    return found
+            limits.append(FamilyLimit(figure, float(printed[0]), len(printed)))
+    return limits
 
 
 # -- Estimates of all parts of a catalogue.
@@ -710,9 +718,9 @@ _SECTIONS = tuple(dict.fromkeys((*(law.section for law in LAWS), "controllers", 
 
 def estimates_of_catalog(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
     """Estimates of figures that data sheets leave out, and figures that are a rule of thumb."""
-    every = {section: estimates(catalog.table(section)) for section in _SECTIONS}
-    every["actuators"] |= rule_of_thumb_bands(catalog)
-    return {section: figures for section, figures in every.items() if figures}
+    by_section = {section: estimates(catalog.table(section)) for section in _SECTIONS}
+    by_section["actuators"] |= rule_of_thumb_bands(catalog)
+    return {section: figures for section, figures in by_section.items() if figures}
 
 
 if __name__ == "__main__":

@@ -26,39 +26,39 @@ def _sizes() -> dict[str, Any]:
     return shipped_data("drivesizer.catalog", "laws.yaml")["sizes"]
 
 
-def _nearest(values: Numbers, made: Sequence[float]) -> Numbers:
+def _nearest(values: Numbers, series: Sequence[float]) -> Numbers:
     """The nearest by ratio of the sizes that are made; unknown for an unknown value."""
-    sizes = np.array(made, float)
+    sizes = np.array(series, float)
     nearest = sizes[np.abs(np.log(values[:, None] / sizes)).argmin(axis=1)]
     return np.where(np.isnan(values), np.nan, nearest)
 
 
 def _pitch_of_profile(profile: NDArray[np.str_], pitch: Numbers) -> Numbers:
-    found = np.full(len(pitch), np.nan)
-    for name, made in _sizes()["pitches"].items():
-        found = np.where(profile == name, _nearest(pitch * 1e3, made) / 1e3, found)
-    return found
+    pitches = np.full(len(pitch), np.nan)
+    for name, series in _sizes()["pitches"].items():
+        pitches = np.where(profile == name, _nearest(pitch * 1e3, series) / 1e3, pitches)
+    return pitches
 
 
 def _leading_number(texts: NDArray[np.str_]) -> Numbers:
     """The number in front of ``:1``; unknown where a reduction is written otherwise."""
     bare = [text.removesuffix(":1") for text in texts.tolist()]
-    return np.array([float(one) if re.fullmatch(r"[0-9]+(\.[0-9]*)?", one) else np.nan for one in bare], float)
+    return np.array([float(digits) if re.fullmatch(r"[0-9]+(\.[0-9]*)?", digits) else np.nan for digits in bare], float)
 
 
 def _groups(*columns: NDArray[Any]) -> NDArray[np.intp]:
     """Number of the group in which parts agree; an unknown figure agrees with an unknown one."""
-    found: NDArray[np.intp] = np.zeros(len(columns[0]), np.intp)
+    group: NDArray[np.intp] = np.zeros(len(columns[0]), np.intp)
     for column in columns:
         numbers = np.unique(column, return_inverse=True)[1]
-        found = np.unique(found * (len(found) + 1) + numbers, return_inverse=True)[1]
-    return found
+        group = np.unique(group * (len(group) + 1) + numbers, return_inverse=True)[1]
+    return group
 
 
 def _across_offers(values: Numbers, offered: NDArray[np.bool_], how: Callable[[Numbers], Any]) -> float:
     """Median, least or greatest of some offered parts that have the figure."""
-    some = values[offered & ~np.isnan(values)]
-    return float(how(some)) if len(some) else np.nan
+    figures = values[offered & ~np.isnan(values)]
+    return float(how(figures)) if len(figures) else np.nan
 
 
 def _median(values: Numbers, excluded: NDArray[np.bool_], *alike: NDArray[Any]) -> Numbers:
@@ -73,12 +73,12 @@ def _of_a_stage_less(how: Callable[[Numbers], Any]) -> Callable[..., Numbers]:
     """The least or greatest figure of the same gearhead with the next lower number of stages."""
 
     def values(figure: Numbers, excluded: NDArray[np.bool_], stages: Numbers, *alike: NDArray[Any]) -> Numbers:
-        group, found = _groups(*alike), np.full(len(figure), np.nan)
+        group, bounds = _groups(*alike), np.full(len(figure), np.nan)
         for k in range(group.max(initial=-1) + 1):
             for less, more in pairwise(np.unique(stages[(group == k) & ~np.isnan(stages)])):
                 lesser = _across_offers(figure, (group == k) & (stages == less) & ~excluded, how)
-                found[(group == k) & (stages == more)] = lesser
-        return found
+                bounds[(group == k) & (stages == more)] = lesser
+        return bounds
 
     return values
 
@@ -113,17 +113,17 @@ FURTHER: dict[str, tuple[Callable[[Any], Any], str]] = {
 
 def value(expression: str, figures: Any, **instead: Any) -> Any:
     """The value of an expression over figures by name, some of them replaced."""
-    found = dict[str, Any](instead)
+    namespace = dict[str, Any](instead)
     for name in code(expression).co_names:
-        if name in FURTHER and name not in found:
+        if name in FURTHER and name not in namespace:
             of = _Replaced(figures, instead) if instead else figures
-            found[name] = FURTHER[name][0](of)
+            namespace[name] = FURTHER[name][0](of)
         elif name == "excluded":
-            found[name] = figures.excluded
-        elif name not in found:
-            found[name] = _FUNCTIONS[name] if name in _FUNCTIONS else figures[name]
+            namespace[name] = figures.excluded
+        elif name not in namespace:
+            namespace[name] = _FUNCTIONS[name] if name in _FUNCTIONS else figures[name]
     with np.errstate(all="ignore"):
-        return own_value(expression, found)
+        return own_value(expression, namespace)
 
 
 class _Replaced:

@@ -93,24 +93,24 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None], com
         raise InputError(f"--section: {quoted(section)} is not known; expected {', '.join(PARTS)}")
     file = read(path) if path else YamlSource("{}", "")
     reader = Reader(file)
-    given = reader.fields({} if file.data is None else file.data, (), {"properties": _KEYS})
-    source = reader.fields(given.get("source") or {}, ("source",), {"properties": _SOURCE})
+    settings = reader.fields({} if file.data is None else file.data, (), {"properties": _KEYS})
+    source = reader.fields(settings.get("source") or {}, ("source",), {"properties": _SOURCE})
     stated = {key: reader.plain_text(source.get(key), ("source", key)) for key in _SOURCE}
-    stated |= {key: reader.plain_text(given.get(key), (key,)) for key in ("manufacturer", "family")}
+    stated |= {key: reader.plain_text(settings.get(key), (key,)) for key in ("manufacturer", "family")}
     stated |= {key: value for key, value in options.items() if value}
     if stated["confidence"] and stated["confidence"] not in CONFIDENCE:
         raise InputError(f"--confidence: {quoted(stated['confidence'])}; expected one of {', '.join(CONFIDENCE)}")
     known = columns_of(section) if section else _COLUMNS
-    columns = reader.mapping(given["columns"], ("columns",), "Order no.: part") if "columns" in given else None
+    columns = reader.mapping(settings["columns"], ("columns",), "Order no.: part") if "columns" in settings else None
     for theirs, ours in (columns or {}).items():
         if ours is not None and (not isinstance(ours, str) or ours not in known):
             hint = nearest(str(ours), known) or f"; expected one such as {', '.join(list(known)[:4])}"
             what = section or "parts"
             raise InputError(f"{file.where(('columns', theirs))}: {what} have no column {quoted(ours)}{hint}")
-    unknown = given.get("unknown")
+    unknown = settings.get("unknown")
     if unknown is not None and not isinstance(unknown, list):
         raise InputError(f'{file.where(("unknown",))}: expected a list, e.g. ["-", n/a]')
-    shared = dict(reader.mapping(given.get("common"), ("common",), "kind: brushed"))
+    shared = dict(reader.mapping(settings.get("common"), ("common",), "kind: brushed"))
     for entry in common:
         name, sign, text = entry.partition("=")
         if not sign or name.strip() not in known:
@@ -121,7 +121,7 @@ def plan(section: str, path: Path | None, options: Mapping[str, str | None], com
             raise InputError(f"{file.where(('common', name))}: not a figure that parts have in common")
         if isinstance(value, dict | list | bool):
             raise InputError(f"{file.where(('common', name))}: expected a figure with its unit, or text")
-    units = reader.mapping(given.get("units"), ("units",), "Weight: g")
+    units = reader.mapping(settings.get("units"), ("units",), "Weight: g")
     return Plan(
         section=section,
         columns=columns,
@@ -172,8 +172,8 @@ def _layouts(sheet: Sheet, units: Mapping[str, str]) -> Iterator[Layout]:
     heads = [_head(cells[0], unit_of(cells[unit_at]) if unit_at else "", line, units) for line, cells in full]
     if values:  # what a line of a data sheet says once it says of all parts
         alone = {place: cells[at] for place, (_, cells) in enumerate(full)
-                 if sheet.separator == " " and len(some := [at for at in values if cells[at]]) == 1
-                 for at in some}  # fmt: skip
+                 if sheet.separator == " " and len(places := [at for at in values if cells[at]]) == 1
+                 for at in places}  # fmt: skip
         shared = [[alone.get(place) or cells[at] for place, (_, cells) in enumerate(full)] for at in values]
         yield Layout(heads, [(0, cells) for cells in shared], lying=True)
 
@@ -193,17 +193,17 @@ def _words() -> dict[str, Any]:
 @cache
 def _meanings(section: str) -> dict[str, list[str]]:
     """Columns of a section by the words that mean them."""
-    own, found = columns_of(section), dict[str, list[str]]()
+    own, meanings = columns_of(section), dict[str, list[str]]()
     lists = {name: text for name, text in _words()["words"].items() if name in own}
-    lists |= {name: text for name, text in _words()["ranges"].items() if any(one in own for one in name.split())}
+    lists |= {name: text for name, text in _words()["ranges"].items() if any(column in own for column in name.split())}
     for name, text in {**dict.fromkeys(own, ""), **lists}.items():
         for word in (*([name.replace("_", " ")] if name in own else []), *text.split("; ")):
-            if word and name not in found.setdefault(word, []):
-                found[word].append(name)
+            if word and name not in meanings.setdefault(word, []):
+                meanings[word].append(name)
     for name, text in _words()["per_turn"].items():
         for word in text.split("; ") if name in own else ():
-            found.setdefault(word, []).append(name)
-    return found
+            meanings.setdefault(word, []).append(name)
+    return meanings
 
 
 def meant_by(section: str, key: str) -> str:
@@ -239,26 +239,26 @@ def _guessed(layout: Layout, section: str, near: bool = True) -> list[Head]:
             matches += [(-likeness, place, name) for name, likeness in names.items()]
             if names:
                 break
-    chosen, misfits = dict[int, str](), dict[int, str]()
+    columns, misfits = dict[int, str](), dict[int, str]()
     for _, place, name in sorted(matches):
-        if place in chosen or name in chosen.values():
+        if place in columns or name in columns.values():
             continue
         lacks = _unfit(layout, place, name, known)
         if lacks:
             misfits.setdefault(place, lacks)
         else:
-            chosen[place] = name
+            columns[place] = name
     heads = []
     for place, head in enumerate(layout.heads):
-        name = chosen.get(place, "")
+        name = columns.get(place, "")
         heads.append(
             head._replace(
                 column=name, unit=_unit_of(layout, place, name, known), lacks="" if name else misfits.get(place, "")
             )
         )
-    for wanted, instead in (("ratio", "reduction"), ("part", "order_number")):
-        if wanted in known and not any(head.column == wanted for head in heads):
-            heads = [head._replace(column=wanted) if head.column == instead else head for head in heads]
+    for column, instead in (("ratio", "reduction"), ("part", "order_number")):
+        if column in known and not any(head.column == column for head in heads):
+            heads = [head._replace(column=column) if head.column == instead else head for head in heads]
     return heads
 
 
@@ -281,7 +281,7 @@ def _unfit(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -
     unit = _unit_of(layout, place, name, known)
     if name in _words()["per_turn"] and name in known and unit in ("deg", "°"):
         return ""
-    for column in (known[one] for one in name.split() if one in known):
+    for column in (known[word] for word in name.split() if word in known):
         if column.name in ("price", "foreign_price") and currency_of(unit):
             continue
         if column.kind in _TEXTS:
@@ -297,15 +297,15 @@ def _unfit(layout: Layout, place: int, name: str, known: Mapping[str, Column]) -
     return ""
 
 
-def understood(sheets: Sequence[Sheet], given: Plan) -> tuple[str, Layout, Sheet]:
+def understood(sheets: Sequence[Sheet], plan: Plan) -> tuple[str, Layout, Sheet]:
     """Kind of part, heads and rows of the table of a file that says most of parts."""
     best: tuple[float, str, Layout, Sheet] | None = None
     for sheet in sheets:
-        for layout in _layouts(sheet, given.units):
-            for section in [given.section] if given.section else PARTS:
-                if given.columns is not None:
+        for layout in _layouts(sheet, plan.units):
+            for section in [plan.section] if plan.section else PARTS:
+                if plan.columns is not None:
                     names = {head.theirs for head in layout.heads}
-                    score = float(sum(theirs in names for theirs in given.columns))
+                    score = float(sum(theirs in names for theirs in plan.columns))
                     score += 0.5 * len(names & set(columns_of(section)))
                 else:
                     heads = _guessed(layout, section, near=False)
@@ -313,33 +313,33 @@ def understood(sheets: Sequence[Sheet], given: Plan) -> tuple[str, Layout, Sheet
                     score += 0.3 * sum(bool(head.lacks) for head in heads)
                 if best is None or score > best[0] + 1e-9:
                     best = score, section, layout, sheet
-    if best is None or best[0] < (0.3 if given.section or given.columns else 1.0):
+    if best is None or best[0] < (0.3 if plan.section or plan.columns else 1.0):
         raise InputError("expected a header with names such as Order no., Nominal voltage [V], and parts below it, "
                          "or names and units at the left and a part in each column; --map names columns")  # fmt: skip
     _, section, layout, sheet = best
     return section, layout, sheet
 
 
-def _mapped(layout: Layout, section: str, given: Plan, where: str) -> list[Head]:
+def _mapped(layout: Layout, section: str, plan: Plan, where: str) -> list[Head]:
     """Heads with the columns that a map gives them; a head that is a column's own name needs none."""
-    columns, known = given.columns or {}, columns_of(section)
+    columns, known = plan.columns or {}, columns_of(section)
     for theirs in columns:
         if theirs not in {head.theirs for head in layout.heads}:
             near = nearest(theirs, [head.theirs for head in layout.heads])
             raise InputError(f"{where}: header: the map's column {quoted(theirs)} is not there{near}")
-    heads, taken = [], set[str]()
+    heads, names = [], set[str]()
     for place, head in enumerate(layout.heads):
         name = columns.get(head.theirs, head.theirs if head.theirs in known else None)
         if name is None:
             heads.append(head)
             continue
-        if name in taken:
+        if name in names:
             raise InputError(f"{where}: header: {quoted(head.theirs)} and another column are both {name}")
-        if name in given.common:
+        if name in plan.common:
             raise InputError(f"{where}: header: {quoted(head.theirs)} is {name}, which the map gives in common too")
         if lacks := _unfit(layout, place, name, known):
             raise InputError(f"{where}: {head.theirs}: {lacks}")
-        taken.add(name)
+        names.add(name)
         heads.append(head._replace(column=name, unit=_unit_of(layout, place, name, known)))
     return heads
 
@@ -395,38 +395,40 @@ _QUOTE = '"'  # of tokens, left out in messages
 
 
 def import_table(
-    sheets: Sequence[Sheet], path: Path, given: Plan, target: Path, partners: Mapping[str, Catalog] | None = None
+    sheets: Sequence[Sheet], path: Path, plan: Plan, target: Path, partners: Mapping[str, Catalog] | None = None
 ) -> Imported:
     """Make the text of a catalogue file from the tables of a file."""
     try:
-        section, layout, sheet = understood(sheets, given)
+        section, layout, sheet = understood(sheets, plan)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     where = str(path) if layout.lying else f"{path}:{layout.heads[0].line}"
-    heads = _guessed(layout, section) if given.columns is None else _mapped(layout, section, given, where)
-    heads = [one if one.column else one._replace(column=given.answers.get(one.theirs, "")) for one in heads]
-    heads = [one._replace(column="", lacks="given in common") if one.column in given.common else one for one in heads]
-    heads, common = _prices(heads, section, given)
+    heads = _guessed(layout, section) if plan.columns is None else _mapped(layout, section, plan, where)
+    heads = [head if head.column else head._replace(column=plan.answers.get(head.theirs, "")) for head in heads]
+    heads = [
+        head._replace(column="", lacks="given in common") if head.column in plan.common else head for head in heads
+    ]
+    heads, common = _prices(heads, section, plan)
     numbered = any(head.column == "part" for head in heads)
-    if not numbered and given.columns is not None:
+    if not numbered and plan.columns is not None:
         raise InputError(f"{where}: header: no column is the part number; name it in the map, e.g. Order no.: part")
     decimal = decimal_sign([cell for _, cells in layout.parts for cell in cells], sheet.separator)
-    rows, odd, skipped = _rows(path, layout, heads, columns_of(section), decimal, given)
+    rows, odd, skipped = _rows(path, layout, heads, columns_of(section), decimal, plan)
     assumed = [] if numbered else [f"no part numbers: {', '.join(row['part'].strip(_QUOTE) for _, row in rows[:3])}"]
-    used = {name for _, row in rows for name in row} | {"family", "manufacturer"}
-    groups, maker = _families(path, rows, given, assumed)
-    source = dict(given.source)
+    columns = {name for _, row in rows for name in row} | {"family", "manufacturer"}
+    groups, maker = _families(path, rows, plan, assumed)
+    source = dict(plan.source)
     for key, value, option in (("document", path.name, "--document"), ("confidence", "secondary", "--confidence")):
         if not source.get(key):
-            if given.columns is not None:
+            if plan.columns is not None:
                 raise InputError(f"{option}: the source of the figures is missing; expected e.g. 'data sheet, 2024-05'")
             source[key] = value
             assumed.append(f"{key} {value} ({option})")
-    if section == "gearheads" and given.columns is None and "max_motor_shaft" in used \
+    if section == "gearheads" and plan.columns is None and "max_motor_shaft" in columns \
             and "mounting" not in {*common, *(head.column for head in heads)}:  # fmt: skip
         common["mounting"] = "clamping hub"
         assumed.append("mounting clamping hub, which takes any motor whose shaft it holds (--set mounting=flange)")
-    named = _token(given.source_name or "table")
+    named = _token(plan.source_name or "table")
     sources = {named: {key: _token(value) for key, value in source.items() if value}}
     pairs = _compatibility(section, list(groups), named, partners or {})
     text = file_text(section, maker, sources, _tables(section, groups, heads, common, named), pairs)
@@ -438,29 +440,29 @@ def import_table(
         text=text,
         catalog=catalog,
         section=section,
-        families={name.strip(_QUOTE): len(some) for name, some in groups.items()},
+        families={name.strip(_QUOTE): len(members) for name, members in groups.items()},
         heads=heads,
         examples=[next((cells[at] for _, cells in layout.parts if at < len(cells) and cells[at]), "")
                   for at in range(len(heads))],
         assumed=tuple(assumed),
         cells=tuple(odd),
         skipped=tuple(skipped),
-        empty=tuple(name for head in heads for name in head.column.split() if name not in used),
+        empty=tuple(name for head in heads for name in head.column.split() if name not in columns),
     )  # fmt: skip
 
 
 def _rows(
-    path: Path, layout: Layout, heads: Sequence[Head], known: Mapping[str, Column], decimal: str, given: Plan
+    path: Path, layout: Layout, heads: Sequence[Head], known: Mapping[str, Column], decimal: str, plan: Plan
 ) -> tuple[list[tuple[int, dict[str, str]]], list[str], list[str]]:
     """Known cells of each part as YAML, by column; cells that are not understood; rows that are no part."""
     rows, odd, skipped = list[tuple[int, dict[str, str]]](), list[str](), list[str]()
     numbered, lines = any(head.column == "part" for head in heads), dict[str, int]()
     for at, (line, cells) in enumerate(layout.parts, 1):
-        if given.columns is not None and len(cells) != len(heads) and any(cells):
+        if plan.columns is not None and len(cells) != len(heads) and any(cells):
             raise InputError(f"{path}:{line}: row: {len(cells)} cells; the header has {len(heads)}")
         row = dict[str, str]()
         for head, cell in zip(heads, map(plain, cells), strict=False):
-            if not head.column or cell in _UNKNOWN or cell in given.unknown:
+            if not head.column or cell in _UNKNOWN or cell in plan.unknown:
                 continue
             if cell.casefold() in _NO_FIGURE and not (head.column in known and known[head.column].kind == "text"):
                 continue
@@ -468,12 +470,12 @@ def _rows(
             try:
                 row |= _cells(cell, head, known, decimal)
             except InputError as error:
-                if given.columns is not None:
+                if plan.columns is not None:
                     raise InputError(f"{place}: {error}") from None
                 odd.append(f"line {line or head.line}: {head.theirs}: {error}")
         if not numbered and row:
             voltage = f" {row['nominal_voltage']} V" if "nominal_voltage" in row else f" {at}"
-            name = given.family or path.stem.replace("_", " ")
+            name = plan.family or path.stem.replace("_", " ")
             row["part"] = _token(f"{name}{voltage if len(layout.parts) > 1 else ''}")
         if "part" not in row:
             skipped.append(f"line {line}: no part number" if any(cells) else f"line {line}: empty")
@@ -489,20 +491,20 @@ def _rows(
 
 
 def _families(
-    path: Path, rows: Sequence[tuple[int, dict[str, str]]], given: Plan, assumed: list[str]
+    path: Path, rows: Sequence[tuple[int, dict[str, str]]], plan: Plan, assumed: list[str]
 ) -> tuple[dict[str, list[dict[str, str]]], str]:
     """Parts by family, and their maker; without a map the file's name stands for what is not said."""
     groups, makers, stem = dict[str, list[dict[str, str]]](), set[str](), path.stem.replace("_", " ")
     for line, row in rows:
         makers |= {row.pop("manufacturer")} if "manufacturer" in row else set()
-        family = row.pop("family", "") or (_token(given.family) if given.family else "")
-        if not family and given.columns is not None:
+        family = row.pop("family", "") or (_token(plan.family) if plan.family else "")
+        if not family and plan.columns is not None:
             raise InputError(f"{path}:{line}: family: unknown; give one with --family or in the map")
         if not family and f"family {stem} (--family)" not in assumed:
             assumed.append(f"family {stem} (--family)")
         groups.setdefault(family or _token(stem), []).append(row)
-    makers = {_token(given.manufacturer)} if given.manufacturer else makers
-    if not makers and given.columns is None:
+    makers = {_token(plan.manufacturer)} if plan.manufacturer else makers
+    if not makers and plan.columns is None:
         makers = {_token(stem)}
         assumed.append(f"manufacturer {stem} (--manufacturer)")
     if len(makers) != 1:
@@ -511,16 +513,16 @@ def _families(
     return groups, makers.pop()
 
 
-def _prices(heads: list[Head], section: str, given: Plan) -> tuple[list[Head], dict[str, Any]]:
+def _prices(heads: list[Head], section: str, plan: Plan) -> tuple[list[Head], dict[str, Any]]:
     """Prices in another currency than euros go into the columns for them; nothing is converted."""
-    common = dict(given.common)
+    common = dict(plan.common)
     for at, head in enumerate(heads):
         code = currency_of(head.unit) if head.column in ("price", "foreign_price") else ""
         if not code or code == "EUR":
             continue
         francs = code == "CHF" and "list_price" in columns_of(section)
         heads[at] = head._replace(column="list_price" if francs else "foreign_price", unit="CHF" if francs else "")
-        if not francs and not any(one.column == "currency" for one in heads):
+        if not francs and not any(other.column == "currency" for other in heads):
             common.setdefault("currency", code)
     return heads, common
 
@@ -570,7 +572,7 @@ def _tables(
     """A table of each family, without columns that have no value."""
     known, titles = columns_of(section), dict[str, str]()
     for head in heads:
-        for column in (one for one in head.column.split() if one in known):
+        for column in (name for name in head.column.split() if name in known):
             bare = known[column].kind in _TEXTS or head.unit in ("", "1") or column in _words()["per_turn"]
             titles[column] = column if bare else f"{column} ({head.unit})"
     titles.setdefault("part", "part")
@@ -578,13 +580,13 @@ def _tables(
         name: "~" if value is None else str(value) if isinstance(value, int | float) else _token(value)
         for name, value in common.items()
     }
-    found = []
+    tables = []
     for family, rows in groups.items():
-        names = sorted((one for one in titles if any(one in row for row in rows)), key=lambda one: one != "part")
-        cells = [[row.get(one, "~") for one in names] for row in rows]
-        found.append({"family": family, "source": source, "common": shared,
-                      "columns": [_token(titles[one]) for one in names], "rows": cells})  # fmt: skip
-    return found
+        names = sorted((name for name in titles if any(name in row for row in rows)), key=lambda name: name != "part")
+        cells = [[row.get(name, "~") for name in names] for row in rows]
+        tables.append({"family": family, "source": source, "common": shared,
+                      "columns": [_token(titles[name]) for name in names], "rows": cells})  # fmt: skip
+    return tables
 
 
 def _compatibility(
@@ -598,23 +600,23 @@ def _compatibility(
     for relation, other in RELATIONS.items():
         for name, catalog in partners.items() if section in ("motors", other) else ():
             side = other if section == "motors" else "motors"
-            found = dict.fromkeys(str(one) for one in catalog.table(side)["family"] if one)
-            across = ", ".join(f"{{{_token(name)}: {_token(one)}}}" for one in found)
+            names = dict.fromkeys(str(family) for family in catalog.table(side)["family"] if family)
+            across = ", ".join(f"{{{_token(name)}: {_token(family)}}}" for family in names)
             sides = {"motors": own, other: own} | {side: f"[{across}]"}
-            if found:
+            if names:
                 lists.setdefault(relation, []).append({"name": "assumed", "source": source, **sides})
     return lists
 
 
-def map_text(imported: Imported, given: Plan) -> str:
+def map_text(imported: Imported, plan: Plan) -> str:
     """The map of a guess as YAML: what is left out stands there too, to be completed."""
 
     def quote(text: str) -> str:
         return json.dumps(text, ensure_ascii=False)
 
     lines = [f"{key}: {quote(value)}" for key, value in
-             (("manufacturer", given.manufacturer), ("family", given.family)) if value]  # fmt: skip
-    source = {"name": given.source_name, **given.source}
+             (("manufacturer", plan.manufacturer), ("family", plan.family)) if value]  # fmt: skip
+    source = {"name": plan.source_name, **plan.source}
     lines += [f"source: {{{', '.join(f'{key}: {quote(value)}' for key, value in source.items() if value)}}}"] \
         if any(source.values()) else []  # fmt: skip
     lines.append("columns:  # guessed by name and unit: look at each; ~ is not imported")
@@ -629,5 +631,5 @@ def on_shop_pages(section: str) -> list[str]:
 
 def lacking(catalog: Catalog, section: str) -> list[tuple[str, str, int]]:
     """Figures that a sizing needs and parts lack: their names, what each is for, and of how many parts."""
-    found = ((*head, int(lack.sum())) for head, lack in needed(catalog.table(section)).items())
-    return [one for one in found if one[2]]
+    gaps = ((*head, int(lack.sum())) for head, lack in needed(catalog.table(section)).items())
+    return [gap for gap in gaps if gap[2]]

@@ -33,17 +33,17 @@ def _applies(law: str, table: Table[Any]) -> Any:
 
 def _fields(section: str, figure: str, law: str) -> tuple[str, ...]:
     """The other columns in a law, each as often as its exponent, and the texts that say of which parts it is."""
-    columns, found = columns_of(section), list[str]()
+    columns, names = columns_of(section), list[str]()
     expression, _, condition = law.partition(" where ")
     for node in ast.walk(ast.parse(re.sub(r"(?<![<>=!])=(?!=)", "==", expression), mode="eval")):
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow) and isinstance(node.left, ast.Name):
             times = ast.literal_eval(node.right) if isinstance(node.right, ast.Constant) else 1
-            found += [node.left.id] * (int(times) - 1)
+            names += [node.left.id] * (int(times) - 1)
         elif isinstance(node, ast.Name):
-            found.append(node.id)
+            names.append(node.id)
     if condition:
-        found += [name for name in code(condition).co_names if name in columns and columns[name].kind == "text"]
-    named = (FURTHER[name][1] if name in FURTHER else name for name in found)
+        names += [name for name in code(condition).co_names if name in columns and columns[name].kind == "text"]
+    named = (FURTHER[name][1] if name in FURTHER else name for name in names)
     return tuple(name for name in named if name in columns and name != figure)
 
 
@@ -70,10 +70,10 @@ class Law:
     def expected(self, table: Table[Any]) -> Numbers:
         """The number that the figure of each part is compared with; NaN of parts that the law is not of."""
         if self.relation == "=":
-            found: Any = solved(self.law, table, self.figure)
+            expected: Any = solved(self.law, table, self.figure)
         else:
-            found = value(self.law.partition(" where ")[0].partition(f" {self.relation} ")[2], table)
-        return np.where(_applies(self.law, table), self.share * found, np.nan)
+            expected = value(self.law.partition(" where ")[0].partition(f" {self.relation} ")[2], table)
+        return np.where(_applies(self.law, table), self.share * expected, np.nan)
 
 
 def _law(
@@ -119,20 +119,20 @@ def _laws() -> Iterator[Law]:
                            f"usually {1.0 / times:.2g} to {times:g} times the median {reason}", 0.0, reason,
                            source="usage", rounds=False, share=share)  # fmt: skip
     for section, figures in _TABLE["shares"].items():
-        some = " where abs(ratio - 1) > 0" if "ratio" in columns_of(section) else ""
+        condition = " where abs(ratio - 1) > 0" if "ratio" in columns_of(section) else ""
         for figure in figures:
-            yield _law(section, f"{figure.replace('_', ' ')} is a share", figure, f"{figure} < 1{some}", "below 1", 0.0,
-                       "none", source="definition", rounds=False)  # fmt: skip
+            yield _law(section, f"{figure.replace('_', ' ')} is a share", figure, f"{figure} < 1{condition}", "below 1",
+                       0.0, "none", source="definition", rounds=False)  # fmt: skip
     for section, figures in _TABLE["whole_numbers"].items():
         for figure in figures:
             yield _law(section, f"{figure.replace('_', ' ')} is a whole number", figure, f"{figure} = whole({figure})",
                        "whole", 0.0, "none", source="definition", rounds=False)  # fmt: skip
     for section in PARTS:
-        some = " where stages != 0" if section == "gearheads" else ""  # direct drive
+        condition = " where stages != 0" if section == "gearheads" else ""  # direct drive
         for column in columns_of(section).values():
             if column.kind not in ("text", "temperature") and column.name not in _TABLE["may_be_zero"]:
                 yield _law(section, f"{column.name.replace('_', ' ')} is above zero", column.name,
-                           f"{column.name} > 0{some}", "0 is not unknown (~)", 0.0, "none", source="definition",
+                           f"{column.name} > 0{condition}", "0 is not unknown (~)", 0.0, "none", source="definition",
                            rounds=False)  # fmt: skip
 
 
@@ -178,25 +178,25 @@ DERIVED: tuple[Derived, ...] = tuple(Derived(*row) for row in _TABLE["derived"])
 def derived(tables: Mapping[str, Table[Any]]) -> list[Note]:
     """Fill in what follows from other figures of a part, and note what it rests on."""
     notes: dict[Derived, list[str]] = {}
-    for one in DERIVED * 2:  # once more with what was found
-        table = tables[one.section]
-        if not len(table) or not (lacking := np.isnan(table[one.figure])).any():
+    for rule in DERIVED * 2:  # once more with what was found
+        table = tables[rule.section]
+        if not len(table) or not (lacking := np.isnan(table[rule.figure])).any():
             continue
-        equation = IDENTITIES[one.section][one.identity]
-        values = solved(equation, table, one.figure)
-        may = lacking & value(_TABLE["windings"][one.section], table) & _applies(equation, table)
-        if one.condition:
-            may &= value(one.condition, table)
-        rows = np.flatnonzero(may & np.isfinite(values) & (values > 0.0) & (values < one.most))
-        table[one.figure][rows] = values[rows]
+        equation = IDENTITIES[rule.section][rule.identity]
+        values = solved(equation, table, rule.figure)
+        may = lacking & value(_TABLE["windings"][rule.section], table) & _applies(equation, table)
+        if rule.condition:
+            may &= value(rule.condition, table)
+        rows = np.flatnonzero(may & np.isfinite(values) & (values > 0.0) & (values < rule.most))
+        table[rule.figure][rows] = values[rows]
         if len(rows):
-            notes.setdefault(one, []).extend(table["part"][rows].tolist())
-    found = []
-    for one, parts in notes.items():
-        follows = f"follows from {IDENTITIES[one.section][one.identity].partition(' where ')[0]}"
-        said = f"{follows}; {one.assumed}" if one.assumed else follows
-        found.append(Note(one.section, tuple(parts), (one.figure,), said, "derived", derived=True))
-    return found
+            notes.setdefault(rule, []).extend(table["part"][rows].tolist())
+    derived_notes = []
+    for rule, parts in notes.items():
+        follows = f"follows from {IDENTITIES[rule.section][rule.identity].partition(' where ')[0]}"
+        text = f"{follows}; {rule.assumed}" if rule.assumed else follows
+        derived_notes.append(Note(rule.section, tuple(parts), (rule.figure,), text, "derived", derived=True))
+    return derived_notes
 
 
 # -- Check of a catalogue's figures against each other, by laws that data sheets must satisfy.
@@ -259,7 +259,7 @@ def check(catalog: Catalog, laws: Sequence[Law] = LAWS) -> list[Finding]:
     their findings are accepted for the reason of their exclusion. For several catalogues loaded as one a finding names
     all the files: check each by itself.
     """
-    catalog, found = as_printed(catalog), list[Finding]()
+    catalog, findings = as_printed(catalog), list[Finding]()
     for section in PARTS:
         table, notes = catalog.table(section), dict[str, list[Note]]()
         for note in catalog.notes:
@@ -270,13 +270,13 @@ def check(catalog: Catalog, laws: Sequence[Law] = LAWS) -> list[Finding]:
         here += _twins(catalog, table)
         here += _discharges(catalog) if section == "batteries" else ()
         here += _pull_outs(catalog) if section == "steppers" else ()
-        for place, one in enumerate(here):
-            for note in notes.get(one.part, ()):
-                if note.exclude or not note.fields or set(note.fields) & set(one.fields):
-                    here[place] = replace(one, accepted=note.text)
+        for place, finding in enumerate(here):
+            for note in notes.get(finding.part, ()):
+                if note.exclude or not note.fields or set(note.fields) & set(finding.fields):
+                    here[place] = replace(finding, accepted=note.text)
                     break
-        found += sorted(here, key=lambda one: table.rows[one.part])
-    return [*found, *_pairs(catalog)]
+        findings += sorted(here, key=lambda finding: table.rows[finding.part])
+    return [*findings, *_pairs(catalog)]
 
 
 def _place(catalog: Catalog, table: Table[Any], row: int) -> dict[str, Any]:
@@ -292,7 +292,7 @@ def _broken(catalog: Catalog, table: Table[Any], law: Law) -> Iterator[Finding]:
     """The parts that break a law, beyond rounding of its figures and the law's allowance."""
     columns, column = columns_of(law.section), columns_of(law.section)[law.figure]
     with np.errstate(all="ignore"):
-        found, expected = table[law.figure], np.asarray(law.expected(table), float)
+        values, expected = table[law.figure], np.asarray(law.expected(table), float)
         tolerance = np.full(len(table), law.allowance, float)
         for name in (law.figure, *law.fields) if law.rounds else ():
             if columns[name].kind not in ("text", "ratio"):
@@ -301,14 +301,14 @@ def _broken(catalog: Catalog, table: Table[Any], law: Law) -> Iterator[Finding]:
         tolerance = np.nan_to_num(tolerance)
         span = (tolerance + _SLACK) * np.abs(expected)
         wrong = {
-            "=": np.abs(found - expected) > span, "<=": found - expected > span, ">=": expected - found > span,
-            "<": found >= expected, ">": found <= expected,
+            "=": np.abs(values - expected) > span, "<=": values - expected > span, ">=": expected - values > span,
+            "<": values >= expected, ">": values <= expected,
         }[law.relation]  # fmt: skip
-        deviation = (found - expected) / np.where(expected == 0.0, 1.0, np.abs(expected))
-    for row in np.flatnonzero(wrong & ~np.isnan(found) & ~np.isnan(expected)).tolist():
+        deviation = (values - expected) / np.where(expected == 0.0, 1.0, np.abs(expected))
+    for row in np.flatnonzero(wrong & ~np.isnan(values) & ~np.isnan(expected)).tolist():
         yield Finding(
             **_place(catalog, table, row), identity=law.name, meaning=law.meaning,
-            fields=tuple(dict.fromkeys((law.figure, *law.fields))), relation=law.relation, found=float(found[row]),
+            fields=tuple(dict.fromkeys((law.figure, *law.fields))), relation=law.relation, found=float(values[row]),
             expected=float(expected[row]), kind=column.kind, unit=column.unit, deviation=float(deviation[row]),
             tolerance=float(tolerance[row]), reason=law.reason, source=law.source,
         )  # fmt: skip
@@ -343,15 +343,15 @@ _MEAN = 0.02  # relative: power over current is the mean voltage of two discharg
 
 def _discharges(catalog: Catalog) -> Iterator[Finding]:
     """Contradictions of batteries' discharge tables, among each other and with the batteries' figures."""
-    given, batteries = catalog.discharges, catalog.batteries
-    for row in np.unique(given.battery).tolist():
-        own = given.on(given.battery == row)
+    discharges, batteries = catalog.discharges, catalog.batteries
+    for row in np.unique(discharges.battery).tolist():
+        own = discharges.on(discharges.battery == row)
         odd = [*_along_columns(own), *_capacities_by_table(own, batteries, row), *_mean_voltage(own, batteries, row)]
-        for identity, meaning, relation, found, expected, kind, unit, tolerance, *fields in odd:
+        for identity, meaning, relation, figure, expected, kind, unit, tolerance, *fields in odd:
             yield Finding(
                 **_place(catalog, batteries, row), identity=identity, meaning=meaning, relation=relation,
-                found=float(found), expected=float(expected), kind=kind, unit=unit,
-                deviation=float(found / expected - 1.0), tolerance=float(tolerance),
+                found=float(figure), expected=float(expected), kind=kind, unit=unit,
+                deviation=float(figure / expected - 1.0), tolerance=float(tolerance),
                 reason="half of the last printed digits", source="what the words mean", fields=(DISCHARGES, *fields),
             )  # fmt: skip
 
@@ -362,25 +362,25 @@ Odd = tuple[Any, ...]
 
 def _along_columns(own: Discharges) -> Iterator[Odd]:
     """A longer discharge draws less, and gives no less in total; one to a lower end voltage gives no less."""
-    for held, unit in HELD.items():
-        some = own.on(~np.isnan(getattr(own, held)))
-        total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[held]
-        draw = getattr(some, held)
-        digit, amount = _half_last_digit(draw, some.time), draw * some.time
-        for quick, slow in _neighbours(some.cutoff_voltage, some.time):
-            where, span = f"{_at(some, slow)}, beside {_hours(some.time[quick])}", digit[slow] + digit[quick]
+    for quantity, unit in HELD.items():
+        table = own.on(~np.isnan(getattr(own, quantity)))
+        total = {"current": ("charge", "A*h"), "power": ("energy", "W*h")}[quantity]
+        draw = getattr(table, quantity)
+        digit, amount = _half_last_digit(draw, table.time), draw * table.time
+        for quick, slow in _neighbours(table.cutoff_voltage, table.time):
+            where, span = f"{_at(table, slow)}, beside {_hours(table.time[quick])}", digit[slow] + digit[quick]
             if not draw[slow] < draw[quick]:
-                yield (f"{held} falls with time", f"less than for a shorter time: {where}", "<", draw[slow],
-                       draw[quick], held, unit, 0.0)  # fmt: skip
+                yield (f"{quantity} falls with time", f"less than for a shorter time: {where}", "<", draw[slow],
+                       draw[quick], quantity, unit, 0.0)  # fmt: skip
             if amount[slow] < amount[quick] * (1.0 - span - _SLACK):
                 yield (f"{total[0]} and rate", f"not below that of a faster discharge: {where}", ">=", amount[slow],
                        amount[quick], *total, span)  # fmt: skip
-        for deep, shallow in _neighbours(some.time, some.cutoff_voltage):
+        for deep, shallow in _neighbours(table.time, table.cutoff_voltage):
             span = digit[deep] + digit[shallow]
             if draw[deep] < draw[shallow] * (1.0 - span - _SLACK):
-                beside = f"{_at(some, deep)}, beside {show(some.cutoff_voltage[shallow], 'V', 'voltage')}"
-                yield (f"{held} and end voltage", f"not below that down to more volts: {beside}", ">=", draw[deep],
-                       draw[shallow], held, unit, span)  # fmt: skip
+                text = f"{_at(table, deep)}, beside {show(table.cutoff_voltage[shallow], 'V', 'voltage')}"
+                yield (f"{quantity} and end voltage", f"not below that down to more volts: {text}", ">=", draw[deep],
+                       draw[shallow], quantity, unit, span)  # fmt: skip
 
 
 def _neighbours(first: Numbers, then: Numbers) -> Iterator[tuple[int, int]]:
@@ -438,9 +438,9 @@ _READ = 0.05
 
 def _pull_outs(catalog: Catalog) -> Iterator[Finding]:
     """The first point of each curve that is above the holding torque, or above the torque at a lower speed."""
-    given, steppers = catalog.pull_outs, catalog.steppers
-    for curve in np.unique(given.curve).tolist():
-        own = given.on(given.curve == curve)
+    curves, steppers = catalog.pull_outs, catalog.steppers
+    for curve in np.unique(curves.curve).tolist():
+        own = curves.on(curves.curve == curve)
         row = int(own.stepper[0])
         holding, least = np.full(len(own.torque), steppers["holding_torque"][row]), np.minimum.accumulate(own.torque)
         for identity, meaning, limit, span, fields in (
@@ -483,10 +483,10 @@ def _pairs(catalog: Catalog) -> Iterator[Finding]:
                           identity="dangling compatibility",
                           meaning=f"{int((~there).sum())} of {relation} name no part")  # fmt: skip
         left, right = pairs.left[there], pairs.right[there]
-        both = ~motors.excluded[left] & ~others.excluded[right]
-        sides = [(others, right[both], "no motor is listed for it")]
+        offered = ~motors.excluded[left] & ~others.excluded[right]
+        sides = [(others, right[offered], "no motor is listed for it")]
         if section == "gearheads" and len(others):
-            sides.append((motors, left[both], "no gearhead is listed for it: direct drive only"))
+            sides.append((motors, left[offered], "no gearhead is listed for it: direct drive only"))
         for table, met, meaning in sides:
             for row in np.flatnonzero(~table.excluded & ~np.isin(np.arange(len(table)), met)).tolist():
                 alone.append(Finding(**_place(catalog, table, row), identity="goes with nothing", meaning=meaning,

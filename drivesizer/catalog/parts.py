@@ -46,13 +46,13 @@ class Column(NamedTuple):
 
 def _declared() -> dict[str, dict[str, Column]]:
     """The fields of every kind of part, by section, in the order of its record."""
-    found = dict[str, dict[str, Column]]()
+    columns = dict[str, dict[str, Column]]()
     for section, (name, kind, *more) in listed("drivesizer.catalog", "parts.txt"):
         unit, remark, ends = (*more, "", "", "")[:3]
         least, _, most = ends.partition("..")
         column = Column(name, kind, unit, remark, float(least or 0.0), bool(least), float(most or inf))
-        found.setdefault(section, dict(found.get(_EVERY, {})))[name] = column
-    return found
+        columns.setdefault(section, dict(columns.get(_EVERY, {})))[name] = column
+    return columns
 
 
 _FIELDS = _declared()
@@ -262,8 +262,8 @@ _MADE = {  # columns that no catalogue file gives: the search view has them, of 
 
 def printed(section: str) -> dict[str, Column]:
     """The columns that a catalogue file may give, without those that only the search view fills."""
-    made = _MADE.get(section, {"inside"})
-    return {name: column for name, column in columns_of(section).items() if name not in made}
+    view_columns = _MADE.get(section, {"inside"})
+    return {name: column for name, column in columns_of(section).items() if name not in view_columns}
 
 
 # columns that come first of any part, its names, and those that come last
@@ -278,9 +278,9 @@ def columns_of(section: str) -> Mapping[str, Column]:
     >>> columns_of("motors")["rotor_inertia"].unit
     'g*cm^2'
     """
-    found = _FIELDS[section]
-    inner = [name for name in found if name not in (*NAMES, *_LAST)]
-    return MappingProxyType({name: found[name] for name in (*NAMES, *inner, *_LAST) if name in found})
+    fields = _FIELDS[section]
+    inner = [name for name in fields if name not in (*NAMES, *_LAST)]
+    return MappingProxyType({name: fields[name] for name in (*NAMES, *inner, *_LAST) if name in fields})
 
 
 # -- Tables of batteries and steppers: every printed figure is one entry of columns, in the order of the file
@@ -326,8 +326,8 @@ class PullOuts(NamedTuple):
 def entries(kind: Any, rows: Sequence[tuple[Any, ...]]) -> Any:
     """Columns of a kind, from rows with its fields in their order."""
     types = {"battery": np.int32, "stepper": np.int32, "source": np.int32, "curve": np.int32, "driver": np.str_}
-    each = zip(*rows, strict=True) if rows else [()] * len(kind._fields)
-    return kind(*(np.array(values, types.get(n, np.float64)) for n, values in zip(kind._fields, each, strict=True)))
+    columns = zip(*rows, strict=True) if rows else [()] * len(kind._fields)
+    return kind(*(np.array(values, types.get(n, np.float64)) for n, values in zip(kind._fields, columns, strict=True)))
 
 
 NO_DISCHARGES: Discharges = entries(Discharges, ())

@@ -48,18 +48,18 @@ def price_list(path: Path, digest: str, *, shipped: bool = False) -> Catalog:
                 continue
             rows = [(at, row) for at, row in sheet.rows[place + 1 :] if any(row)]
             amounts = [row[k] for k in columns for _, row in rows if k < len(row)]
-            decimal, found, odd = decimal_sign(amounts, sheet.separator), list[Price](), list[int]()
+            decimal, prices, odd = decimal_sign(amounts, sheet.separator), list[Price](), list[int]()
             for at, row in rows:
                 own = list(_of_row(heads, columns, row, decimal, f"{path}:{at}"))
-                found += [one._replace(file="" if shipped else path.name) for one in own]
+                prices += [price._replace(file="" if shipped else path.name) for price in own]
                 odd += [] if own else [at]
-            if not found:
+            if not prices:
                 raise InputError(f"{path}:{line}: no price below the heads; expected one in each row, e.g. 46.55")
             left = f"{path.name}: without a price that can be read: line {', '.join(map(str, odd[:5]))}"
             left += f" and {len(odd) - 5} more" if len(odd) > 5 else ""
             none = Pairs(*(np.zeros(0, np.int32),) * 3)
             parts: dict[str, Any] = {section: empty(section) for section in PARTS} | dict.fromkeys(RELATIONS, none)
-            return Catalog(**parts, sources=(), notes=(), digests={path.name: digest}, prices=tuple(found),
+            return Catalog(**parts, sources=(), notes=(), digests={path.name: digest}, prices=tuple(prices),
                            replaced=(left,) if odd and not shipped else ())  # fmt: skip
     raise InputError(f"{path}: expected a price list with heads such as part, price, currency, date, seller")
 
@@ -76,9 +76,9 @@ def _understood(cells: Sequence[str]) -> tuple[dict[str, int], dict[int, _Amount
     from drivesizer.files.sheets import currency_of, plain_head
 
     stated = [re.search(_CURRENCY, cell) for cell in cells]
-    codes = [currency_of(one[0]) if one else "" for one in stated]
+    codes = [currency_of(currency[0]) if currency else "" for currency in stated]
     plain = [plain_head(re.sub(_CURRENCY, " ", cell)) for cell in cells]
-    found, amounts, price = dict[str, int](), dict[int, _Amounts](), "|".join(_words()["price"])
+    heads, amounts, price = dict[str, int](), dict[int, _Amounts](), "|".join(_words()["price"])
     for k, text in enumerate(plain):
         match = re.fullmatch(rf"(?:{price})(?:\D*?(\d+)\b.*)?", text)
         if match or (not text and codes[k]):  # a head may be the currency alone
@@ -86,21 +86,21 @@ def _understood(cells: Sequence[str]) -> tuple[dict[str, int], dict[int, _Amount
     for name, words in _words().items():
         for word in words:  # the first word counts for most
             place = next(
-                (k for k, text in enumerate(plain) if text == word and k not in {*found.values(), *amounts}), None
+                (k for k, text in enumerate(plain) if text == word and k not in {*heads.values(), *amounts}), None
             )
             if place is not None:
-                found.setdefault(name, place)
-    if "part" not in found and "order_number" in found:
-        found["part"] = found.pop("order_number")
-    return found, amounts
+                heads.setdefault(name, place)
+    if "part" not in heads and "order_number" in heads:
+        heads["part"] = heads.pop("order_number")
+    return heads, amounts
 
 
 @cache
 def _words() -> dict[str, list[str]]:
     from drivesizer.files.yaml_source import shipped_data
 
-    given = shipped_data("drivesizer.catalog", "headers.yaml")["price_list"]
-    return {name: [name.replace("_", " "), *words.split("; ")] for name, words in given.items()}
+    headers = shipped_data("drivesizer.catalog", "headers.yaml")["price_list"]
+    return {name: [name.replace("_", " "), *words.split("; ")] for name, words in headers.items()}
 
 
 _CURRENCY = re.compile(rf"(?<![A-Za-z])(?:{'|'.join(KINDS['price'].units)})(?![A-Za-z])|[€$£¥]")
@@ -131,7 +131,7 @@ def _of_row(
         pieces = column.pieces or int(re.sub(r"\D.*", "", text("pieces")) or 1)
         texts = ("part", "seller", "order_number", "delivery", "note", "manufacturer", "document")
         yield Price(amount=float(digits), currency=currency, pieces=max(pieces, 1), date=iso_date(text("date")),
-                    confidence=text("confidence") or "secondary", **{one: text(one) for one in texts})  # fmt: skip
+                    confidence=text("confidence") or "secondary", **{key: text(key) for key in texts})  # fmt: skip
 
 
 def iso_date(text: str) -> str:
@@ -157,23 +157,23 @@ def matched(catalog: Catalog) -> Catalog:
     """A catalogue whose prices are each of a part of it; prices of parts that it does not have are named."""
     if all(price.section for price in catalog.prices):
         return catalog
-    found, unknown = list[Price](), dict[str, list[str]]()
+    prices, unknown = list[Price](), dict[str, list[str]]()
     for price in catalog.prices:
         parts = [(price.section, price.part)] if price.section else _parts_of(catalog, price)
         for section, part in parts:
             table = catalog.table(section)
             own = [part, *(str(table[name][table.rows[part]]) for name in ("order_number",) if name in table.columns)]
             order = price.order_number or ("" if spelling(price.part) in map(spelling, own) else price.part)
-            found.append(price._replace(section=section, part=part, order_number=order))
+            prices.append(price._replace(section=section, part=part, order_number=order))
         if not parts and price.file:
             unknown.setdefault(price.file, []).append(price.part)
-    said = []
+    messages = []
     for file, names in unknown.items():
-        once, every = list(dict.fromkeys(names)), len({one.part for one in catalog.prices if one.file == file})
-        some = ", ".join(once[:5]) + (" ..." if len(once) > 5 else "")
-        said.append(f"{file}: {len(once)} of {every} parts are in none of the catalogues, or in those of several "
-                    f"makers: {some}")  # fmt: skip
-    return replace(catalog, prices=tuple(found), replaced=(*catalog.replaced, *said))
+        once, count = list(dict.fromkeys(names)), len({price.part for price in catalog.prices if price.file == file})
+        listed = ", ".join(once[:5]) + (" ..." if len(once) > 5 else "")
+        messages.append(f"{file}: {len(once)} of {count} parts are in none of the catalogues, or in those of several "
+                    f"makers: {listed}")  # fmt: skip
+    return replace(catalog, prices=tuple(prices), replaced=(*catalog.replaced, *messages))
 
 
 def _parts_of(catalog: Catalog, price: Price) -> list[tuple[str, str]]:
@@ -184,7 +184,7 @@ def _parts_of(catalog: Catalog, price: Price) -> list[tuple[str, str]]:
             continue
         makers = {(s, row): str(catalog.table(s)["manufacturer"][row]) for s, row in hits}
         if len(set(makers.values())) > 1:
-            hits = [hit for hit in hits if spelling(makers[hit]) == spelling(price.manufacturer)]
+            hits = [key for key in hits if spelling(makers[key]) == spelling(price.manufacturer)]
         return [(section, str(catalog.table(section)["part"][row])) for section, row in hits]
     return []
 
@@ -202,15 +202,15 @@ def factors(rates: Mapping[str, str] | None, currency: str) -> dict[str, float]:
     >>> factors({"USD": "0.8 EUR", "date": "2026-11-01"}, "USD")
     {'USD': 1.0, 'EUR': 1.25}
     """
-    each = [(code, *_rate(code, text)) for code, text in (rates or {}).items() if code != "date"]
-    found = {currency: 1.0}
-    for _ in each:
-        for code, value, into in each:
-            if into in found:
-                found.setdefault(code, value * found[into])
-            elif code in found:
-                found[into] = found[code] / value
-    return found
+    quotes = [(code, *_rate(code, text)) for code, text in (rates or {}).items() if code != "date"]
+    worth = {currency: 1.0}
+    for _ in quotes:
+        for code, value, into in quotes:
+            if into in worth:
+                worth.setdefault(code, value * worth[into])
+            elif code in worth:
+                worth[into] = worth[code] / value
+    return worth
 
 
 def _rate(code: str, text: str) -> tuple[float, str]:
@@ -245,8 +245,8 @@ def priced(catalog: Catalog, limit: str = "", rates: Mapping[str, str] | None = 
         plain = currency == "EUR" and not rates and pieces < BY_PIECES[-2][1]
         if plain and not catalog.prices:
             return catalog
-        found = replace(catalog, currency=currency, rates=factors(rates, currency), unpriced=catalog)
-        return found.with_tables({section: _priced(found, section, pieces) for section in PARTS}, {})
+        priced_catalog = replace(catalog, currency=currency, rates=factors(rates, currency), unpriced=catalog)
+        return priced_catalog.with_tables({section: _priced(priced_catalog, section, pieces) for section in PARTS}, {})
 
     if catalog.unpriced:  # it is priced, and may be a view without some of the parts
         return catalog
@@ -263,16 +263,16 @@ def _priced(catalog: Catalog, section: str, pieces: int) -> Table[Any]:
         rate = np.array([catalog.rates.get(code, nan) for code in np.atleast_1d(currency).tolist()])
         value = np.where(np.isnan(value), np.where(amount == 0.0, 0.0, amount * rate), value)
     for part in {price.part for price in catalog.prices if price.section == section}:
-        if (found := price_of(catalog, section, part, pieces)) and found.currency in catalog.rates:
-            value[table.rows[part]] = found.amount * catalog.rates[found.currency]
+        if (price := price_of(catalog, section, part, pieces)) and price.currency in catalog.rates:
+            value[table.rows[part]] = price.amount * catalog.rates[price.currency]
     return table.changed({"price": value})
 
 
 def _columns(table: Table[Any]) -> Iterator[tuple[str, int, Any]]:
     """The columns of prices of a table, each with the pieces from which on it holds, and its currency."""
-    every: list[tuple[str, int, Any]] = [(name, pieces, "EUR") for name, pieces in BY_PIECES]
-    every += [("list_price", 1, "CHF"), ("foreign_price", 1, table["currency"])]
-    return (one for one in every if one[0] in table.columns)
+    columns: list[tuple[str, int, Any]] = [(name, pieces, "EUR") for name, pieces in BY_PIECES]
+    columns += [("list_price", 1, "CHF"), ("foreign_price", 1, table["currency"])]
+    return (column for column in columns if column[0] in table.columns)
 
 
 def _of_rows(table: Table[Any], pieces: int) -> Iterator[tuple[NDArray[np.float64], Any]]:
@@ -282,12 +282,12 @@ def _of_rows(table: Table[Any], pieces: int) -> Iterator[tuple[NDArray[np.float6
 
 def most_common(catalog: Catalog) -> str:
     """The currency in which most parts have a price, by the lists that are given where they have one."""
-    given = {(one.section, one.part) for one in catalog.prices if one.file}
-    listed = (one for one in catalog.prices if one.file or (one.section, one.part) not in given)
-    count = Counter(code for *_, code in {(one.section, one.part, one.currency) for one in listed})
+    parts = {(price.section, price.part) for price in catalog.prices if price.file}
+    listed = (price for price in catalog.prices if price.file or (price.section, price.part) not in parts)
+    count = Counter(code for *_, code in {(price.section, price.part, price.currency) for price in listed})
     for section in PARTS:
         table = catalog.table(section)
-        left = np.array([(section, part) not in given for part in table["part"].tolist()], bool)
+        left = np.array([(section, part) not in parts for part in table["part"].tolist()], bool)
         for amount, currency in _of_rows(table, 1):
             known = left & (amount > 0.0)
             count.update(np.broadcast_to(currency, len(table))[known].tolist())
@@ -297,14 +297,14 @@ def most_common(catalog: Catalog) -> str:
 
 def currencies(catalog: Catalog, section: str) -> dict[str, set[str]]:
     """The parts of a section that have a price, by its currency: in their rows, or in price lists."""
-    table, found = catalog.table(section), dict[str, set[str]]()
+    table, by_currency = catalog.table(section), dict[str, set[str]]()
     for amount, currency in _of_rows(table, 1):
         codes = np.broadcast_to(currency, len(table))
         for row in np.flatnonzero(amount > 0.0).tolist():
-            found.setdefault(str(codes[row]), set()).add(str(table["part"][row]))
-    for price in (one for one in catalog.prices if one.section == section):
-        found.setdefault(price.currency, set()).add(price.part)
-    return found
+            by_currency.setdefault(str(codes[row]), set()).add(str(table["part"][row]))
+    for price in (price for price in catalog.prices if price.section == section):
+        by_currency.setdefault(price.currency, set()).add(price.part)
+    return by_currency
 
 
 # -- The price of a part that counts.
@@ -315,16 +315,16 @@ def price_of(catalog: Catalog, section: str, part: str, pieces: int) -> Price | 
     if section == "motors" and part in catalog.steppers.rows and part not in (catalog.unpriced or catalog).motors.rows:
         section = "steppers"  # as the view has them
     order, best = list(catalog.digests), dict[tuple[str, str, str], Price]()
-    for one in _prices_of(catalog, section, part):
-        key = one.file, one.seller or one.column, one.currency
+    for price in _prices_of(catalog, section, part):
+        key = price.file, price.seller or price.column, price.currency
         known = best.get(key)
-        if one.pieces <= pieces and (known is None or (one.date, one.pieces) >= (known.date, known.pieces)):
-            best[key] = one
+        if price.pieces <= pieces and (known is None or (price.date, price.pieces) >= (known.date, known.pieces)):
+            best[key] = price
 
-    def rank(one: Price) -> tuple[Any, ...]:
-        given = 1 + order.index(one.file) if one.file in order else 0
-        own = one.currency == catalog.currency
-        return given > 0, one.currency in catalog.rates, given, not one.column, own, one.date, one.pieces, -one.amount
+    def rank(price: Price) -> tuple[Any, ...]:
+        place = 1 + order.index(price.file) if price.file in order else 0
+        own, rated = price.currency == catalog.currency, price.currency in catalog.rates
+        return place > 0, rated, place, not price.column, own, price.date, price.pieces, -price.amount
 
     return max(best.values(), key=rank, default=None)
 
@@ -347,10 +347,10 @@ def _prices_of(catalog: Catalog, section: str, part: str) -> Iterator[Price]:
 
 
 def _by_part(catalog: Catalog) -> dict[tuple[str, str], list[Price]]:
-    found: dict[tuple[str, str], list[Price]] = {}
+    prices: dict[tuple[str, str], list[Price]] = {}
     for price in catalog.prices:
-        found.setdefault((price.section, price.part), []).append(price)
-    return found
+        prices.setdefault((price.section, price.part), []).append(price)
+    return prices
 
 
 def uncompared(catalog: Catalog) -> str:
@@ -370,11 +370,11 @@ def uncompared(catalog: Catalog) -> str:
         known = price.currency in catalog.rates or price.part not in counted.rows
         if not known and isnan(counted["price"][counted.rows[price.part]]):
             left.setdefault(price.currency, {})[price.part] = None
-    said = [
+    counts = [
         f"{len(parts)} in {code} ({', '.join(list(parts)[:3])}{' ...' * (len(parts) > 3)})"
         for code, parts in left.items()
     ]
-    if not said:
+    if not counts:
         return ""
     return (f"prices are compared in {catalog.currency}; without a rate the price of other parts counts as unknown: "
-            f"{'; '.join(said)}: select.rates, e.g. {{{next(iter(left))}: ... {catalog.currency}}}")  # fmt: skip
+            f"{'; '.join(counts)}: select.rates, e.g. {{{next(iter(left))}: ... {catalog.currency}}}")  # fmt: skip

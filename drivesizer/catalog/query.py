@@ -52,14 +52,14 @@ class Condition(NamedTuple):
         """Mask of a column's values that meet the condition; an unknown one does not."""
         if isinstance(self.value, str):
             pattern = re.compile(re.escape(self.value).replace(r"\*", ".*"), re.IGNORECASE | re.DOTALL)
-            both = "both" if self.column.name == "drives" else None
-            same = np.array([bool(pattern.fullmatch(v)) or v == both for v in values.tolist()], bool)
+            either = "both" if self.column.name == "drives" else None
+            same = np.array([bool(pattern.fullmatch(v)) or v == either for v in values.tolist()], bool)
             return same if self.sign in ("=", "==") else np.asarray(~same & (values != ""), bool)
         near: NDArray[np.bool_] = np.isclose(values, self.value, rtol=1e-9, atol=0.0)
         if self.sign in ("=", "=="):
             return near
-        found: NDArray[np.bool_] = _SIGNS[self.sign](values, self.value) & ~np.isnan(values)
-        return found | near if self.sign in ("<=", ">=") else found & ~near
+        mask: NDArray[np.bool_] = _SIGNS[self.sign](values, self.value) & ~np.isnan(values)
+        return mask | near if self.sign in ("<=", ">=") else mask & ~near
 
     def unknown(self, values: NDArray[Any]) -> NDArray[np.bool_]:
         """Mask of a column's values that are not known."""
@@ -85,9 +85,9 @@ def column_name(text: str) -> str:
     return re.sub(r"[ -]+", "_", text.strip())
 
 
-def has(section: str, given: Iterable[str], sort: str = "") -> bool:
+def has(section: str, texts: Iterable[str], sort: str = "") -> bool:
     """Whether a section has all columns that conditions and sorting name."""
-    names = {column_name(sort.removeprefix("-")), *map(name_of, given)} - {""}
+    names = {column_name(sort.removeprefix("-")), *map(name_of, texts)} - {""}
     return names <= set(columns_of(section))
 
 
@@ -106,30 +106,32 @@ def option(section: str, name: str, text: str) -> list[Condition] | None:
     return [_condition(section, c, s, value, f"--{name}") for c, s in zip(columns, signs, strict=True) if s]
 
 
-def _condition(section: str, name: str, sign: str, text: str, said: str) -> Condition:
+def _condition(section: str, name: str, sign: str, text: str, condition: str) -> Condition:
     columns = columns_of(section)
     if name not in columns:
-        raise InputError(f"{said}: {section} have no column {quoted(name)}; expected e.g. mass{nearest(name, columns)}")
+        raise InputError(
+            f"{condition}: {section} have no column {quoted(name)}; expected e.g. mass{nearest(name, columns)}"
+        )
     column = columns[name]
     if column.kind == "text":
         if sign not in ("=", "==", "!=") or not text:
-            raise InputError(f"{said}: {name} is text; expected = or != and a text, in which * matches anything")
+            raise InputError(f"{condition}: {name} is text; expected = or != and a text, in which * matches anything")
         return Condition(column, sign, text)
     try:
         return Condition(column, sign, to_si(text, column.kind))
     except InputError as error:
-        raise InputError(f"{said}: {name}: {error}") from None
+        raise InputError(f"{condition}: {name}: {error}") from None
 
 
-def conditions(section: str, options: Mapping[str, str | None], given: Sequence[str]) -> list[Condition] | None:
+def conditions(section: str, options: Mapping[str, str | None], texts: Sequence[str]) -> list[Condition] | None:
     """All conditions on a section; None when it lacks a figure that an option names."""
-    found: list[Condition] = []
+    criteria: list[Condition] = []
     for name, text in options.items():
         more = [] if text is None else option(section, name, text)
         if more is None:
             return None
-        found += more
-    return found + [where(section, text) for text in given]
+        criteria += more
+    return criteria + [where(section, text) for text in texts]
 
 
 # -- Queries of catalogues: parts that meet conditions.
@@ -175,18 +177,18 @@ class Selection(NamedTuple):
 
 def open_catalogs(names: Iterable[str] = ()) -> dict[str, Catalog]:
     """Catalogues by name, those that ship when none is given."""
-    found: dict[str, Catalog] = {}
-    every = list(names)
-    lists = [name for name in every if is_list(name)]  # over the prices of each
-    others = [name for name in every if name not in lists] or shipped()
+    catalogs: dict[str, Catalog] = {}
+    listed = list(names)
+    lists = [name for name in listed if is_list(name)]  # over the prices of each
+    others = [name for name in listed if name not in lists] or shipped()
     files = {name if name == "all" else os.path.realpath(path_of(name)): name for name in others}
-    for given in files.values():
-        catalog = load([given, *lists])
+    for file in files.values():
+        catalog = load([file, *lists])
         name = ", ".join(name for name in catalog.digests if not is_list(name))
-        if name in found:
+        if name in catalogs:
             raise InputError(f"two catalogues are called {quoted(name)}; rename one of the files")
-        found[name] = catalog
-    return found
+        catalogs[name] = catalog
+    return catalogs
 
 
 def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
@@ -200,7 +202,7 @@ def every(shelf: Shelf, sections: Iterable[str] = PARTS) -> Iterator[Hit]:
 def select(
     shelf: Shelf,
     section: str,
-    wanted: Sequence[Condition],
+    conditions: Sequence[Condition],
     *,
     sort: str = "",
     excluded: bool = False,
@@ -213,9 +215,9 @@ def select(
         table = catalog.table(section)
         met = contains(table, *piece) & (table["part"] != DIRECT)
         possible = met.copy()
-        for one in wanted:
-            met &= one.met(table[one.column.name])
-            possible &= one.met(table[one.column.name]) | one.unknown(table[one.column.name])
+        for condition in conditions:
+            met &= condition.met(table[condition.column.name])
+            possible &= condition.met(table[condition.column.name]) | condition.unknown(table[condition.column.name])
         offered = np.ones(len(table), bool) if excluded else ~table.excluded
         left_out += int((met & ~offered).sum())
         undecided += int((possible & ~met & offered).sum())
@@ -226,10 +228,10 @@ def select(
 def contains(table: Table[Any], text: str, names: Sequence[str]) -> NDArray[np.bool_]:
     """Rows of a table that have a text in one of some columns; case, blanks and hyphens do not matter."""
     piece = spelling(text) or text.strip()
-    found = np.full(len(table), not piece)
+    rows = np.full(len(table), not piece)
     for name in (name for name in names if piece and name in table.columns):
-        found |= np.array([piece in spelling(value) for value in table[name].tolist()], bool)
-    return found
+        rows |= np.array([piece in spelling(value) for value in table[name].tolist()], bool)
+    return rows
 
 
 def _sorted(hits: list[Hit], section: str, name: str) -> list[Hit]:
@@ -289,15 +291,15 @@ def look(shelf: Shelf, text: str) -> tuple[dict[str, dict[str, list[Hit]]], list
 
 def families(shelf: Shelf) -> dict[str, dict[str, list[Hit]]]:
     """The parts of each family, by section and name."""
-    found: dict[str, dict[str, list[Hit]]] = {section: {} for section in PARTS}
+    groups: dict[str, dict[str, list[Hit]]] = {section: {} for section in PARTS}
     for hit in every(shelf):
-        found[hit.section].setdefault(hit["family"], []).append(hit)
-    return found
+        groups[hit.section].setdefault(hit["family"], []).append(hit)
+    return groups
 
 
 def partners(hit: Hit) -> dict[str, dict[str, int]]:
     """Number of parts of each family that go with a part, by the sections that its catalogue pairs it with."""
-    found: dict[str, dict[str, int]] = {}
+    counts: dict[str, dict[str, int]] = {}
     for relation, right in RELATIONS.items():
         pairs = getattr(hit.catalog, relation)
         if hit.section not in ("motors", right) or not len(pairs.left):
@@ -305,8 +307,8 @@ def partners(hit: Hit) -> dict[str, dict[str, int]]:
         other = right if hit.section == "motors" else "motors"
         own, others = (pairs.left, pairs.right) if hit.section == "motors" else (pairs.right, pairs.left)
         names = hit.catalog.table(other)["family"][others[own == hit.row]]
-        found[other] = dict(Counter(sorted(names.tolist())))
-    return found
+        counts[other] = dict(Counter(sorted(names.tolist())))
+    return counts
 
 
 def origins(hit: Hit) -> dict[str, Source]:
@@ -314,13 +316,13 @@ def origins(hit: Hit) -> dict[str, Source]:
     base = hit.catalog.sources[hit.table.source[hit.row]]
     confidence = hit.catalog.confidence(hit.section, hit.row)
     by_document = {source.document: source for source in hit.catalog.sources}
-    found = dict.fromkeys(confidence, base)
+    sources = dict.fromkeys(confidence, base)
     for note in hit.catalog.notes_on(hit.section, hit.part):
         if note.source:
-            found |= {
+            sources |= {
                 name: by_document.get(note.source, base) for name in (note.fields or confidence) if name in confidence
             }
-    return {name: source._replace(confidence=confidence[name]) for name, source in found.items()}
+    return {name: source._replace(confidence=confidence[name]) for name, source in sources.items()}
 
 
 _TOLERANCED = {"motors": ("motor",), "gearheads": ("gearhead",), "actuators": ("motor", "gearhead")}
@@ -330,7 +332,9 @@ def tolerances(hit: Hit) -> list[MakerTolerance]:
     """Tolerances that the maker states for a part's figures; for an actuator those of its motor and its gear."""
     stated, owner = hit.catalog.tolerances, (hit["manufacturer"], hit["family"])
     return [
-        one for part in _TOLERANCED.get(hit.section, ()) for one in maker_tolerances_of(stated, part, *owner).values()
+        tolerance
+        for part in _TOLERANCED.get(hit.section, ())
+        for tolerance in maker_tolerances_of(stated, part, *owner).values()
     ]
 
 
@@ -397,7 +401,7 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
     priced = currencies(catalog, section)
     groups = np.unique(table["family"][real])
     unknown = {names: lack | ~real for (names, _), lack in needed(table).items()}
-    silent = {names: [str(one) for one in groups if lack[table["family"] == one].all()]
+    silent = {names: [str(family) for family in groups if lack[table["family"] == family].all()]
               for names, lack in unknown.items()}  # fmt: skip
     return Coverage(
         parts=int(real.sum()),
@@ -406,20 +410,20 @@ def coverage(catalog: Catalog, section: str) -> Coverage:
         known={name: int(mask.sum()) for name, mask in known.items()},
         sure={name: int((there & (level == place)).sum()) for place, name in enumerate(CONFIDENCE)},
         priced=len(set().union(*priced.values())),
-        prices={code: len(some) for code, some in priced.items()},
-        silent={names: some for names, some in silent.items() if some},
+        prices={code: len(parts) for code, parts in priced.items()},
+        silent={names: families for names, families in silent.items() if families},
     )
 
 
 def needed(table: Table[Any]) -> dict[tuple[str, str], NDArray[np.bool_]]:
     """The figures of a kind of part that decide in a sizing, what each is for, and which rows of a table lack them."""
-    found = {}
+    masks = {}
     decisive = shipped_data("drivesizer.catalog", "headers.yaml")["needed"]
     for names, purpose in decisive.get(table.section, {}).items():
-        each = [table[name] for name in names.split(" or ")]
-        unknown = [values == "" if values.dtype.kind == "U" else np.isnan(values) for values in each]
-        found[names.replace("_", " "), purpose] = np.all(unknown, axis=0)
-    return found
+        columns = [table[name] for name in names.split(" or ")]
+        unknown = [values == "" if values.dtype.kind == "U" else np.isnan(values) for values in columns]
+        masks[names.replace("_", " "), purpose] = np.all(unknown, axis=0)
+    return masks
 
 
 def pairs_of(catalog: Catalog) -> dict[str, int]:
@@ -467,12 +471,12 @@ def digits(value: float, column: Column) -> str:
     if math.isnan(value):
         return ""
     factor, offset = scale(column.unit, column.kind)
-    shown = float(from_si(value, column.unit, column.kind))
+    figure = float(from_si(value, column.unit, column.kind))
     for count in range(6, 17):
-        text = f"{shown:.{count}g}"
+        text = f"{figure:.{count}g}"
         if float(text) * factor + offset == value:
             return repr(float(text)).removesuffix(".0") if "e" in text else text
-    return repr(shown)
+    return repr(figure)
 
 
 def as_csv(section: str, hits: Sequence[Hit]) -> bytes:
@@ -510,11 +514,11 @@ def as_document(shelf: Mapping[str, Catalog], hits: Sequence[Hit], *, sources: b
         part |= {name: _known(hit[name]) for name in printed(hit.section)}
         part |= {"excluded": bool(hit.table.excluded[hit.row])}
         if sources:  # of its figures, and the tolerances that its maker states
-            part["sources"] = {name: one._asdict() for name, one in origins(hit).items()}
+            part["sources"] = {name: source._asdict() for name, source in origins(hit).items()}
             part["tolerances"] = [
-                {"part": one.part, "figure": one.figure, "tolerance": one.tolerance, "text": one.text or None,
-                 "source": hit.catalog.sources[one.source]._asdict()}
-                for one in tolerances(hit)
+                {"part": tolerance.part, "figure": tolerance.figure, "tolerance": tolerance.tolerance,
+                 "text": tolerance.text or None, "source": hit.catalog.sources[tolerance.source]._asdict()}
+                for tolerance in tolerances(hit)
             ]  # fmt: skip
         parts.append(part)
     sections = [section for section in PARTS if any(hit.section == section for hit in hits)]

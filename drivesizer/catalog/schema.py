@@ -48,7 +48,7 @@ def table(section: str) -> dict[str, Any]:
     common, heads = group["properties"]["common"], group["properties"]["columns"]
     inside = ("part", "family", "manufacturer", "inside")
     figures = {name: _figure(column) for name, column in columns.items() if name not in inside}
-    listed = "; ".join(one.head for one in columns.values())
+    listed = "; ".join(column.head for column in columns.values())
     return _with(
         group, common=common | {"properties": figures},
         columns=heads | {"description": f"names of columns with their units: {listed}",

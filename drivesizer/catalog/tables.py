@@ -85,7 +85,7 @@ class Pairs(NamedTuple):
 
 def with_pairs(pairs: Pairs, *more: NDArray[Any]) -> Pairs:
     """Pairs with further ones, each once with the first source that states it."""
-    return unique_pairs(*(np.concatenate(both) for both in zip(pairs, more, strict=True)))
+    return unique_pairs(*(np.concatenate(columns) for columns in zip(pairs, more, strict=True)))
 
 
 def unique_pairs(left: NDArray[Any], right: NDArray[Any], source: NDArray[Any]) -> Pairs:
@@ -167,12 +167,12 @@ class Table(Generic[Part]):
     @cached_property
     def spellings(self) -> dict[str, list[int]]:
         """Rows by all names of parts: number, order number and others, whatever case, blanks and hyphens."""
-        found: dict[str, list[int]] = {}
+        rows: dict[str, list[int]] = {}
         for column in (name for name in ("part", *OTHER_NAMES) if name in self.columns):
             for row, text in enumerate(self.columns[column].tolist()):
-                for name in {spelling(one) for one in text.split(";")} - {""} if text else ():
-                    found.setdefault(name, []).append(row)
-        return found
+                for name in {spelling(alias) for alias in text.split(";")} - {""} if text else ():
+                    rows.setdefault(name, []).append(row)
+        return rows
 
     def called(self, name: str) -> list[int]:
         """Rows of a part by any of its names; of one that has figures at several voltages all of them.
@@ -195,13 +195,13 @@ class Table(Generic[Part]):
             return self["part"][rows].tolist()
         known = set(self[column].tolist())
         if column == "manufacturer":
-            return sorted(one for one in known if fnmatch.fnmatchcase(one.casefold(), name.casefold()))
+            return sorted(maker for maker in known if fnmatch.fnmatchcase(maker.casefold(), name.casefold()))
         return [name] if name in known else sorted(fnmatch.filter(known, name)) if set(name) & set("*?") else []
 
-    def named(self, wanted: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:
+    def named(self, names_by_column: Mapping[str, Sequence[str]]) -> NDArray[np.bool_]:
         """Rows that are not excluded and have in each column one of the names wanted there."""
         keep = ~self.excluded
-        for column, names in wanted.items():
+        for column, names in names_by_column.items():
             keep &= np.isin(self[column], [known for name in names for known in self.matching(column, name)])
         return keep
 
@@ -262,7 +262,7 @@ def with_rows(
 def stacked(tables: Sequence[Table[Any]]) -> Table[Any]:
     """Tables of one section as one, the rows of each below those of the one before."""
     columns = {name: np.concatenate([table[name] for table in tables]) for name in tables[0].columns}
-    source, excluded = (np.concatenate([getattr(one, name) for one in tables]) for name in ("source", "excluded"))
+    source, excluded = (np.concatenate([getattr(table, name) for table in tables]) for name in ("source", "excluded"))
     return Table(tables[0].section, columns, source, excluded)
 
 
@@ -347,13 +347,13 @@ class Catalog:
         table = self.table(section)
         base = self.sources[table.source[row]].confidence
         figures = {name: table[name][row] for name in columns_of(section)}
-        found = {name: base for name, figure in figures.items() if figure == figure and figure != ""}
+        levels = {name: base for name, figure in figures.items() if figure == figure and figure != ""}
         for note in self.notes_on(section, str(table["part"][row])):
             if note.confidence:
-                found |= {name: note.confidence for name in (note.fields or tuple(found)) if name in found}
+                levels |= {name: note.confidence for name in (note.fields or tuple(levels)) if name in levels}
         if self.mounted and section == "motors":
-            found |= dict.fromkeys(found.keys() & {"thermal_resistance_housing", "motor_time_constant"}, "derived")
-        return {name: ESTIMATED if self.estimate_of(section, row, name) else one for name, one in found.items()}
+            levels |= dict.fromkeys(levels.keys() & {"thermal_resistance_housing", "motor_time_constant"}, "derived")
+        return {name: ESTIMATED if self.estimate_of(section, row, name) else level for name, level in levels.items()}
 
     def estimate_of(self, section: str, row: int, name: str) -> PartEstimate | None:
         """Estimate of a figure of a part, or of the actuator that it is inside of; None where peers give none."""
@@ -362,13 +362,13 @@ class Catalog:
         table = self.table(section)
         inside = str(table["inside"][row]) if "inside" in table.columns else ""
         whole = self.actuators.rows.get(inside)  # a controller may be inside a motor too
-        found = self.estimates.get(section if whole is None else "actuators", {}).get(name)
-        if found is None:
+        estimates = self.estimates.get(section if whole is None else "actuators", {}).get(name)
+        if estimates is None:
             return None
-        place = np.flatnonzero(found.rows == (row if whole is None else whole))
+        place = np.flatnonzero(estimates.rows == (row if whole is None else whole))
         if not len(place):
             return None
-        value, low, high, fit = (column[place[0]] for column in found[1:])
+        value, low, high, fit = (column[place[0]] for column in estimates[1:])
         return PartEstimate(float(value), float(low), float(high), int(fit))
 
 
@@ -446,23 +446,23 @@ def store(path: Path, catalog: Catalog) -> None:
 
 
 def _unpacked(body: bytes) -> Catalog:
-    with np.load(io.BytesIO(body), allow_pickle=False) as kept:
-        arrays = {name: kept[name] for name in kept.files}
+    with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
     texts = json.loads(arrays["texts"].tobytes())
-    found: dict[str, Any] = {section: empty(section) for section in PARTS if section not in texts}
+    contents: dict[str, Any] = {section: empty(section) for section in PARTS if section not in texts}
     for section in (section for section in PARTS if section in texts):
         figures = [name for name, column in columns_of(section).items() if column.kind != "text"]
         columns: dict[str, NDArray[Any]] = dict(zip(figures, arrays[f"{section}.figures"], strict=True))
         columns |= {name: np.array(values, str) for name, values in texts[section].items()}
-        found[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
-    found |= {relation: Pairs(*arrays[relation]) for relation in RELATIONS}
+        contents[section] = Table(section, columns, arrays[f"{section}.source"], arrays[f"{section}.excluded"])
+    contents |= {relation: Pairs(*arrays[relation]) for relation in RELATIONS}
     for name, (_, none) in _PRINTED.items():
-        found[name] = type(none)(*(arrays.get(f"{name}.{column}", getattr(none, column)) for column in none._fields))
+        contents[name] = type(none)(*(arrays.get(f"{name}.{column}", getattr(none, column)) for column in none._fields))
     for name, kind in (("sources", Source), ("notes", Note), ("tolerances", MakerTolerance), ("across", Across),
                        ("prices", Price)):  # fmt: skip
-        found[name] = tuple(kind(*map(_frozen, one)) for one in texts[name])
+        contents[name] = tuple(kind(*map(_frozen, fields)) for fields in texts[name])
     plain: dict[str, Any] = {name: texts[name] for name in ("digests", "overrides")}
-    return Catalog(**found, **plain, replaced=tuple(texts["replaced"]))
+    return Catalog(**contents, **plain, replaced=tuple(texts["replaced"]))
 
 
 def _frozen(value: Any) -> Any:
@@ -477,31 +477,31 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
     """Several catalogues as one."""
     if len(catalogs) == 1 and not catalogs[0].across:
         return catalogs[0]
-    replaced = (*(said for c in catalogs for said in c.replaced), *_replaced(catalogs), *_not_loaded(catalogs))
+    replaced = (*(message for c in catalogs for message in c.replaced), *_replaced(catalogs), *_not_loaded(catalogs))
     first_source = [int(n) for n in np.cumsum([0, *(len(c.sources) for c in catalogs)])[:-1]]
     stacks = {section: _Stack([c.table(section) for c in catalogs], first_source) for section in PARTS}
-    found: dict[str, Any] = {section: stack.table for section, stack in stacks.items()}
+    contents: dict[str, Any] = {section: stack.table for section, stack in stacks.items()}
     for relation, right in RELATIONS.items():
         motors, others = stacks["motors"], stacks[right]
-        each: list[tuple[NDArray[Any], ...]] = []
+        sides: list[tuple[NDArray[Any], ...]] = []
         for n, catalog in enumerate(catalogs):
             own: Pairs = getattr(catalog, relation)
             listed: list[tuple[NDArray[Any], ...]] = [
                 (own.left + motors.starts[n], own.right + others.starts[n], own.source)
             ]
-            for given in (given for given in catalog.across if given.relation == relation):
-                left, also = _named(catalogs, n, motors, given.motors), _named(catalogs, n, others, given.others)
+            for pairing in (pairing for pairing in catalog.across if pairing.relation == relation):
+                left, also = _named(catalogs, n, motors, pairing.motors), _named(catalogs, n, others, pairing.others)
                 pairs = np.repeat(left, len(also)), np.tile(also, len(left))
-                listed.append((*pairs, np.full(len(pairs[0]), given.source)))
-            each += [(motors.place[a], others.place[b], source + first_source[n]) for a, b, source in listed]
-        found[relation] = unique_pairs(*(np.concatenate(side) for side in zip(*each, strict=True)))
+                listed.append((*pairs, np.full(len(pairs[0]), pairing.source)))
+            sides += [(motors.place[a], others.place[b], source + first_source[n]) for a, b, source in listed]
+        contents[relation] = unique_pairs(*(np.concatenate(side) for side in zip(*sides, strict=True)))
     for name, (section, _) in _PRINTED.items():
-        found[name] = _printed([getattr(c, name) for c in catalogs], stacks[section], first_source)
+        contents[name] = _printed([getattr(c, name) for c in catalogs], stacks[section], first_source)
     tolerances, instead = join_maker_tolerances(
         [(", ".join(c.digests), c.tolerances, c.overrides) for c in catalogs], first_source
     )
     return Catalog(
-        **found,
+        **contents,
         sources=tuple(source for c in catalogs for source in c.sources),
         notes=tuple(note for c in catalogs for note in c.notes),
         digests={name: digest for c in catalogs for name, digest in c.digests.items()},
@@ -514,7 +514,7 @@ def joined(catalogs: Sequence[Catalog]) -> Catalog:
 def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
     """Parts that are in two catalogues; refused where the later one does not mean to replace them."""
     owner: dict[tuple[str, str], str] = {}
-    said = []
+    messages = []
     for catalog in catalogs:
         name = ", ".join(catalog.digests)
         for section in PARTS:
@@ -527,21 +527,21 @@ def _replaced(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
                         f"part {quoted(part)} is in two catalogues: {first} and {name}; "
                         "`overrides: true` in the second makes its row count"
                     )
-                said.append(f"{singular(section)} {part}: {name} in place of {first}")
-    return tuple(said)
+                messages.append(f"{singular(section)} {part}: {name} in place of {first}")
+    return tuple(messages)
 
 
 def _not_loaded(catalogs: Sequence[Catalog]) -> tuple[str, ...]:
     """Catalogues that others name for parts that go together, and that are not among them."""
     loaded = {name for c in catalogs for name in c.digests}
-    said: dict[str, None] = {}
+    messages: dict[str, None] = {}
     for catalog in catalogs:
-        for given in catalog.across:
-            for other, part in (*given.motors, *given.others):
+        for pairing in catalog.across:
+            for other, part in (*pairing.motors, *pairing.others):
                 if other and other not in loaded:
                     own = ", ".join(catalog.digests)
-                    said[f"{own} lists {part} of {other}, which is not among the catalogues: left out"] = None
-    return tuple(said)
+                    messages[f"{own} lists {part} of {other}, which is not among the catalogues: left out"] = None
+    return tuple(messages)
 
 
 class _Stack:
@@ -558,30 +558,30 @@ class _Stack:
         self.table = whole if len(self.rows) == len(whole) else whole.taken(self.rows)
 
 
-def _printed(each: Sequence[Any], stack: _Stack, first_source: Sequence[int]) -> Any:
+def _printed(by_catalog: Sequence[Any], stack: _Stack, first_source: Sequence[int]) -> Any:
     """Printed entries of a section's parts, each with its row first; of a replaced part only those of the last file."""
-    found, number = [], 0
-    for own, start, first in zip(each, stack.starts, first_source, strict=False):
+    entries, number = [], 0
+    for own, start, first in zip(by_catalog, stack.starts, first_source, strict=False):
         rows = own[0] + start
-        moved = own._replace(**{own._fields[0]: stack.place[rows], "source": (own.source + first).astype(np.int32)})
+        entry = own._replace(**{own._fields[0]: stack.place[rows], "source": (own.source + first).astype(np.int32)})
         if "curve" in own._fields:  # numbered through all files
-            moved = moved._replace(curve=own.curve + number)
+            entry = entry._replace(curve=own.curve + number)
             number += int(own.curve.max(initial=-1)) + 1
-        found.append(moved.on(np.isin(rows, stack.rows)))
-    return type(found[0])(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
+        entries.append(entry.on(np.isin(rows, stack.rows)))
+    return type(entries[0])(*(np.concatenate(columns) for columns in zip(*entries, strict=True)))
 
 
 def _named(catalogs: Sequence[Catalog], own: int, stack: _Stack, names: Sequence[tuple[str, str]]) -> NDArray[np.int64]:
     """Rows, in the table of all, of families and parts by name; of a catalogue that is not loaded there are none."""
     places = {name: place for place, c in enumerate(catalogs) for name in c.digests}
-    found = [np.zeros(0, np.int64)]
+    rows = [np.zeros(0, np.int64)]
     for other, name in names:
         place = places.get(other) if other else own
         if place is None:
             continue
         members = catalogs[place].table(stack.table.section).members
         if name not in members:
-            said = f"{', '.join(catalogs[own].digests)}, compatibility: {quoted(name)} is no family or part of {other}"
-            raise CatalogError(f"{said}{nearest(name, members, 1)}")
-        found.append(members[name] + stack.starts[place])
-    return np.concatenate(found)
+            text = f"{', '.join(catalogs[own].digests)}, compatibility: {quoted(name)} is no family or part of {other}"
+            raise CatalogError(f"{text}{nearest(name, members, 1)}")
+        rows.append(members[name] + stack.starts[place])
+    return np.concatenate(rows)

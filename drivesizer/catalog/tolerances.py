@@ -115,7 +115,7 @@ def share(text: str) -> Distribution | None:
     try:
         if width or normal:
             half = _per_cent((width or normal)[1])  # type: ignore[index]
-            found = (
+            distribution = (
                 Distribution("normal", 1.0 - CUT * half, 1.0 + CUT * half, 1.0) if normal
                 else Distribution("uniform", 1.0 - half, 1.0 + half, 1.0)
             )  # fmt: skip
@@ -124,19 +124,19 @@ def share(text: str) -> Distribution | None:
             (low, *units), (peak, unit), (high, other) = number(ends[1]), number(middle or "1"), number(last)
             if any((*units, unit, other)) or not low < peak < high:
                 raise InputError(f"{quoted(text)}: the median, {peak:g}, must be between two plain numbers")
-            found = Distribution("lognormal", low, high, peak)
+            distribution = Distribution("lognormal", low, high, peak)
         elif ends:
             low, high = 1.0 + _per_cent(ends[1]), 1.0 + _per_cent(ends[2])
-            found = Distribution("uniform", low, high, (low + high) / 2.0)
+            distribution = Distribution("uniform", low, high, (low + high) / 2.0)
         else:
             raise InputError(f"{quoted(text)} is no tolerance of a catalogue figure")
     except InputError as error:
         raise InputError(f"{error}; {hint}") from None
-    if not found.low < found.high:
+    if not distribution.low < distribution.high:
         raise InputError(f"{quoted(text)}: a width must be above 0; {hint}")
-    if not found.low > 0.0:
+    if not distribution.low > 0.0:
         raise InputError(f"{quoted(text)} reaches 0 and below, which no such figure is; {hint}")
-    return found
+    return distribution
 
 
 def _per_cent(text: str) -> float:
@@ -171,8 +171,8 @@ class _Default(NamedTuple):
 
 
 _TABLE = [(head, _Default(*cells)) for head, cells in listed("drivesizer.catalog", "tolerances.txt")]
-CLASSES = {(one.part, one.figure): one for head, one in _TABLE if head == "classes"}
-OF_STEPPERS, NOT_OF_STEPPERS = ({key for key, one in CLASSES.items() if one.of == of} for of in ("steppers", "others"))
+CLASSES = {(row.part, row.figure): row for head, row in _TABLE if head == "classes"}
+OF_STEPPERS, NOT_OF_STEPPERS = ({key for key, row in CLASSES.items() if row.of == of} for of in ("steppers", "others"))
 
 
 class Class(NamedTuple):
@@ -200,19 +200,19 @@ def class_of(part: str, figure: str, text: str, why: str, whose: str = "") -> Cl
 
 
 def _instead(head: str, figure: str) -> _Default:
-    return next(one for of, one in _TABLE if (of, one.figure) == (head, figure))
+    return next(row for of, row in _TABLE if (of, row.figure) == (head, figure))
 
 
 def resistance_from_stall() -> Class:
     """The class of a resistance that is nominal voltage over stall current."""
-    one = _instead("from stall", "resistance")
-    return class_of("motor", "resistance", one.tolerance, one.why, "from no load and stall")
+    default = _instead("from stall", "resistance")
+    return class_of("motor", "resistance", default.tolerance, default.why, "from no load and stall")
 
 
 def losses_identified() -> Class:
     """The class of a gear's losses where its efficiency is that of an identified friction."""
-    one = _instead("identified", "efficiency")
-    return class_of("gearhead", "efficiency", one.tolerance, one.why, "identified in motion")
+    default = _instead("identified", "efficiency")
+    return class_of("gearhead", "efficiency", default.tolerance, default.why, "identified in motion")
 
 
 def pairs_of(ratio: Any, stages: Any) -> Array:
@@ -234,25 +234,25 @@ def usual_of_spur_gears(ratio: Any, stages: Any) -> Array:
 
 def losses_from_stall(part: str, efficiency: float, ratio: float, stages: float) -> Class:
     """The class of a spur gear's losses where its efficiency follows from the stall torque."""
-    one = _instead("from stall", "efficiency")
-    usual = share(one.tolerance)
+    default = _instead("from stall", "efficiency")
+    usual = share(default.tolerance)
     assert usual is not None
     plastic = (float(_PLASTIC ** -pairs_of(ratio, stages)) - 1.0) / (1.0 / efficiency - 1.0)
     text = f"{usual.low:g}..{max(usual.high, plastic):.3g} times"
-    return class_of("gearhead", "efficiency", text, one.why, part)
+    return class_of("gearhead", "efficiency", text, default.why, part)
 
 
-def classes(given: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
+def classes(tolerances: Mapping[tuple[str, str], str] | None = None) -> tuple[Class, ...]:
     """The classes for parts whose maker states no tolerance, in a fixed order.
 
     Examples
     --------
-    >>> found = classes({("motor", "resistance"): "+- 7 %", ("motor", "friction"): "none"})
-    >>> [(one.text, one.why) for one in found if one.why == "given in the spec"]
+    >>> rows = classes({("motor", "resistance"): "+- 7 %", ("motor", "friction"): "none"})
+    >>> [(row.text, row.why) for row in rows if row.why == "given in the spec"]
     [('+- 7 %', 'given in the spec'), ('none', 'given in the spec')]
     """
-    own = {key: (text, "given in the spec") for key, text in (given or {}).items()}
-    return tuple(class_of(*key, *own.get(key, (one.tolerance, one.why))) for key, one in CLASSES.items())
+    own = {key: (text, "given in the spec") for key, text in (tolerances or {}).items()}
+    return tuple(class_of(*key, *own.get(key, (row.tolerance, row.why))) for key, row in CLASSES.items())
 
 
 # -- Tolerances that makers state for their figures, by maker and family.
@@ -280,27 +280,28 @@ def maker_tolerances_of(
     stated: Sequence[MakerTolerance], part: str, maker: str, family: str
 ) -> dict[str, MakerTolerance]:
     """Tolerances that a maker states for a part, by figure."""
-    mine = [one for one in stated if (one.part, one.maker) == (part, maker)]
-    general = {one.figure: one for one in mine if not one.families}
-    return general | {one.figure: one for one in mine if family in one.families}
+    mine = [tolerance for tolerance in stated if (tolerance.part, tolerance.maker) == (part, maker)]
+    general = {tolerance.figure: tolerance for tolerance in mine if not tolerance.families}
+    return general | {tolerance.figure: tolerance for tolerance in mine if family in tolerance.families}
 
 
-def owner_of(stated: Sequence[MakerTolerance], one: MakerTolerance) -> str:
+def owner_of(stated: Sequence[MakerTolerance], tolerance: MakerTolerance) -> str:
     """Maker, and families where that maker states another tolerance for others."""
-    several = sum((other.part, other.figure, other.maker) == (one.part, one.figure, one.maker) for other in stated) > 1
-    return f"{one.maker} {', '.join(one.families)}".strip() if several else one.maker
+    key = tolerance.part, tolerance.figure, tolerance.maker
+    several = sum((other.part, other.figure, other.maker) == key for other in stated) > 1
+    return f"{tolerance.maker} {', '.join(tolerance.families)}".strip() if several else tolerance.maker
 
 
 def join_maker_tolerances(
-    each: Sequence[tuple[str, Sequence[MakerTolerance], bool]], first_source: Sequence[int]
+    by_catalog: Sequence[tuple[str, Sequence[MakerTolerance], bool]], first_source: Sequence[int]
 ) -> tuple[tuple[MakerTolerance, ...], tuple[str, ...]]:
     """Tolerances of several catalogues as one, and a message for each that was replaced."""
-    found: list[tuple[str, MakerTolerance]] = []
+    tolerances: list[tuple[str, MakerTolerance]] = []
     messages: list[str] = []
-    for (name, stated, overrides), first in zip(each, first_source, strict=True):
-        before, found = found, []
+    for (name, stated, overrides), first in zip(by_catalog, first_source, strict=True):
+        before, tolerances = tolerances, []
         for other, theirs in before:
-            mine = next((one for one in stated if _same_figure(theirs, one, overrides)), None)
+            mine = next((tolerance for tolerance in stated if _same_figure(theirs, tolerance, overrides)), None)
             if mine and not overrides:
                 raise CatalogError(
                     f"the tolerance of {_named(mine)} is in two catalogues: {other} and {name}; "
@@ -308,29 +309,29 @@ def join_maker_tolerances(
                 )
             if mine:
                 messages.append(f"tolerance of {_named(mine)}: {name} in place of {other}")
-            found += [(other, one) for one in _remaining(theirs, stated, overrides)]
-        found += [(name, one._replace(source=one.source + first)) for one in stated]
-    return tuple(one for _, one in found), tuple(messages)
+            tolerances += [(other, tolerance) for tolerance in _remaining(theirs, stated, overrides)]
+        tolerances += [(name, tolerance._replace(source=tolerance.source + first)) for tolerance in stated]
+    return tuple(tolerance for _, tolerance in tolerances), tuple(messages)
 
 
-def _named(one: MakerTolerance) -> str:
-    return f"{one.maker} {one.part} {one.figure.replace('_', ' ')}"
+def _named(tolerance: MakerTolerance) -> str:
+    return f"{tolerance.maker} {tolerance.part} {tolerance.figure.replace('_', ' ')}"
 
 
-def _same_figure(one: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
+def _same_figure(tolerance: MakerTolerance, later: MakerTolerance, overrides: bool) -> bool:
     """Whether a later tolerance is of the same figure and parts; one of all families overrides those of some."""
-    if one[:2] != later[:2] or one.maker != later.maker:
+    if tolerance[:2] != later[:2] or tolerance.maker != later.maker:
         return False
-    if one.families and later.families:
-        return bool(set(one.families) & set(later.families))
-    return not later.families and (overrides or not one.families)
+    if tolerance.families and later.families:
+        return bool(set(tolerance.families) & set(later.families))
+    return not later.families and (overrides or not tolerance.families)
 
 
-def _remaining(one: MakerTolerance, stated: Sequence[MakerTolerance], overrides: bool) -> list[MakerTolerance]:
+def _remaining(tolerance: MakerTolerance, stated: Sequence[MakerTolerance], overrides: bool) -> list[MakerTolerance]:
     """The part of a tolerance that later ones leave: all of it, or that of the families that they do not name."""
-    later = [other for other in stated if _same_figure(one, other, overrides)]
+    later = [other for other in stated if _same_figure(tolerance, other, overrides)]
     if not later:
-        return [one]
+        return [tolerance]
     named = {family for other in later for family in other.families}
-    left = tuple(family for family in one.families if family not in named)
-    return [one._replace(families=left)] if left and all(other.families for other in later) else []
+    left = tuple(family for family in tolerance.families if family not in named)
+    return [tolerance._replace(families=left)] if left and all(other.families for other in later) else []

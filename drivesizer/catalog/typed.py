@@ -44,12 +44,12 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
     from drivesizer.catalog.catalog_file import parse
     from drivesizer.catalog.importing import meant_by
 
-    given: Any = value_at(source.data, at)
-    name = given[NAME]
+    fields: Any = value_at(source.data, at)
+    name = fields[NAME]
     if isinstance(name, bool) or not isinstance(name, str | int) or not str(name).strip():
         raise CatalogError(f'{source.where((*at, NAME))}: {quoted(name)} is no name of a part; expected e.g. "775"')
     figures, keys = dict[str, Any](), dict[str, str]()
-    for key, value in given.items():
+    for key, value in fields.items():
         column = meant_by(section, key)
         if key in (NAME, "maker", "family", *SHARED):
             continue
@@ -59,13 +59,13 @@ def typed_part(source: YamlSource, at: Path_, section: str) -> str:
         figures[column], keys[column] = float(value) if bare else value, key
     from drivesizer.catalog.schema import SCHEMA  # where no part is typed it need not load
 
-    origin = {key: given[key] for key in SHARED if key in given}
+    origin = {key: fields[key] for key in SHARED if key in fields}
     data: dict[str, Any] = {
         "catalog": SCHEMA,
-        "manufacturer": given.get("maker", _NO_MAKER),
+        "manufacturer": fields.get("maker", _NO_MAKER),
         "overrides": True,
         "sources": {"typed": {"document": f"{source.name}, {'.'.join(map(str, at))}", "confidence": _UNTRIED} | origin},
-        section: [{"family": given.get("family", str(name)), "source": "typed", "common": figures,
+        section: [{"family": fields.get("family", str(name)), "source": "typed", "common": figures,
                    "columns": ["part"], "rows": [[str(name)]]}],
     }  # fmt: skip
     if section == "motors":
@@ -81,7 +81,7 @@ def with_part(text: str, name: str, part: str) -> str:
 
     data, more, edits = YamlSource(text, name).data, YamlSource(part, name).data, list[Edit]()
     data = data if isinstance(data, dict) else {}
-    section = next(one for one in PARTS if one in more)
+    section = next(kind for kind in PARTS if kind in more)
     key = f"page of {more[section][0]['rows'][0][0]}"
     while key in (data.get("sources") or ()):
         key += ", again"
@@ -92,19 +92,19 @@ def with_part(text: str, name: str, part: str) -> str:
     lists: dict[Path_, list[Any]] = {(section,): more[section]}
     pairs = more.get("compatibility", {}).get("motor_gearhead", [])
     if section in _GEARED and isinstance(known := data.get(_GEARED[section]), list):
-        beside = list(dict.fromkeys(one.get("family") for one in known if isinstance(one, dict)))
+        families = list(dict.fromkeys(group.get("family") for group in known if isinstance(group, dict)))
         first = more[section][0]["rows"][0]
-        pairs = [*pairs, {"name": "assumed: one maker", section: first, _GEARED[section]: beside}]
+        pairs = [*pairs, {"name": "assumed: one maker", section: first, _GEARED[section]: families}]
     lists |= {("compatibility", "motor_gearhead"): pairs} if pairs else {}
     for path, entries in lists.items():
         there: Any = data
         for step in path:
             there = there.get(step) if isinstance(there, dict) else None
         own = [entry | {"source": key} for entry in entries]
-        edits += [Edit((*path, len(there) + at), one) for at, one in enumerate(own)] if there else [Edit(path, own)]
-    made = edited(text, edits, name)
-    parse(YamlSource(made, name), Path(name).stem, "")
-    return made
+        edits += [Edit((*path, len(there) + at), entry) for at, entry in enumerate(own)] if there else [Edit(path, own)]
+    document = edited(text, edits, name)
+    parse(YamlSource(document, name), Path(name).stem, "")
+    return document
 
 
 class _Fields(YamlSource):
@@ -126,12 +126,12 @@ class _Fields(YamlSource):
 
 def with_typed(catalog: Catalog, typed: Sequence[Typed], named: Named) -> Catalog:
     """A catalogue with typed parts, which count before others of the same number, and what is assumed of them."""
-    own, said = dict[str, list[str]](), list[str]()
-    for one in typed:
-        part = catalog_of_text(Path(f"{one.place}.yaml"), one.text.encode())
+    own, messages = dict[str, list[str]](), list[str]()
+    for record in typed:
+        part = catalog_of_text(Path(f"{record.place}.yaml"), record.text.encode())
         catalog = joined([catalog, part])
-        own.setdefault(one.section, []).append(one.part)
-        said += _words(part, one)
+        own.setdefault(record.section, []).append(record.part)
+        messages += _words(part, record)
     for relation, right in RELATIONS.items():
         others = {"part": own[right]} if right in own else named.get(right, {})
         if not others or not ({"motors", right} & own.keys()):
@@ -143,18 +143,20 @@ def with_typed(catalog: Catalog, typed: Sequence[Typed], named: Named) -> Catalo
         pairs = with_pairs(known, np.repeat(left, len(fitting)), np.tile(fitting, len(left)), source)
         if len(pairs.left) > len(known.left):
             catalog = catalog.with_tables({}, {relation: pairs})
-            which = [", ".join(n for names in some.values() for n in names) or "any" for some in (others, motors)]
-            said.append(f"{singular(right)} {which[0]} on motor {which[1]}: assumed to fit")
-    return replace(catalog, replaced=(*catalog.replaced, *said))
+            which = [
+                ", ".join(n for names in selection.values() for n in names) or "any" for selection in (others, motors)
+            ]
+            messages.append(f"{singular(right)} {which[0]} on motor {which[1]}: assumed to fit")
+    return replace(catalog, replaced=(*catalog.replaced, *messages))
 
 
-def _words(catalog: Catalog, one: Typed) -> Iterator[str]:
+def _words(catalog: Catalog, record: Typed) -> Iterator[str]:
     """Confidence of a typed part's figures, what follows from them, and what in them is not consistent."""
     from drivesizer.catalog.laws import check
 
-    table, row = catalog.table(one.section), catalog.table(one.section).rows[one.part]
+    table, row = catalog.table(record.section), catalog.table(record.section).rows[record.part]
     follows = [name.replace("_", " ") for note in catalog.notes for name in note.fields if note.derived]
     base = catalog.sources[table.source[row]].confidence
     derived = f"; {', '.join(follows)} {'follow' if len(follows) > 1 else 'follows'} from them" if follows else ""
-    yield f"{singular(one.section)} {one.part} is typed in {one.place}: its figures are {base}{derived}"
-    yield from (found.text().partition(": ")[2] for found in check(catalog) if found.unexplained)
+    yield f"{singular(record.section)} {record.part} is typed in {record.place}: its figures are {base}{derived}"
+    yield from (finding.text().partition(": ")[2] for finding in check(catalog) if finding.unexplained)

@@ -48,13 +48,13 @@ def completed(catalog: Catalog, end: End) -> dict[str, Any]:
 
 def _table(table: Table[Any], figures: Mapping[str, Estimates], end: End) -> Table[Any]:
     columns = {name: table[name].copy() for name in figures}
-    for name, found in figures.items():
+    for name, band in figures.items():
         kind = _HARDER_WHEN_LOW.get(name)
-        harder_when_low = (table["kind"][found.rows] == kind) if kind else np.full(len(found.rows), kind is not None)
+        harder_when_low = (table["kind"][band.rows] == kind) if kind else np.full(len(band.rows), kind is not None)
         if name == "max_winding_temperature":  # without a rating it goes with nothing
-            harder_when_low |= found.fit == UNRATED
-        at_end = np.where(harder_when_low == (end == "unfavourable"), found.low, found.high)
-        columns[name][found.rows] = found.value if end == MIDDLE else at_end
+            harder_when_low |= band.fit == UNRATED
+        at_end = np.where(harder_when_low == (end == "unfavourable"), band.low, band.high)
+        columns[name][band.rows] = band.value if end == MIDDLE else at_end
     return table.changed(columns)
 
 
@@ -94,10 +94,10 @@ def search_view(catalog: Catalog, estimates: bool = True) -> Catalog:
         for name, values in columns.items():  # without figures that are a rule of thumb
             values[catalog.by_rule(name)] = np.nan
         return _viewed(replace(catalog, actuators=catalog.actuators.changed(columns)))
-    found = replace(catalog, estimates=estimates_of_catalog(catalog))
-    if not found.estimates:
+    with_estimates = replace(catalog, estimates=estimates_of_catalog(catalog))
+    if not with_estimates.estimates:
         return _viewed(catalog)
-    middle, *ends = (_viewed(replace(found, **completed(found, end))) for end in (MIDDLE, *ENDS))
+    middle, *ends = (_viewed(replace(with_estimates, **completed(with_estimates, end))) for end in (MIDDLE, *ENDS))
     return replace(middle, ends=tuple(ends))
 
 
@@ -123,7 +123,7 @@ def split_actuators(catalog: Catalog) -> Catalog:
         "controllers": np.flatnonzero(actuators["controller"] != ""),
     }
     rows = {section: having.get(section, np.arange(len(actuators))) for section in inside}
-    made: dict[str, Any] = {
+    tables: dict[str, Any] = {
         section: _with_parts_inside(catalog.table(section), actuators, rows[section], figures)
         for section, figures in inside.items()
     }
@@ -132,8 +132,8 @@ def split_actuators(catalog: Catalog) -> Catalog:
             of, others = rows[right], np.arange(len(rows[right])) + len(catalog.table(right))
             added: tuple[NDArray[Any], ...] = (of + len(catalog.motors), others, actuators.source[of])
             pairs = zip(getattr(catalog, name), added, strict=True)
-            made[name] = Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in pairs))
-    return replace(catalog, **made)
+            tables[name] = Pairs(*(np.concatenate([a, b.astype(np.int32)]) for a, b in pairs))
+    return replace(catalog, **tables)
 
 
 _PRINTED = 0.02  # within which printed figures of one part agree
@@ -162,12 +162,12 @@ def _on_printed_points(table: Table[Any]) -> Table[Any]:
     share = np.where(table["gearing"] == "spur", np.fmax(share, usual_of_spur_gears(i, table["stages"])), share)
     of_speed = np.isclose(k_t * i * w_0, V, rtol=_PRINTED) | np.isclose(k_t * i * w_0, V * stalled / I_s, rtol=_PRINTED)
     of_stall = np.isclose(i * e * k_t * I_s, M_s, rtol=_PRINTED) | np.isclose(i * e * k_t * stalled, M_s, rtol=_PRINTED)
-    moved = of_speed & (constant > 0.0)
+    valid = of_speed & (constant > 0.0)
     of_both = np.isnan(i) & np.isclose(table["torque_constant"] * stalled, M_s, rtol=_PRINTED)  # the ratio is unknown
     return table.changed({
-        "motor_torque_constant": np.where(moved, constant, k_t),
+        "motor_torque_constant": np.where(valid, constant, k_t),
         "torque_constant": np.where(of_both, M_s / (I_s - dry * I_0), table["torque_constant"]),
-        "efficiency": np.where(moved & of_stall & (share > 0.0) & (share <= 1.0), share, e),
+        "efficiency": np.where(valid & of_stall & (share > 0.0) & (share <= 1.0), share, e),
     })  # fmt: skip
 
 
@@ -216,8 +216,8 @@ def _with_amplifiers(catalog: Catalog) -> Catalog:
     def sold(section: str, part: Any, rows: NDArray[np.int64], kind: str) -> Table[Any]:
         figures = {"manufacturer": motors["manufacturer"], **_part_inside(motors, kind), **shared, "part": part}
         columns = {name: values[rows] for name, values in filled(section, figures, len(motors)).items()}
-        found = np.full(len(rows), source), motors.excluded[rows]
-        return with_rows(catalog.table(section), columns, *found)
+        origin = np.full(len(rows), source), motors.excluded[rows]
+        return with_rows(catalog.table(section), columns, *origin)
 
     without = np.setdiff1d(of, catalog.motor_encoder.left)
     new = np.arange(len(without)) + len(catalog.encoders)
@@ -285,10 +285,10 @@ def with_mounting(catalog: Catalog, housings: tuple[Housing, Housing, Housing]) 
     nominal, easy, hard = housings
     ends = catalog.ends or (catalog, catalog)
     middle = _with_housing(catalog, nominal, brushes=False)
-    found = replace(
+    view = replace(
         middle, ends=(_with_housing(ends[0], easy, brushes=False), _with_housing(ends[1], hard, brushes=True))
     )
-    return replace(found, estimates=_estimates(found))
+    return replace(view, estimates=_estimates(view))
 
 
 def _with_housing(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catalog:
@@ -309,34 +309,34 @@ def _with_housing(catalog: Catalog, housing: Housing, *, brushes: bool) -> Catal
 
 def rating_gain(motor: Figures, mounted: Array) -> Array:
     """Continuous current of motors in another mounting, over their nominal one, as heat sets it."""
-    one, two = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
+    winding, housing = motor["thermal_resistance_winding"], motor["thermal_resistance_housing"]
     speed = motor["nominal_speed"]
     dry, growing = housing_loss(motor, np.ones(len(speed)))
     loss = np.nan_to_num(dry * speed + growing * speed**2)
     rise = motor["max_winding_temperature"] - rated_ambient(motor)
     with np.errstate(invalid="ignore", divide="ignore"):
-        left = np.maximum(rise - mounted * loss, 0.0) / (rise - two * loss)
-        left = np.where((rise > two * loss), left, 1.0)  # else friction alone is more than what the figures permit
-        gain: Array = np.sqrt(left * (one + two) / (one + mounted))
+        left = np.maximum(rise - mounted * loss, 0.0) / (rise - housing * loss)
+        left = np.where((rise > housing * loss), left, 1.0)  # else friction alone is more than what the figures permit
+        gain: Array = np.sqrt(left * (winding + housing) / (winding + mounted))
     return gain
 
 
 def _estimates(catalog: Catalog) -> dict[str, dict[str, Estimates]]:
     """The catalogue's estimates, those of the changed figures as they are mounted, where they have a band."""
-    found = {section: dict(figures) for section, figures in catalog.estimates.items()}
+    by_section = {section: dict(figures) for section, figures in catalog.estimates.items()}
     inside = catalog.motors["inside"]
     for name in _CHANGED:
-        value, *ends = (each.motors[name] for each in (catalog, *catalog.ends))
+        value, *ends = (view.motors[name] for view in (catalog, *catalog.ends))
         banded = ~np.isnan(value) & (ends[0] != ends[1])
         for section, rows in (("motors", np.flatnonzero(banded & (inside == ""))),
                               ("actuators", np.flatnonzero(banded & (inside != "")))):  # fmt: skip
-            known = found.setdefault(section, {})
+            known = by_section.setdefault(section, {})
             known.pop(name, None)
             if len(rows):
                 own = rows if section == "motors" else [catalog.actuators.rows[part] for part in inside[rows].tolist()]
                 low, high = np.sort([end[rows] for end in ends], axis=0)
                 known[name] = Estimates(np.array(own), value[rows], low, high, np.full(len(rows), MOUNTED))
-    return found
+    return by_section
 
 
 def with_current_limit(catalog: Catalog, current: float) -> Catalog:
@@ -364,22 +364,22 @@ def with_own_brake(catalog: Catalog, figures: Mapping[str, float | str]) -> Cata
     """The catalogue with a brake of these figures; what is not given is estimated."""
     columns = filled("brakes", {"part": "brake", "family": OWN, **figures}, 1)
     source, offered = np.array([len(catalog.sources)], np.int32), np.zeros(1, bool)
-    found = estimates(Table("brakes", columns, source, offered)) if catalog.ends else {}
-    made = []
+    by_figure = estimates(Table("brakes", columns, source, offered)) if catalog.ends else {}
+    views = []
     for view, place in zip((catalog, *catalog.ends), ("value", "low", "high"), strict=False):
-        own = columns | {name: getattr(each, place) for name, each in found.items()}
+        own = columns | {name: getattr(estimate, place) for name, estimate in by_figure.items()}
         brakes = with_rows(view.brakes, own, source, offered)
         sources = (*view.sources, Source("section brake of the spec", "quoted"))
-        made.append(replace(view, brakes=brakes, sources=sources))
-    if not found:
-        return made[0]
+        views.append(replace(view, brakes=brakes, sources=sources))
+    if not by_figure:
+        return views[0]
     together = dict(catalog.estimates.get("brakes", {}))
-    for name, each in found.items():  # of a row behind those of the catalogue
-        sides: tuple[Any, ...] = each._replace(rows=each.rows + len(catalog.brakes))
+    for name, estimate in by_figure.items():  # of a row behind those of the catalogue
+        sides: tuple[Any, ...] = estimate._replace(rows=estimate.rows + len(catalog.brakes))
         if name in together:
             sides = tuple(np.concatenate(pair) for pair in zip(together[name], sides, strict=True))
         together[name] = Estimates(*sides)
-    return replace(made[0], estimates={**catalog.estimates, "brakes": together}, ends=tuple(made[1:]))
+    return replace(views[0], estimates={**catalog.estimates, "brakes": together}, ends=tuple(views[1:]))
 
 
 # -- The catalogue as a search for steppers takes it: its steppers in the place of the motors.
@@ -413,10 +413,13 @@ def view_for(catalog: Catalog, kind: str | None, estimated: bool = True, phase_c
     own = estimates(catalog.steppers)
     if share := own.get("pull_out_share"):  # a printed curve needs none
         keep = ~np.isin(share.rows, catalog.pull_outs.stepper)
-        kept: tuple[Any, ...] = tuple(column[keep] for column in share)
-        own["pull_out_share"] = Estimates(*kept)
-    found = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
-    middle, *ends = (_with_steppers(replace(found, **completed(found, end)), phase_current) for end in (MIDDLE, *ENDS))
+        columns: tuple[Any, ...] = tuple(column[keep] for column in share)
+        own["pull_out_share"] = Estimates(*columns)
+    with_estimates = replace(catalog, estimates={**estimates_of_catalog(catalog), "steppers": own})
+    middle, *ends = (
+        _with_steppers(replace(with_estimates, **completed(with_estimates, end)), phase_current)
+        for end in (MIDDLE, *ENDS)
+    )
     return replace(middle, ends=tuple(ends))
 
 
@@ -436,11 +439,13 @@ def _with_steppers(catalog: Catalog, phase_current: float | None) -> Catalog:
         "pole_pairs": rotor_teeth(steppers["full_steps"]),
     }  # fmt: skip
     columns = filled("motors", figures, count) | {STEPPER: np.arange(count)}
-    others = {s: one for s, one in catalog.estimates.items() if s not in ("motors", "actuators", "steppers")}
-    own = {_AS_MOTOR.get(name, name): one for name, one in catalog.estimates.get("steppers", {}).items()}
+    others = {
+        s: by_figure for s, by_figure in catalog.estimates.items() if s not in ("motors", "actuators", "steppers")
+    }
+    own = {_AS_MOTOR.get(name, name): estimate for name, estimate in catalog.estimates.get("steppers", {}).items()}
     noted = [note._replace(section="motors", fields=tuple(_AS_MOTOR.get(name, name) for name in note.fields))
              for note in catalog.notes if note.section == "steppers"]  # fmt: skip
-    moved = replace(
+    view = replace(
         catalog,
         motors=Table("motors", columns, steppers.source, steppers.excluded),
         motor_gearhead=_NO_PAIRS, motor_encoder=_NO_PAIRS, motor_brake=_NO_PAIRS,
@@ -448,6 +453,6 @@ def _with_steppers(catalog: Catalog, phase_current: float | None) -> Catalog:
         estimates=others | {"motors": own},
         notes=(*noted, *(note for note in catalog.notes if note.section not in ("motors", "steppers"))),
     )  # fmt: skip
-    fitted = with_direct_drive(with_clamping_hubs(moved))
+    fitted = with_direct_drive(with_clamping_hubs(view))
     direct = np.full(count, fitted.gearheads.rows[DIRECT])
     return replace(fitted, motor_gearhead=with_pairs(fitted.motor_gearhead, np.arange(count), direct, steppers.source))
