@@ -65,23 +65,23 @@ class Behaviour:
         """
         if not first_wheel(self.problem):
             return energy_flow(self.specified)
-        loads = [(found, found.spec.load) for _, found in self.cycles]
-        wheels = [(found, load) for found, load in loads if isinstance(load, WheelLoad)]
-        flows = [(load.alike / load.motors, energy_flow(found)) for found, load in wheels if load.of == wheels[0][1].of]
+        loads = [(case, case.spec.load) for _, case in self.cycles]
+        wheels = [(case, load) for case, load in loads if isinstance(load, WheelLoad)]
+        flows = [(load.alike / load.motors, energy_flow(case)) for case, load in wheels if load.of == wheels[0][1].of]
         parts = zip(*([share * part for part in flow] for share, flow in flows), strict=True)
         return EnergyFlow(*map(fsum, parts))
 
     @cached_property
     def known(self) -> bool:
         """Whether the motor's current is, in all that is drawn."""
-        return all(found.known for _, found in self.cycles[: cycle.MOST_WHEELS])
+        return all(case.known for _, case in self.cycles[: cycle.MOST_WHEELS])
 
     @cached_property
     def hottest(self) -> tuple[str, WarmUp] | None:
         """The load case in which the winding gets warmest, and how; None where its course is unknown."""
         known = []
-        for name, found in self.cycles:
-            warm = warm_up(found) if found.known else None
+        for name, case in self.cycles:
+            warm = warm_up(case) if case.known else None
             if warm is None:
                 return None
             known.append((name, warm))
@@ -97,8 +97,8 @@ class Behaviour:
     def path(self) -> Driving | None:
         """The platform on its path, where the spec has that followed."""
         machine = self.problem.machine
-        given = machine.platform.model_fields_set if machine.platform else ()
-        if "following" not in given or not isinstance(machine.motion, Track | Waypoints):
+        fields = machine.platform.model_fields_set if machine.platform else ()
+        if "following" not in fields or not isinstance(machine.motion, Track | Waypoints):
             return None
         return driving(with_trajectory(machine, None))
 
@@ -116,27 +116,27 @@ class Behaviour:
 
     def pictures(self) -> dict[str, Pictured]:
         """Its figures by name; those that depend on figures that the catalogue does not know are left out."""
-        made: dict[str, Pictured] = {}
+        pictures: dict[str, Pictured] = {}
         feed = self.spec.feed_of(self.drive_set.controller)
         if self.known:  # the efficiency map has all load cycles, or the first where they would cover one another
-            shown = self.cycles if len(self.cycles) <= cycle.TOGETHER else self.cycles[:1]
-            made["efficiency"] = Pictured(field.efficiency_map(shown, feed.applied))
+            cycles = self.cycles if len(self.cycles) <= cycle.TOGETHER else self.cycles[:1]
+            pictures["efficiency"] = Pictured(field.efficiency_map(cycles, feed.applied))
             plot = cycle.demand(self.cycles, self._currents, [("usable", float(feed.usable))])
-            each = cycle.each_over_time if len(self.cycles) > cycle.TOGETHER else on_paper
-            made["demand"] = Pictured(each(plot), [plot])
+            layout = cycle.each_over_time if len(self.cycles) > cycle.TOGETHER else on_paper
+            pictures["demand"] = Pictured(layout(plot), [plot])
         if self.hottest:
-            name, found = self.hottest
+            name, warming = self.hottest
             ambient = next(case.spec for case in self.problem.cases if case.name == name).environment.ambient
             permitted = self.drive_set.motor.max_winding_temperature
-            plots = cycle.temperatures(found, ambient, permitted)
-            made["heat"] = Pictured(abreast(plots, 1.21, names=4), plots)
+            plots = cycle.temperatures(warming, ambient, permitted)
+            pictures["heat"] = Pictured(abreast(plots, 1.21, names=4), plots)
         if self.energy.known:
-            made["energy"] = _bars(cycle.energy_bars(self.energy))
+            pictures["energy"] = _bars(cycle.energy_bars(self.energy))
         if self.permitted:
-            made["permitted"] = Pictured(machine.speed_by_direction(self.permitted))
+            pictures["permitted"] = Pictured(machine.speed_by_direction(self.permitted))
         if self.followed:
-            made["followed"] = Pictured(machine.path_and_errors(shown_runs(self.followed)))
-        return made
+            pictures["followed"] = Pictured(machine.path_and_errors(shown_runs(self.followed)))
+        return pictures
 
     @property
     def _currents(self) -> list[tuple[str, float]]:
@@ -157,19 +157,19 @@ class Behaviour:
     @property
     def heat(self) -> tuple[Figure, ...]:
         """Losses and temperatures of the case as specified."""
-        found, motor = self.specified, self.drive_set.motor
-        copper = float(found.figures.copper[0]) if found.known else float("nan")
+        case, motor = self.specified, self.drive_set.motor
+        copper = float(case.figures.copper[0]) if case.known else float("nan")
         if self.drive_set.steps:
-            moved, idle = found.cycle.load_cycle, found.spec.control.idle_current
+            motion, idle = case.cycle.load_cycle, case.spec.control.idle_current
             copper = copper_loss(motor.nominal_current, motor.resistance)
-            copper *= float(idle_loss(moved.speed, idle) @ moved.duration) / moved.total
-        winding = found.winding if found.known else float("nan")
+            copper *= float(idle_loss(motion.speed, idle) @ motion.duration) / motion.total
+        winding = case.winding if case.known else float("nan")
         housing = winding - motor.thermal_resistance_winding * copper
         return figures_of("heat", {
-            "copper_loss_mean": copper, "friction_and_iron_loss_mean": found.heat.mean[0],
+            "copper_loss_mean": copper, "friction_and_iron_loss_mean": case.heat.mean[0],
             "thermal_resistance_winding_to_housing": motor.thermal_resistance_winding,
             "thermal_resistance_housing_to_ambient": motor.thermal_resistance_housing,
-            "ambient": found.spec.environment.ambient, "housing_in_periodic_steady_state_mean": housing,
+            "ambient": case.spec.environment.ambient, "housing_in_periodic_steady_state_mean": housing,
             "winding_in_periodic_steady_state_mean": winding, "winding_permitted": motor.max_winding_temperature,
         })  # fmt: skip
 
@@ -199,52 +199,57 @@ def report_pictures(
     """Every figure of a report, in the order in which it shows them."""
     best, certain = result.shown, reported(result)
     cycles = [(case.name, case.cycle) for case in result.problem.cases]
-    made: dict[str, Pictured] = {}
+    pictures: dict[str, Pictured] = {}
     load = result.spec.entered.get("load")
     if isinstance(load, dict) and load.get("kind") in SKETCHES:
-        made["sketch"] = Pictured(Ready(sketch(load["kind"], load)))
+        pictures["sketch"] = Pictured(Ready(sketch(load["kind"], load)))
     if machine.ways_of(result.spec):
-        made["way"] = Pictured(machine.plan_view(result.spec))
-    made["profile"] = Pictured(cycle.speed_profile(result.spec), [cycle.motion(result.spec)])
-    drawn = cycle.load(cycles)
+        pictures["way"] = Pictured(machine.plan_view(result.spec))
+    pictures["profile"] = Pictured(cycle.speed_profile(result.spec), [cycle.motion(result.spec)])
+    plot = cycle.load(cycles)
     wheels = first_wheel(result.problem)
-    first = drawn if wheels or len(cycles) <= len(CASES) else cycle.load(cycles[: len(CASES)])
-    made["cycle"] = Pictured(cycle.each_over_time(first) if wheels else on_paper(first), [drawn])
+    first = plot if wheels or len(cycles) <= len(CASES) else cycle.load(cycles[: len(CASES)])
+    pictures["cycle"] = Pictured(cycle.each_over_time(first) if wheels else on_paper(first), [plot])
     if front := choice.trade_off(result):
-        made["front"] = Pictured(scatter(front), [front])
+        pictures["front"] = Pictured(scatter(front), [front])
     if certain and certain.reliability and choice.swings(certain.reliability.drivers):
-        made["tornado"] = _bars(choice.tornado(certain.reliability.drivers))
+        pictures["tornado"] = _bars(choice.tornado(certain.reliability.drivers))
     if best:
-        made["margins"] = Pictured(barred(choice.margins(sorted_by_part(best.own_checks))))
+        pictures["margins"] = Pictured(barred(choice.margins(sorted_by_part(best.own_checks))))
         panels = field.panels(result.problem, best, result.requirements)
         if panels:
-            each = [field.torque_speed(panel) for panel in panels[:_MOST_PANELS]]
-            each = [each[0], *(plot.titled(field.conditions(p)) for plot, p in zip(each[1:], panels[1:], strict=False))]
-            made["field"] = Pictured(on_paper(field.torque_speed(field.leading(panels))), each[:1])
+            plots = [field.torque_speed(panel) for panel in panels[:_MOST_PANELS]]
+            plots = [
+                plots[0],
+                *(plot.titled(field.conditions(p)) for plot, p in zip(plots[1:], panels[1:], strict=False)),
+            ]
+            pictures["field"] = Pictured(on_paper(field.torque_speed(field.leading(panels))), plots[:1])
         if alone := field.alone(panels):
-            made["fields"] = Pictured(field.torque_speed_panels(alone), each[1:])
-        made |= (does or Behaviour(result.problem, best)).pictures()
+            pictures["fields"] = Pictured(field.torque_speed_panels(alone), plots[1:])
+        pictures |= (does or Behaviour(result.problem, best)).pictures()
         if best.energy and machine.is_known(best.energy):
             pair: list[Plot | Bars] = [machine.consumers(best.energy), machine.charge(best.energy)]
-            made["battery"] = Pictured(machine.battery(best.energy), pair)
+            pictures["battery"] = Pictured(machine.battery(best.energy), pair)
     if validation:
-        made |= {"loop" if name == "closed_loop" else name: one for name, one in loop_pictures(validation).items()}
-    return made
+        pictures |= {
+            "loop" if name == "closed_loop" else name: picture for name, picture in loop_pictures(validation).items()
+        }
+    return pictures
 
 
 def loop_pictures(validation: Validation) -> dict[str, Pictured]:
     """The figures of a closed loop; one without records of its loops has no ``bode`` and no ``step``."""
-    made: dict[str, Pictured] = {}
+    pictures: dict[str, Pictured] = {}
     if validation.linear:
-        made["diagram"] = Pictured(loops.block_diagram(validation, validation.linear))
+        pictures["diagram"] = Pictured(loops.block_diagram(validation, validation.linear))
     course = cycle.closed_loop(validation)
-    made["closed_loop"] = Pictured(on_paper(course), [course])
+    pictures["closed_loop"] = Pictured(on_paper(course), [course])
     if validation.loops:
         response = loops.bode(validation.loops)
-        made["bode"] = Pictured(on_paper(response), [response])
+        pictures["bode"] = Pictured(on_paper(response), [response])
         steps = loops.steps(validation.loops)
-        made["step"] = Pictured(abreast(steps, 0.76), [one for one in steps if one.diagrams[0].curves])
-    return made
+        pictures["step"] = Pictured(abreast(steps, 0.76), [step for step in steps if step.diagrams[0].curves])
+    return pictures
 
 
 def report_drawings(result: SizingResult, validation: Validation | None) -> dict[str, Drawing]:
@@ -254,15 +259,15 @@ def report_drawings(result: SizingResult, validation: Validation | None) -> dict
 
 def on_sheets(pictures: Mapping[str, Pictured]) -> dict[str, Drawing]:
     """Figures as paper has them."""
-    return {name: one.paper for name, one in pictures.items() if one.paper}
+    return {name: picture.paper for name, picture in pictures.items() if picture.paper}
 
 
-def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
+def figures_into(drawings: Mapping[str, Drawing], folder: Path) -> list[Path]:
     """Draw into a folder; see :func:`drivesizer.output.report.write_figures`.
 
     What stands in the way is refused before time is spent on the content.
     """
-    paths = {(name, form): folder / f"{name}.{form}" for name, draw in made.items()
+    paths = {(name, form): folder / f"{name}.{form}" for name, draw in drawings.items()
              for form in (FILES[:1] if isinstance(draw, Ready) else FILES)}  # fmt: skip
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file; expected a folder for the figures")
@@ -271,7 +276,7 @@ def figures_into(made: Mapping[str, Drawing], folder: Path) -> list[Path]:
             ready(path)
     elif not folder.parent.is_dir():
         raise InputError(f"{folder}: cannot be made, there is no folder {folder.parent}")
-    files = {path: made[name](form) for (name, form), path in paths.items()}
+    files = {path: drawings[name](form) for (name, form), path in paths.items()}
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:

@@ -22,11 +22,11 @@ def margins(checks: Sequence[Check]) -> Bars:
     """Every check with the used share of its limit; a mark where the required margin begins."""
     rows = []
     for check in checks:
-        used, allowed = use(check.margin), use(check.needed)
-        share = 100.0 * used if used is not None else 0.0 if check.status == "pass" else FARTHEST
-        mark = nan if used is None or allowed is None or allowed == 1.0 else 100.0 * allowed
-        said = check.status if isnan(check.margin) else margin(check.margin)
-        rows.append(Bar(check.title, min(share, FARTHEST), look=check.status, said=said, mark=mark))
+        share_of_limit, allowed = use(check.margin), use(check.needed)
+        share = 100.0 * share_of_limit if share_of_limit is not None else 0.0 if check.status == "pass" else FARTHEST
+        mark = nan if share_of_limit is None or allowed is None or allowed == 1.0 else 100.0 * allowed
+        text = check.status if isnan(check.margin) else margin(check.margin)
+        rows.append(Bar(check.title, min(share, FARTHEST), look=check.status, said=text, mark=mark))
     return Bars(rows=rows, across="used share of the limit", unit="%", ends=(0.0, FARTHEST), line=100.0,
                 sides=(2.35, 0.62), marks="up to here with the required margin")  # fmt: skip
 
@@ -42,16 +42,16 @@ _FEW = 10  # drives with a number beside their point
 
 def trade_off(result: SizingResult) -> Plot | None:
     """Drives of a front by its first two figures, with numbers as in the table; None where fewer than two are known."""
-    every = [[objective_figure(one, name) for name in result.pareto] for one in result.front]
-    places = [[float(from_si(f.value, f.unit, f.kind)) for f in row[:2]] for row in every]
+    figures = [[objective_figure(drive, name) for name in result.pareto] for drive in result.front]
+    places = [[float(from_si(f.value, f.unit, f.kind)) for f in row[:2]] for row in figures]
     known = [n for n, place in enumerate(places) if isfinite(sum(place))]
     if len(known) < 2:
         return None
     drives = [result.front[n] for n in known]
-    texts = [f"{one.rank}  {one.label}\n" + "\n".join(f"{f.title} {f.text}" for f in every[n])
-             for n, one in zip(known, drives, strict=True)]  # fmt: skip
-    names = [(f"{one.rank}  {short(clean(one.label), _LONGEST)}", str(one.rank)) for one in drives]
-    return front([places[n] for n in known], names, [(f.title, f.unit) for f in every[0][:2]], texts)
+    texts = [f"{drive.rank}  {drive.label}\n" + "\n".join(f"{f.title} {f.text}" for f in figures[n])
+             for n, drive in zip(known, drives, strict=True)]  # fmt: skip
+    names = [(f"{drive.rank}  {short(clean(drive.label), _LONGEST)}", str(drive.rank)) for drive in drives]
+    return front([places[n] for n in known], names, [(f.title, f.unit) for f in figures[0][:2]], texts)
 
 
 def front(
@@ -62,7 +62,7 @@ def front(
     x, y = zip(*places, strict=True)
     spots = picture.spots([*zip(x, y, strict=True)], names, _ROOM, _SIZE)
     points = Curve(name="front", x=x, y=y, mark="o", joined=False, listed=False, texts=texts, spots=spots,
-                   keys=[one[-1] for one in names])  # fmt: skip
+                   keys=[name[-1] for name in names])  # fmt: skip
     (across, unit), (up, of) = heads
     return Plot(diagrams=[Diagram(name=up, unit=of, curves=[points])], across=across, unit=unit)
 
@@ -79,11 +79,11 @@ def swings(drivers: Sequence[Driver]) -> list[Driver]:
 
     In the order of the shares that are printed beside them, and of those with the same the widest bar first.
     """
-    wide = {one: abs(one.high_margin - one.low_margin) for one in drivers}
-    known = [one for one in drivers if isfinite(one.low_margin + one.high_margin)]
-    widest = max((wide[one] for one in known), default=0.0)
-    drawn = [one for one in known if one.share >= _LEAST or wide[one] > _LEAST * widest]
-    return sorted(drawn, key=lambda one: (-round(100.0 * one.share), -wide[one]))[:MOST]
+    wide = {driver: abs(driver.high_margin - driver.low_margin) for driver in drivers}
+    known = [driver for driver in drivers if isfinite(driver.low_margin + driver.high_margin)]
+    widest = max((wide[driver] for driver in known), default=0.0)
+    moving = [driver for driver in known if driver.share >= _LEAST or wide[driver] > _LEAST * widest]
+    return sorted(moving, key=lambda driver: (-round(100.0 * driver.share), -wide[driver]))[:MOST]
 
 
 def tornado(drivers: Sequence[Driver]) -> Bars:
@@ -92,11 +92,11 @@ def tornado(drivers: Sequence[Driver]) -> Bars:
     Each end of a bar has the value that makes it.
     """
     rows = []
-    for one in swings(drivers):
+    for driver in swings(drivers):
         (left, at_left), (right, at_right) = sorted(
-            ((100.0 * one.low_margin, minus(one.low)), (100.0 * one.high_margin, minus(one.high))),
+            ((100.0 * driver.low_margin, minus(driver.low)), (100.0 * driver.high_margin, minus(driver.high))),
             key=lambda end: end[0],
         )
-        rows.append(Bar(one.title, right, left, said=f"{100.0 * one.share:.0f} %", left=at_left, right=at_right))
+        rows.append(Bar(driver.title, right, left, said=f"{100.0 * driver.share:.0f} %", left=at_left, right=at_right))
     return Bars(rows=rows, across="smallest margin of all checks", unit="%", head="share of\nvariance",
                 sides=(2.75, 0.6))  # fmt: skip

@@ -58,7 +58,7 @@ def _platform_motion(spec: RobotSpec) -> Plot:
     path = trajectory_of(spec)
     assert path is not None
     (forwards, left, turning), _ = path.in_robot()
-    time, largest = path.time.ravel(), max(float(np.abs(one).max()) for one in (forwards, left))
+    time, largest = path.time.ravel(), max(float(np.abs(component).max()) for component in (forwards, left))
     along = [
         Curve(name=name, x=time, y=values.ravel(), colour=colour, dashes=dashes)
         for name, values, colour, dashes in (("forwards", forwards, "blue", "solid"),
@@ -118,12 +118,12 @@ _IN_SIGHT = 3.0  # times what is drawn: a limit beyond is named and not drawn
 def load(cycles: Sequence[tuple[str, LoadCycle]]) -> Plot:
     """Torque and speed of the driven shaft over the cycle, of one load case or of several."""
     unit = style.torque_unit(max(float(np.abs(cycle.torque).max()) for _, cycle in cycles))
-    made = []
+    diagrams = []
     for name, kind, of in (("torque", "torque", unit), ("speed", "rotary_speed", "rpm")):
         curves = [_of_case(n, case, cycle.time.ravel(), from_si(getattr(cycle, name).ravel(), of, kind))
                   for n, (case, cycle) in enumerate(cycles)]  # fmt: skip
-        made.append(Diagram(name=name, unit=of, curves=curves, zero=True))
-    return picture.over_time(*made, windows=stretches(cycles))
+        diagrams.append(Diagram(name=name, unit=of, curves=curves, zero=True))
+    return picture.over_time(*diagrams, windows=stretches(cycles))
 
 
 def _of_case(number: int, name: str, time: Array, values: Array) -> Curve:
@@ -134,14 +134,14 @@ def _of_case(number: int, name: str, time: Array, values: Array) -> Curve:
 
 def stretches(cycles: Sequence[tuple[str, LoadCycle]]) -> list[Window]:
     """Stretches that are drawn: where something changes, if at the same times in all cases; else the whole time."""
-    found = []
+    windows = []
     for _, cycle in cycles:
         columns = (cycle.speed.ravel(), cycle.torque.ravel())
         steps = sum(np.abs(np.diff(x)) / (np.abs(x).max() or 1.0) for x in columns)
         changes = np.append(0.0, np.cumsum(steps))
-        found.append(style.windows(cycle.time.ravel(), changes))
-    if all(one == found[0] for one in found):
-        return found[0]
+        windows.append(style.windows(cycle.time.ravel(), changes))
+    if all(window == windows[0] for window in windows):
+        return windows[0]
     return [Window("", 0.0, max(cycle.total for _, cycle in cycles))]
 
 
@@ -150,23 +150,23 @@ Limits = Sequence[tuple[str, float]]  # name and figure [SI]
 
 def demand(cases: Sequence[tuple[str, SetCycle]], currents: Limits, voltages: Limits) -> Plot:
     """Current and voltage of each moment by the drive model, with the winding as warm as it then is, and limits."""
-    made: list[list[Curve]] = [[], []]
-    for n, (name, found) in enumerate(cases[:MOST_WHEELS]):
-        d, p = found.drive, found.pieces
+    rows: list[list[Curve]] = [[], []]
+    for n, (name, case) in enumerate(cases[:MOST_WHEELS]):
+        d, p = case.drive, case.pieces
         current, speed, rise = (np.stack(x, axis=1) for x in ((p.I_0, p.I_1), (p.w_0, p.w_1), (p.rise_0, p.rise_1)))
         voltage = d.emf * speed + (d.R + d.R_rise * rise) * current
-        for curves, values in zip(made, (current, voltage), strict=True):
+        for curves, values in zip(rows, (current, voltage), strict=True):
             curves.append(_of_case(n, name, end_times(p.duration).ravel(), values.ravel()))
-    shown = [_limited(name, unit, curves, limits) for name, unit, curves, limits in
-             (("current", "A", made[0], currents), ("voltage", "V", made[1], voltages))]  # fmt: skip
-    return picture.over_time(*shown, windows=stretches([(name, found.cycle.load_cycle) for name, found in cases]))
+    diagrams = [_limited(name, unit, curves, limits) for name, unit, curves, limits in
+             (("current", "A", rows[0], currents), ("voltage", "V", rows[1], voltages))]  # fmt: skip
+    return picture.over_time(*diagrams, windows=stretches([(name, case.cycle.load_cycle) for name, case in cases]))
 
 
 def _limited(name: str, unit: str, curves: Sequence[Curve], limits: Limits) -> Diagram:
     """A diagram with its known limits, those in sight on its axis."""
     values = np.concatenate([curve.y for curve in curves])
     low, high = min(float(np.nanmin(values)), 0.0), max(float(np.nanmax(values)), 0.0)
-    known = [one for one in limits if np.isfinite(one[1])]
+    known = [limit for limit in limits if np.isfinite(limit[1])]
     top = max([high, *(value for _, value in known if value <= _IN_SIGHT * max(high, -low))])
     beyond = any(value > top for _, value in known)  # room for the names of limits
     ends = low - 0.07 * (top - low) * (low < 0.0), top + (0.28 if beyond else 0.15) * (top - low or 1.0)
@@ -180,25 +180,25 @@ _ROW, _NAME = 0.6, 0.19  # in, of a small diagram and of the name above it
 def each_over_time(figure: Figure, plot: Plot) -> None:
     """Two quantities of each load case beside each other as small diagrams; an axis for all of each."""
     strip, count = style.strip(plot.windows), min(len(plot.diagrams[0].curves), MOST_WHEELS)
-    names = _NAME if any(one.levels for one in plot.diagrams) else 0.0
+    names = _NAME if any(diagram.levels for diagram in plot.diagrams) else 0.0
     height = (_ROW + _NAME) * count + 0.46 + names
     grid = placed(figure, height, count, 2, top=_NAME + 0.04 + names, gaps=(_NAME, 0.62), shared=False)
-    for column, (one, colour) in enumerate(zip(plot.diagrams, ("vermillion", "blue"), strict=True)):
-        values = np.concatenate([curve.y for curve in one.curves[:count]])
+    for column, (diagram, colour) in enumerate(zip(plot.diagrams, ("vermillion", "blue"), strict=True)):
+        values = np.concatenate([curve.y for curve in diagram.curves[:count]])
         low, high = min(float(values.min()), 0.0), max(float(values.max()), 0.0)
         room = 0.07 * (high - low) or 1.0
-        ends = one.ends or (low - room * (low < 0.0), high + room)
-        for row, curve in enumerate(one.curves[:count]):
+        ends = diagram.ends or (low - room * (low < 0.0), high + room)
+        for row, curve in enumerate(diagram.curves[:count]):
             axes = grid[row][column]
             alone = replace(curve, colour=colour, dashes="solid", listed=False)
-            picture.draw(axes, replace(one, curves=[alone], levels=(), ends=ends), strip)
+            picture.draw(axes, replace(diagram, curves=[alone], levels=(), ends=ends), strip)
             style.across(axes, strip)
-            for (name, value), dashes in zip(one.levels, style.LIMITS, strict=False):
+            for (name, value), dashes in zip(diagram.levels, style.LIMITS, strict=False):
                 if value <= ends[1]:
                     axes.axhline(value, color="black", linewidth=0.7, linestyle=dashes,
-                                 label=f"{name} {value:.4g} {label(one.unit)}")  # fmt: skip
+                                 label=f"{name} {value:.4g} {label(diagram.unit)}")  # fmt: skip
             axes.tick_params(labelbottom=row == count - 1)
-            axes.set_title(f"{style.named(curve.name)}: {reads(one.name, one.unit)}", pad=2.5)
+            axes.set_title(f"{style.named(curve.name)}: {reads(diagram.name, diagram.unit)}", pad=2.5)
             axes.set_ylabel("")
         grid[-1][column].set_xlabel("time (s)")
     if names:
@@ -266,30 +266,30 @@ def _celsius(kelvin: Any) -> Any:
     return from_si(kelvin, "degC", "temperature")
 
 
-def temperatures(found: WarmUp, ambient: float, permitted: float) -> list[Plot]:
+def temperatures(warming: WarmUp, ambient: float, permitted: float) -> list[Plot]:
     """The way from cold, with the winding in each cycle as a band, and one cycle of those that repeat."""
     limits = [(name, _celsius(x)) for name, x in (("ambient", ambient), ("permitted", permitted)) if x == x]
-    rise = np.nanmax([permitted, found.peak]) - ambient
+    rise = np.nanmax([permitted, warming.peak]) - ambient
     ends = _celsius(ambient) - 0.04 * rise, _celsius(ambient) + 1.16 * rise
 
     def plot(title: str, across: str, time: Array, unit: str, curves: Sequence[Curve]) -> Plot:
         diagram = Diagram(name="temperature", unit="degC", curves=curves, levels=limits, ends=ends)
         return Plot(diagrams=[diagram], across=across, unit=unit, ends=(0.0, float(time[-1])), title=title)
 
-    unit, repeats = time_unit(found.time[-1]), found.in_cycle
-    time = from_si(found.time, unit, "time")
-    steps, band = np.repeat(time, 2)[1:-1], [np.repeat(_celsius(x), 2) for x in (found.lowest, found.highest)]
+    unit, repeats = time_unit(warming.time[-1]), warming.in_cycle
+    time = from_si(warming.time, unit, "time")
+    steps, band = np.repeat(time, 2)[1:-1], [np.repeat(_celsius(x), 2) for x in (warming.lowest, warming.highest)]
     way = [Curve(name="winding, in each cycle", x=np.concatenate([steps, steps[::-1]]), filled=0.4,
                  y=np.concatenate([band[0], band[1][::-1]]), colour="vermillion"),
-           Curve(name="housing", x=time, y=_celsius(found.housing), dashes=picture.DASHED)]  # fmt: skip
+           Curve(name="housing", x=time, y=_celsius(warming.housing), dashes=picture.DASHED)]  # fmt: skip
     of, cycle = time_unit(repeats[-1]), list[Curve]()
-    for name, values, colour, dashes in (("winding", found.winding_in_cycle, "vermillion", "solid"),
-                                         ("housing", found.housing_in_cycle, "blue", picture.DASHED)):  # fmt: skip
+    for name, values, colour, dashes in (("winding", warming.winding_in_cycle, "vermillion", "solid"),
+                                         ("housing", warming.housing_in_cycle, "blue", picture.DASHED)):  # fmt: skip
         rows = style.thinned(repeats, values, Window("", 0.0, float(repeats[-1])))
         cycle.append(Curve(name=name, x=from_si(repeats[rows], of, "time"), y=_celsius(values[rows]), colour=colour,
                            dashes=dashes))  # fmt: skip
-    cycle.append(Curve(name=f"peak {_celsius(found.peak):.1f} °C", x=[from_si(found.peak_time, of, "time")],
-                       y=[_celsius(found.peak)], colour="vermillion", mark="o", joined=False))  # fmt: skip
+    cycle.append(Curve(name=f"peak {_celsius(warming.peak):.1f} °C", x=[from_si(warming.peak_time, of, "time")],
+                       y=[_celsius(warming.peak)], colour="vermillion", mark="o", joined=False))  # fmt: skip
     time_in_cycle = from_si(repeats, of, "time")
     return [plot("from cold", "time from cold", time, unit, way),
             plot("over the cycle that repeats", "time in the cycle", time_in_cycle, of, cycle)]  # fmt: skip
@@ -306,59 +306,62 @@ def measured_and_model(time: Array, traces: Sequence[Trace]) -> Plot:
     apart = np.diff(time)
     usual = float(np.median(apart)) if len(apart) else 1.0
     along = np.concatenate([[0.0], np.cumsum(np.where((apart > 0.0) & (apart < 20.0 * usual), apart, usual))])
-    some = slice(None, None, max(1, len(along) // _POINTS))
+    thinned = slice(None, None, max(1, len(along) // _POINTS))
 
-    def curves(one: Trace) -> list[Curve]:
-        made = [
-            ("measured", one.measured, "grey", "solid", 1.4),
-            ("model", one.modelled, "vermillion", picture.DASHED, 1.0),
+    def curves(trace: Trace) -> list[Curve]:
+        lines = [
+            ("measured", trace.measured, "grey", "solid", 1.4),
+            ("model", trace.modelled, "vermillion", picture.DASHED, 1.0),
         ]
-        return [Curve(name=name, x=along[some], y=from_si(y, one.unit, one.kind)[some], colour=colour, dashes=dashes,
-                      width=width) for name, y, colour, dashes, width in made]  # fmt: skip
+        return [Curve(name=name, x=along[thinned], y=from_si(y, trace.unit, trace.kind)[thinned], colour=colour,
+                      dashes=dashes, width=width) for name, y, colour, dashes, width in lines]  # fmt: skip
 
-    diagrams = [Diagram(name=one.name, unit=one.unit, curves=curves(one), height=1.3) for one in traces]
+    diagrams = [Diagram(name=trace.name, unit=trace.unit, curves=curves(trace), height=1.3) for trace in traces]
     return Plot(diagrams=diagrams, across="time", unit="s", ends=(0.0, float(along[-1])))
 
 
 # -- A set at the bench.
 
 
-def bench(found: Prediction) -> list[Plot]:
+def bench(prediction: Prediction) -> list[Plot]:
     """Speed over torque; temperatures over time at the load and while holding; a machine at full voltage, its swing.
 
     Nominal courses are lines, 5 to 95 % are areas.
     """
-    unit = style.torque_unit(float(found.torque[-1]))
-    across = from_si(found.torque, unit, "torque")
+    unit = style.torque_unit(float(prediction.torque[-1]))
+    across = from_si(prediction.torque, unit, "torque")
     speed = Diagram(name="speed", unit="rpm", whole=True,
-                    curves=[*_banded(across, found.speed, "rpm", "rotary_speed", colour="green")])  # fmt: skip
-    made = [Plot(diagrams=[speed], across="torque", unit=unit, ends=(0.0, float(across[-1])), title="at full voltage")]
-    hottest = [float(np.nanmax(one.winding.p95)) for one in found.courses] + [found.limit]
-    ends = _celsius(found.conditions.ambient) - 2.0, _celsius(np.nanmax(hottest)) + 8.0
-    limits = [("permitted", _celsius(found.limit))] if found.limit == found.limit else []
+                    curves=[*_banded(across, prediction.speed, "rpm", "rotary_speed", colour="green")])  # fmt: skip
+    plots = [Plot(diagrams=[speed], across="torque", unit=unit, ends=(0.0, float(across[-1])), title="at full voltage")]
+    hottest = [float(np.nanmax(course.winding.p95)) for course in prediction.courses] + [prediction.limit]
+    ends = _celsius(prediction.conditions.ambient) - 2.0, _celsius(np.nanmax(hottest)) + 8.0
+    limits = [("permitted", _celsius(prediction.limit))] if prediction.limit == prediction.limit else []
     for name, title in (("work", "winding, running at the load"), ("hold", "winding, holding")):
-        courses, curves = [one for one in found.courses if one.name.startswith(name)], list[Curve]()
-        longest = max((float(one.time[-1]) for one in courses), default=1.0)
+        courses, curves = [course for course in prediction.courses if course.name.startswith(name)], list[Curve]()
+        longest = max((float(course.time[-1]) for course in courses), default=1.0)
         of = time_unit(longest / 6.0)
-        for one in courses:
-            start = one.name.rsplit("_", 1)[1]
+        for course in courses:
+            start = course.name.rsplit("_", 1)[1]
             colour, dashes = {"cold": ("blue", "solid"), "warm": ("vermillion", picture.DASHED)}[start]
-            curves += _banded(from_si(one.time, of, "time"), one.winding, "degC", "temperature", f", from {start}",
-                              colour=colour, dashes=dashes)  # fmt: skip
+            curves += _banded(from_si(course.time, of, "time"), course.winding, "degC", "temperature",
+                              f", from {start}", colour=colour, dashes=dashes)  # fmt: skip
         diagram = Diagram(name="temperature", unit="degC", curves=curves, levels=limits if courses else (),
                           ends=ends if courses else None)  # fmt: skip
-        made.append(Plot(diagrams=[diagram], across="time", unit=of, ends=(0.0, float(from_si(longest, of, "time"))),
+        plots.append(Plot(diagrams=[diagram], across="time", unit=of, ends=(0.0, float(from_si(longest, of, "time"))),
                          title=title if courses else f"{title}: unknown"))  # fmt: skip
-    return [*made, *(plot for one in found.movements for plot in _moving(one))]
+    return [*plots, *(plot for movement in prediction.movements for plot in _moving(movement))]
 
 
-def _moving(one: Movement) -> Iterator[Plot]:
+def _moving(movement: Movement) -> Iterator[Plot]:
     """A machine from rest: position, speed and current over time; of a swing the position."""
-    of = time_unit(float(one.time[-1]) / 6.0)
-    along, travel = from_si(one.time, of, "time"), ("length", "m") if one.axis == "linear" else ("angle", "deg")
-    courses, title = {"position": (one.position, *travel)}, "let go, terminals open"
-    if one.name == "start":
-        courses |= {"speed": (one.speed, *SPEED[one.axis]), "current": (one.current, "current", "A")}
+    of = time_unit(float(movement.time[-1]) / 6.0)
+    along, travel = (
+        from_si(movement.time, of, "time"),
+        ("length", "m") if movement.axis == "linear" else ("angle", "deg"),
+    )
+    courses, title = {"position": (movement.position, *travel)}, "let go, terminals open"
+    if movement.name == "start":
+        courses |= {"speed": (movement.speed, *SPEED[movement.axis]), "current": (movement.current, "current", "A")}
         title = "from rest at full voltage"
     for name, (band, kind, unit) in courses.items():
         curves = [*_banded(along, band, unit, kind, colour="green")]
@@ -405,7 +408,7 @@ def energy_bars(flow: EnergyFlow) -> Bars:
     for name, value, look in parts:
         low, high = sorted((shown(left - value), shown(left)))
         share = f", {100.0 * value / flow.drawn:.3g} %" if flow.drawn > 0.0 else ""
-        said = f"{shown(value):.4g} {label(unit)}{share}".replace("-", "−")
-        rows.append(Bar(name, high, low, look, said))
+        text = f"{shown(value):.4g} {label(unit)}{share}".replace("-", "−")
+        rows.append(Bar(name, high, low, look, text))
         left -= value
     return Bars(rows=rows, across="energy of a cycle", unit=unit, sides=(2.0, 1.25))

@@ -57,23 +57,23 @@ def panels(problem: Problem, drive_set: DriveSet, requirements: tuple[Requiremen
     """The field of a set's motor with the load cases in it; the paper's points too, where its method is used."""
     alike: dict[tuple[float, float], list[tuple[int, str, OperatingField]]] = {}
     for number, case in enumerate(problem.cases):
-        found = field(case.spec, drive_set)
-        alike.setdefault((found.voltage, found.ambient), []).append((number, case.name, found))
+        operating = field(case.spec, drive_set)
+        alike.setdefault((operating.voltage, operating.ambient), []).append((number, case.name, operating))
     points = paper_points(drive_set, requirements) if problem.spec.method == "paper" else ()
     times = {number: case.cycle.time for number, case in enumerate(problem.cases)}
     return [Panel(cases=tuple(cases), points=points, times=times) for cases in alike.values()]
 
 
-def leading(found: Sequence[Panel]) -> Panel:
+def leading(panels: Sequence[Panel]) -> Panel:
     """The first panel with as many load cases as one diagram shows: all of them, or the first alone."""
-    first = found[0]
+    first = panels[0]
     return first if len(first.cases) <= TOGETHER else replace(first, cases=first.cases[:1])
 
 
-def alone(found: Sequence[Panel]) -> list[Panel]:
+def alone(panels: Sequence[Panel]) -> list[Panel]:
     """A panel for each load case, where they are more than one diagram shows; else none."""
-    single = [replace(panel, cases=(case,), points=()) for panel in found for case in panel.cases]
-    return single if len(found) > 1 or len(single) > TOGETHER else []
+    single = [replace(panel, cases=(case,), points=()) for panel in panels for case in panel.cases]
+    return single if len(panels) > 1 or len(single) > TOGETHER else []
 
 
 def paper_points(drive_set: DriveSet, requirements: tuple[Requirement, ...]) -> tuple[OperatingPoint, ...]:
@@ -103,9 +103,9 @@ def one_way(speed: Array, torque: Array) -> tuple[Array, Array]:
     return np.abs(speed), np.where(way == 0.0, np.abs(torque), way * torque)
 
 
-def signed(found: OperatingField) -> tuple[Array, Array]:
+def signed(field: OperatingField) -> tuple[Array, Array]:
     """Speed and torque of the cycle at the motor, one way as the other."""
-    return one_way(found.cycle_speed, found.cycle_torque)
+    return one_way(field.cycle_speed, field.cycle_torque)
 
 
 def _drawn(speed: Array, torque: Array) -> Array:
@@ -151,11 +151,11 @@ def torque_speed(panel: Panel, *, plain: bool = False) -> Plot:
     first, reach = panel.cases[0][-1], reach_of(panel)
     unit = torque_unit(reach)
     curves = _lines(first, unit, reach, plain=plain)
-    for place, (number, name, found) in enumerate(panel.cases):
-        shown = place == 0 or len(panel.cases) <= TOGETHER
+    for place, (number, name, operating) in enumerate(panel.cases):
+        first_shown = place == 0 or len(panel.cases) <= TOGETHER
         colour, dashes = CASES[0 if plain else number % len(CASES)]
-        curves += [replace(one, colour=colour, dashes=one.dashes and dashes, first=shown)
-                   for one in _cycle(found, "" if plain else name, unit, panel.times.get(number))]  # fmt: skip
+        curves += [replace(curve, colour=colour, dashes=curve.dashes and dashes, first=first_shown)
+                   for curve in _cycle(operating, "" if plain else name, unit, panel.times.get(number))]  # fmt: skip
     # points with a shape each, named in the legend: labels beside them would overlap where points lie close
     curves += [replace(_dot(f"paper: {point.name}", point.torque, point.speed, unit), mark=mark, hollow=True,
                        colour=colour)
@@ -172,13 +172,13 @@ def torque_speed(panel: Panel, *, plain: bool = False) -> Plot:
 
 def torque_speed_panels(panels: Sequence[Panel]) -> Drawing:
     """The motor's field once for each load case, as small diagrams with one legend."""
-    shown = panels[:MOST_FIELDS]
-    several, made = len({conditions(panel) for panel in shown}) > 1, []
-    for panel in shown:
+    fields = panels[:MOST_FIELDS]
+    several, plots = len({conditions(panel) for panel in fields}) > 1, []
+    for panel in fields:
         name = named(panel.cases[0][1], _NAME).strip()
         title = f"{name}: {conditions(panel).replace(' usable, ambient', ',')}" if several else name
-        made.append(torque_speed(panel, plain=True).titled(title))
-    return picture.abreast(made, _SMALL, columns=_ABREAST, names=5)
+        plots.append(torque_speed(panel, plain=True).titled(title))
+    return picture.abreast(plots, _SMALL, columns=_ABREAST, names=5)
 
 
 def _rpm(speed: Any) -> Any:
@@ -187,13 +187,13 @@ def _rpm(speed: Any) -> Any:
 
 def _dot(name: str, torque: float, speed: float, unit: str) -> Curve:
     x, y = float(from_si(torque, unit, "torque")), float(_rpm(speed))
-    said = f"{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
-    return Curve(name=name, x=[x], y=[y], mark="o", joined=False, dashes="", detail=said)
+    detail = f"{x:.4g} {label(unit)}, {y:.0f} rpm".replace("-", "−")
+    return Curve(name=name, x=[x], y=[y], mark="o", joined=False, dashes="", detail=detail)
 
 
-def _cycle(found: OperatingField, name: str, unit: str, time: Array | None) -> Iterator[Curve]:
+def _cycle(field: OperatingField, name: str, unit: str, time: Array | None) -> Iterator[Curve]:
     """The way of a load cycle through the field, and the point of its RMS current and speed."""
-    speed, torque = signed(found)
+    speed, torque = signed(field)
     if np.isnan(torque).any():
         return
     rows, texts = _drawn(speed, torque), list[str]()
@@ -204,51 +204,51 @@ def _cycle(found: OperatingField, name: str, unit: str, time: Array | None) -> I
     of = f", {name}" if name else ""
     yield Curve(name=f"load cycle{of}", x=from_si(torque[rows].ravel(), unit, "torque"),
                 y=_rpm(speed[rows].ravel()), texts=texts, mark="o" if len(rows) <= _EACH_MARKED else "")  # fmt: skip
-    if not np.isnan(found.rms_torque):  # of a motor of unknown friction the RMS current is unknown
-        yield _dot(f"RMS current and speed{of}", found.rms_torque, found.rms_speed, unit)
+    if not np.isnan(field.rms_torque):  # of a motor of unknown friction the RMS current is unknown
+        yield _dot(f"RMS current and speed{of}", field.rms_torque, field.rms_speed, unit)
 
 
 _EACH_MARKED = 30  # segments of a cycle
 
 
-def _lines(found: OperatingField, unit: str, reach: float, *, plain: bool) -> list[Curve]:
+def _lines(field: OperatingField, unit: str, reach: float, *, plain: bool) -> list[Curve]:
     """Limits of the motor: continuous by heat, voltage and speed, by voltage hot and cold, short-time, and by speed."""
-    rpm, made = _rpm(found.speed), list[Curve]()
+    rpm, curves = _rpm(field.speed), list[Curve]()
 
     def line(name: str, values: Array, colour: str, dashes: Any) -> None:
         if not np.isnan(values).all():
-            made.append(Curve(name=name, x=from_si(values, unit, "torque"), y=rpm, colour=colour, dashes=dashes))
+            curves.append(Curve(name=name, x=from_si(values, unit, "torque"), y=rpm, colour=colour, dashes=dashes))
 
     def region(name: str, low: Array, high: Array, colour: str, opacity: float) -> None:
         outline = from_si(np.concatenate([low, high[::-1]]), unit, "torque")
-        made.append(Curve(name=name, x=outline, y=np.concatenate([rpm, rpm[::-1]]), colour=colour, filled=opacity))
+        curves.append(Curve(name=name, x=outline, y=np.concatenate([rpm, rpm[::-1]]), colour=colour, filled=opacity))
 
-    if found.pull_out is not None:
-        line("pull-out torque" if plain else "pull-out torque, lowest supply", found.pull_out, "blue", "solid")
-        line(f"1/{found.factor:g} of it", found.pull_out / found.factor, "blue", picture.DASHED)
-        return made
-    hot = np.maximum(found.voltage_hot, 0.0)
-    if not np.isnan(found.permissible_speed):
-        hot = np.where(found.speed > found.permissible_speed, 0.0, hot)
-    allowed = np.fmin(np.nan_to_num(found.continuous), hot)
-    if not np.isnan(found.continuous).any():
-        region("continuous" if found.thermal else "continuous, nominal torque", np.zeros_like(hot), allowed, "blue",
+    if field.pull_out is not None:
+        line("pull-out torque" if plain else "pull-out torque, lowest supply", field.pull_out, "blue", "solid")
+        line(f"1/{field.factor:g} of it", field.pull_out / field.factor, "blue", picture.DASHED)
+        return curves
+    hot = np.maximum(field.voltage_hot, 0.0)
+    if not np.isnan(field.permissible_speed):
+        hot = np.where(field.speed > field.permissible_speed, 0.0, hot)
+    allowed = np.fmin(np.nan_to_num(field.continuous), hot)
+    if not np.isnan(field.continuous).any():
+        region("continuous" if field.thermal else "continuous, nominal torque", np.zeros_like(hot), allowed, "blue",
                0.2)  # fmt: skip
-    if not np.isnan(for_a_while := np.fmin(found.intermittent, hot)).any():
+    if not np.isnan(for_a_while := np.fmin(field.intermittent, hot)).any():
         region("intermittent", allowed, np.maximum(allowed, for_a_while), "vermillion", 0.11)
-    ambient = show(found.ambient, "degC", "temperature", 3)
-    for values, word, winding, dashes in ((found.voltage_hot, "hot", hot_winding(found), "solid"),
-                                          (found.voltage_cold, "cold", ambient, picture.DASHED)):  # fmt: skip
-        said = f"winding {word}" if plain else f"{found.voltage:.3g} V, winding {winding}"
-        line(said.replace("-", "−"), np.where(values < 0.0, np.nan, values), "blue", dashes)
-    within = np.fmin(found.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
-    line("intermittent", np.where(found.intermittent <= within, found.intermittent, np.nan), "vermillion",
+    ambient = show(field.ambient, "degC", "temperature", 3)
+    for values, word, winding, dashes in ((field.voltage_hot, "hot", hot_winding(field), "solid"),
+                                          (field.voltage_cold, "cold", ambient, picture.DASHED)):  # fmt: skip
+        text = f"winding {word}" if plain else f"{field.voltage:.3g} V, winding {winding}"
+        line(text.replace("-", "−"), np.where(values < 0.0, np.nan, values), "blue", dashes)
+    within = np.fmin(field.voltage_cold, _ROOM * reach)  # beyond that it limits nothing, or is not in sight
+    line("intermittent", np.where(field.intermittent <= within, field.intermittent, np.nan), "vermillion",
          picture.MIXED)  # fmt: skip
-    if found.permissible_speed <= _HEADROOM * found.speed[-1]:
+    if field.permissible_speed <= _HEADROOM * field.speed[-1]:
         ends = [0.0, float(from_si(_ROOM * reach, unit, "torque"))]
-        made.append(Curve(name="permissible speed", x=ends, y=[float(_rpm(found.permissible_speed))] * 2,
+        curves.append(Curve(name="permissible speed", x=ends, y=[float(_rpm(field.permissible_speed))] * 2,
                           colour="grey", dashes=picture.DOTTED))  # fmt: skip
-    return made
+    return curves
 
 
 # -- Efficiency of a set over torque and speed at the gearhead's output, with the load cycle in it.
@@ -276,8 +276,8 @@ class EfficiencyMap(NamedTuple):
 def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> EfficiencyMap:
     """The field around the load cycles of a set."""
     traces = []
-    for name, found in cases:  # at the gearhead's output, one way as the other: what brakes is below 0
-        functions = found.cycle.functions
+    for name, case in cases:  # at the gearhead's output, one way as the other: what brakes is below 0
+        functions = case.cycle.functions
         speed, torque = one_way(functions[:, :, SPEED], functions[:, :, : AT_REST + 1].sum(axis=2))
         rows = _drawn(speed, torque)
         traces.append((name, torque[rows].ravel(), speed[rows].ravel()))
@@ -296,33 +296,33 @@ def efficiency_field(cases: list[tuple[str, SetCycle]], voltage: float) -> Effic
 @figure
 def efficiency_map(figure: Figure, cases: list[tuple[str, SetCycle]], voltage: float) -> None:
     """Lines of equal efficiency, as far as the voltage reaches, and the load cycles."""
-    found = efficiency_field(cases, voltage)
-    unit = torque_unit(float(np.abs(found.torque).max()))
+    efficiency = efficiency_field(cases, voltage)
+    unit = torque_unit(float(np.abs(efficiency.torque).max()))
     ((axes,),) = placed(figure, 2.3, right=2.05, top=0.22)
-    _efficiency_lines(axes, found, unit)
-    for (name, torque, speed), (colour, dashes) in zip(found.traces, CASES, strict=False):
-        said = f"load cycle,\n{named(name)}" if name else "load cycle"
-        axes.plot(from_si(torque, unit, "torque"), _rpm(speed), color=COLOURS[colour], linestyle=dashes, label=said,
+    _efficiency_lines(axes, efficiency, unit)
+    for (name, torque, speed), (colour, dashes) in zip(efficiency.traces, CASES, strict=False):
+        text = f"load cycle,\n{named(name)}" if name else "load cycle"
+        axes.plot(from_si(torque, unit, "torque"), _rpm(speed), color=COLOURS[colour], linestyle=dashes, label=text,
                   zorder=5, marker="o" if len(torque) <= _MARKED else "", markersize=2.2)  # fmt: skip
     axes.axvline(0.0, color="black", linewidth=0.6)
-    axes.set(xlim=from_si(found.torque[[0, -1]], unit, "torque"), ylim=(0.0, _rpm(found.speed[-1])))
+    axes.set(xlim=from_si(efficiency.torque[[0, -1]], unit, "torque"), ylim=(0.0, _rpm(efficiency.speed[-1])))
     axes.set(xlabel=reads("torque at the gearhead's output", unit), ylabel="speed there (rpm)")
-    for said, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
-        if said == "drives" or found.torque[0] < 0.0:
-            style.beside(axes, said, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7)
+    for text, side, to in (("drives", 3, "left"), ("brakes", -3, "right")):
+        if text == "drives" or efficiency.torque[0] < 0.0:
+            style.beside(axes, text, (0.0, 1.0), (side, 3), xycoords=("data", "axes fraction"), ha=to, fontsize=7)
     style.outside(axes)
 
 
-def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
+def _efficiency_lines(axes: Axes, efficiency: EfficiencyMap, unit: str) -> None:
     """Iso-lines with their percentage, each direction of power for itself, and the end of the voltage."""
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.ticker import MaxNLocator
 
-    across, up = from_si(found.torque, unit, "torque"), _rpm(found.speed)
-    reached = ~(np.abs(found.field.voltage) > found.voltage)
-    share = np.where(reached, 100.0 * found.field.efficiency, np.nan)
+    across, up = from_si(efficiency.torque, unit, "torque"), _rpm(efficiency.speed)
+    reached = ~(np.abs(efficiency.field.voltage) > efficiency.voltage)
+    share = np.where(reached, 100.0 * efficiency.field.efficiency, np.nan)
     shades = LinearSegmentedColormap.from_list("shades", _SHADES)
-    for side in (found.torque > 0.0, found.torque < 0.0):
+    for side in (efficiency.torque > 0.0, efficiency.torque < 0.0):
         values = share[:, side]
         known = values[np.isfinite(values)]
         if side.sum() < 2 or not len(known):
@@ -337,7 +337,7 @@ def _efficiency_lines(axes: Axes, found: EfficiencyMap, unit: str) -> None:
         lines = axes.contour(across[side], up, values, levels, colors=COLOURS["grey"], linewidths=0.6)
         axes.clabel(lines, fmt="%g %%", fontsize=6.2, inline_spacing=2)
     if not reached.all():
-        edge = axes.contour(across, up, np.abs(found.field.voltage), [found.voltage], colors=COLOURS["blue"],
+        edge = axes.contour(across, up, np.abs(efficiency.field.voltage), [efficiency.voltage], colors=COLOURS["blue"],
                             linewidths=1.1)  # fmt: skip
         edge.set_zorder(4)
-        axes.plot([], [], color=COLOURS["blue"], label=f"{found.voltage:.3g} V, winding warm")
+        axes.plot([], [], color=COLOURS["blue"], label=f"{efficiency.voltage:.3g} V, winding warm")

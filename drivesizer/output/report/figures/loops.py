@@ -49,18 +49,18 @@ def _blocks(v: Validation, run: LinearRun) -> list[_Block]:
 
     c, train = v.gains, run.train
     linear = v.series_units["speed"][0] == "speed"
-    found = [_Block("to the motor", "K / r", (f"{train.motor_per_speed:.4g} {label('rad/m' if linear else '1')}",))]
+    blocks = [_Block("to the motor", "K / r", (f"{train.motor_per_speed:.4g} {label('rad/m' if linear else '1')}",))]
     if isinstance(c, Gains):
         gains = (c.kp, "V*s/rad"), (c.ki, "V/rad"), (c.kd, "V*s^2/rad")
-        found += [_Block("speed"), controller("velocity", "PID" if c.kd else "PI", gains, c.period)]
+        blocks += [_Block("speed"), controller("velocity", "PID" if c.kd else "PI", gains, c.period)]
     elif isinstance(c, Cascade):
         if c.position_kp and c.position_period:
-            every = f"every {show(c.position_period, 'ms', 'time', 3)}"
-            found += [_Block("angle"), _Block("position", "position P", (f"{c.position_kp:.4g} 1/s", every))]
+            period = f"every {show(c.position_period, 'ms', 'time', 3)}"
+            blocks += [_Block("angle"), _Block("position", "position P", (f"{c.position_kp:.4g} 1/s", period))]
         gains = (c.velocity_kp, "A*s/rad"), (c.velocity_ki, "A/rad"), (c.velocity_kd, "A*s^2/rad")
         inner = (c.current_kp, "V/A"), (c.current_ki, "V/(A*s)")
         title = f"velocity {'PID' if c.velocity_kd else 'PI'}"
-        found += [_Block("speed"), controller("velocity", title, gains, c.velocity_period),
+        blocks += [_Block("speed"), controller("velocity", title, gains, c.velocity_period),
                   _Block("current"), controller("voltage", "current PI", inner, c.current_period)]  # fmt: skip
     inertia = train.motor_inertia + train.load_inertia / (train.efficiency * train.ratio**2)
     motor = (
@@ -74,7 +74,7 @@ def _blocks(v: Validation, run: LinearRun) -> list[_Block]:
         f"η {train.efficiency:.3g}",
         *((f"r {1e3 * train.radius:.4g} mm",) if linear else ()),
     )
-    return [*found, _Block("motor", f"DC motor{', shaft' if train.flexible else ''}", motor),
+    return [*blocks, _Block("motor", f"DC motor{', shaft' if train.flexible else ''}", motor),
             _Block("gears", "r / K" if linear else "1 / K", gears)]  # fmt: skip
 
 
@@ -214,13 +214,13 @@ def response_of(loop: Loop) -> Response:
     The phase of a record starts where its arctangent does: that of two integrators at 180° or at -180°. Here all start
     in the same turn.
     """
-    found, phase = loop.bode, np.degrees(loop.bode.open_phase)
+    bode, phase = loop.bode, np.degrees(loop.bode.open_phase)
     turns = math.ceil((phase[0] - 90.0) / 360.0)
     opened, closed = (
         20.0 * np.log10(np.where((size > 0.0) & np.isfinite(size), size, np.nan))
-        for size in (found.open_magnitude, found.closed_magnitude)
+        for size in (bode.open_magnitude, bode.closed_magnitude)
     )
-    return Response(found.frequency, opened, phase - 360.0 * turns, closed)
+    return Response(bode.frequency, opened, phase - 360.0 * turns, closed)
 
 
 def span(loops: Sequence[Loop]) -> tuple[float, float]:
@@ -248,47 +248,49 @@ def bode(loops: Sequence[Loop]) -> Plot:
     rows: list[list[Curve]] = [[], [], []]
     seen: list[list[NDArray[np.float64]]] = [[], [], []]
     for loop in loops:
-        found, (colour, dashes, mark) = response_of(loop), look_of(loop)
-        said = _legend(loop)
+        response, (colour, dashes, mark) = response_of(loop), look_of(loop)
+        legend = _legend(loop)
         thin = curve_points((loop.bode.open_magnitude, loop.bode.closed_magnitude), _MOST)
-        thin = thin[found.frequency[thin] >= 0.5 * left]
-        for row, of, values in zip(rows, seen, found[1:], strict=True):
-            row.append(Curve(name=said, x=found.frequency[thin], y=values[thin], colour=colour, dashes=dashes))
-            of.append(values[found.frequency >= left])
+        thin = thin[response.frequency[thin] >= 0.5 * left]
+        for row, of, values in zip(rows, seen, response[1:], strict=True):
+            row.append(Curve(name=legend, x=response.frequency[thin], y=values[thin], colour=colour, dashes=dashes))
+            of.append(values[response.frequency >= left])
         marked = []  # row, frequency, height, what is there
         if loop.crossover > 0.0:
-            phase = float(np.interp(math.log(loop.crossover), np.log(found.frequency), found.phase))
+            phase = float(np.interp(math.log(loop.crossover), np.log(response.frequency), response.phase))
             level = 360.0 * round((phase + 180.0) / 360.0) - 180.0
-            rows[1].append(Curve(name=said, x=[loop.crossover] * 2, y=[level, phase], colour=colour, width=1.8,
+            rows[1].append(Curve(name=legend, x=[loop.crossover] * 2, y=[level, phase], colour=colour, width=1.8,
                                  listed=False))  # fmt: skip
             marked += [(0, loop.crossover, 0.0, "crossover"), (1, loop.crossover, phase, "phase margin")]
         if loop.bandwidth > 0.0:  # of the slower direction of power: its curve is there, the other one's may be above
-            marked.append((2, loop.bandwidth, float(found.closed[0]) - _DOWN, "bandwidth"))
+            marked.append((2, loop.bandwidth, float(response.closed[0]) - _DOWN, "bandwidth"))
         for place, x, y, text in marked:
-            rows[place].append(Curve(name=said, x=[x], y=[y], colour=colour, mark=mark, joined=False, texts=[text],
+            rows[place].append(Curve(name=legend, x=[x], y=[y], colour=colour, mark=mark, joined=False, texts=[text],
                                      listed=False))  # fmt: skip
     about = (  # name, unit; line of reference, ticks, what is seen at least and at most, stretch and room, height
         ("open loop, magnitude", "dB", 0.0, 20.0, (-20.0, 20.0), (-_RANGE, _RANGE), 1.05, 0.0, 0.88),
         ("open loop, phase", "deg", -180.0, 90.0, (-180.0, -90.0), (-540.0, 180.0), 1.0, 15.0, 0.72),
         ("closed loop, magnitude", "dB", -_DOWN, 20.0, (-12.0, 6.0), (-_RANGE, _RANGE), 1.05, 0.0, 0.72),
     )
-    made = []
-    for curves, of, one in zip(rows, seen, about, strict=True):
-        name, unit, level, tick, least, most, stretch, room, height = one
+    diagrams = []
+    for curves, of, scale in zip(rows, seen, about, strict=True):
+        name, unit, level, tick, least, most, stretch, room, height = scale
         values = stretch * np.concatenate(of)
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         ends = max(min(low, least[0]), most[0]) - room, min(max(high, least[1]), most[1]) + room
-        made.append(Diagram(name=name, unit=unit, curves=curves, dashed=[level], tick=tick, ends=ends, height=height))
-    return Plot(diagrams=made, across="frequency", unit="Hz", ends=(left, right), log=True, columns=1, fewest=1)
+        diagrams.append(
+            Diagram(name=name, unit=unit, curves=curves, dashed=[level], tick=tick, ends=ends, height=height)
+        )
+    return Plot(diagrams=diagrams, across="frequency", unit="Hz", ends=(left, right), log=True, columns=1, fewest=1)
 
 
 def _legend(loop: Loop) -> str:
     """Figures of a loop for the legend."""
     if not loop.stable:
         return f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}"
-    said = {figure.name: cell(figure) for figure in loop_figures(loop)}
-    margin, bandwidth = said["phase_margin"], said["bandwidth"]
-    return f"{loop_name(loop)}: crossover {said['crossover']}, phase margin {margin}, bandwidth {bandwidth}"
+    texts = {figure.name: cell(figure) for figure in loop_figures(loop)}
+    margin, bandwidth = texts["phase_margin"], texts["bandwidth"]
+    return f"{loop_name(loop)}: crossover {texts['crossover']}, phase margin {margin}, bandwidth {bandwidth}"
 
 
 def steps(loops: Sequence[Loop]) -> list[Plot]:
@@ -296,22 +298,22 @@ def steps(loops: Sequence[Loop]) -> list[Plot]:
 
     With the band of 2 % around the end, and the moment from which the samples stay in it.
     """
-    made = []
+    plots = []
     for loop in loops:
         if not len(loop.step):
             none = Diagram(name="answer to a step", unit="%", curves=[])
             title = f"{loop_name(loop)}: unstable, largest pole {loop.pole_radius:.4g}"
-            made.append(Plot(diagrams=[none], across="time", unit="ms", title=title))
+            plots.append(Plot(diagrams=[none], across="time", unit="ms", title=title))
             continue
         values = loop.step[: settled(loop)]
-        kept = curve_points((values,), _MOST)
+        samples = curve_points((values,), _MOST)
         unit, per = ("s", 1.0) if len(values) * loop.period >= 1.0 else ("ms", 1e3)
         rest = 100.0 * float(loop.bode.closed_magnitude[0])
-        curve = Curve(name=loop_name(loop), x=per * loop.period * kept, y=100.0 * values[kept], listed=False,
-                      colour=look_of(loop)[0], mark="o" if len(kept) <= _FEW else "")  # fmt: skip
+        curve = Curve(name=loop_name(loop), x=per * loop.period * samples, y=100.0 * values[samples], listed=False,
+                      colour=look_of(loop)[0], mark="o" if len(samples) <= _FEW else "")  # fmt: skip
         settling = [] if math.isnan(loop.settling_time) else [per * loop.settling_time]
         diagram = Diagram(name="answer to a step", unit="%", curves=[curve], whole=True, upright=settling,
                           band=(0.98 * rest, 1.02 * rest))  # fmt: skip
-        made.append(Plot(diagrams=[diagram], across="time", unit=unit, title=loop_name(loop),
+        plots.append(Plot(diagrams=[diagram], across="time", unit=unit, title=loop_name(loop),
                          ends=(0.0, per * loop.period * (len(values) - 1))))  # fmt: skip
-    return made
+    return plots

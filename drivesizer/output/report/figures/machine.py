@@ -52,16 +52,16 @@ class Way(NamedTuple):
 
 def ways_of(spec: RobotSpec) -> list[Way]:
     """The trajectories of a machine's load cases, each once; none where nothing drives along one."""
-    found: list[Way] = []
+    ways: list[Way] = []
     for name, case in spec.load_cases:
         way = trajectory_of(case)
         if way is not None and not any(
             np.array_equal(way.duration, other.trajectory.duration)
             and np.array_equal(way.posture, other.trajectory.posture)
-            for other in found
+            for other in ways
         ):
-            found.append(Way(name, way))
-    return found
+            ways.append(Way(name, way))
+    return ways
 
 
 @figure
@@ -72,8 +72,8 @@ def plan_view(figure: Figure, spec: RobotSpec) -> None:
     size = platform.size.record if platform and platform.size else None
     points = [way.trajectory.posture[:2].reshape(2, -1) for way in ways]
     points += [np.array([[p.x], [p.y]]) + p.width * np.array([[-1.0, 1.0]]) for p in passages]
-    every, body = np.concatenate(points, axis=1), size.reach if size else 0.0
-    low, high = every.min(axis=1) - body, every.max(axis=1) + body
+    corners, body = np.concatenate(points, axis=1), size.reach if size else 0.0
+    low, high = corners.min(axis=1) - body, corners.max(axis=1) + body
     room = max(_ROOM_OF_PLAN * float((high - low).max()), 0.05)
     low, high = low - room, high + room
     across, up = high - low
@@ -118,9 +118,9 @@ def _path(axes: Axes, way: Way, colour: str, dashes: Any, size: Size | None, sca
     dx, dy = length * np.cos(theta[at]), length * np.sin(theta[at])
     axes.quiver(x[at], y[at], dx, dy, color=colour, angles="xy", scale_units="xy", scale=1.0, width=0.0022,
                 headwidth=4.5, headlength=5.0, headaxislength=4.5, zorder=4)  # fmt: skip
-    one = bool(np.hypot(x[-1] - x[0], y[-1] - y[0]) < 0.1 * scale)
-    ends = [(x[0], y[0], "o", "start and end" if one else "start"), (x[-1], y[-1], "s", "end")]
-    for a, b, marker, name in ends[: 1 if one else 2]:
+    closed = bool(np.hypot(x[-1] - x[0], y[-1] - y[0]) < 0.1 * scale)
+    ends = [(x[0], y[0], "o", "start and end" if closed else "start"), (x[-1], y[-1], "s", "end")]
+    for a, b, marker, name in ends[: 1 if closed else 2]:
         axes.plot(a, b, marker=marker, markersize=5.5, markerfacecolor="white", markeredgewidth=1.2, color="black",
                   linestyle="none", zorder=5)  # fmt: skip
         style.beside(axes, name, (a, b), (5, -5), va="top", fontsize=7, zorder=6)
@@ -165,8 +165,8 @@ def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
     (plane,), (distance,), (turned,) = style.placed(
         figure, 6.4, 3, top=0.42, gaps=(0.42, 0.1), heights=(3.4, 1.0, 1.0), shared=False
     )
-    wanted = next(iter(runs.values())).planned.posture
-    plane.plot(*wanted[:2, some(wanted.shape[1], _POINTS)], color=COLOURS["blue"], linewidth=1.6, label="desired")
+    posture = next(iter(runs.values())).planned.posture
+    plane.plot(*posture[:2, some(posture.shape[1], _POINTS)], color=COLOURS["blue"], linewidth=1.6, label="desired")
     for (name, run), (colour, dashes) in zip(runs.items(), cycle(_LOOKS), strict=False):
         # dashes lie on the unbroken line, where two runs are one to the eye
         look: Any = {"color": COLOURS[colour], "linestyle": dashes, "zorder": 2.5 if dashes == "solid" else 3.0}
@@ -177,8 +177,8 @@ def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
             rows = style.thinned(off.travel, values, whole)
             axes.plot(off.travel[rows], values[rows], **look)
             axes.set_xlim(0.0, whole.end or 1.0)
-    at = some(wanted.shape[1], _ARROWS)
-    plane.quiver(*wanted[:2, at], np.cos(wanted[2, at]), np.sin(wanted[2, at]), color=COLOURS["blue"], width=0.0025,
+    at = some(posture.shape[1], _ARROWS)
+    plane.quiver(*posture[:2, at], np.cos(posture[2, at]), np.sin(posture[2, at]), color=COLOURS["blue"], width=0.0025,
                  scale=32.0, zorder=3)  # fmt: skip
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel="x (m)", ylabel="y (m)")
@@ -190,12 +190,12 @@ def path_and_errors(figure: Figure, runs: Mapping[str, Followed]) -> None:
 
 
 @figure
-def speed_by_direction(figure: Figure, found: PermittedSpeeds) -> None:
+def speed_by_direction(figure: Figure, speeds: PermittedSpeeds) -> None:
     """Highest steady speed in each direction, with all motors and without each of the first few."""
-    turn, required = np.radians(np.append(found.direction, 360)), found.required
-    failed = [wheel for wheel in found.speed if wheel][:_MOST_PLACES] or [0]
+    turn, required = np.radians(np.append(speeds.direction, 360)), speeds.required
+    failed = [wheel for wheel in speeds.speed if wheel][:_MOST_PLACES] or [0]
     rows, columns = ceil(len(failed) / _ACROSS), min(len(failed), _ACROSS)
-    fast = [speed[np.isfinite(speed)].max(initial=required or 0.0) for speed in found.speed.values()]
+    fast = [speed[np.isfinite(speed)].max(initial=required or 0.0) for speed in speeds.speed.values()]
     most = 1.06 * max(fast) or 1.0
 
     def line(axes: Axes, speed: Array, **look: Any) -> None:
@@ -207,10 +207,15 @@ def speed_by_direction(figure: Figure, found: PermittedSpeeds) -> None:
     height = _TOP + _BELOW + _PANEL * rows + _TITLE * (rows - 1)
     grid = style.placed(figure, height, rows, columns, top=_TOP, right=right, gaps=(_TITLE, _GAP))
     for axes, wheel in zip((axes for row in grid for axes in row), failed, strict=False):
-        line(axes, np.append(found.speed[0], found.speed[0][0]), color=COLOURS["blue"], label=failed_motors_text(found))
+        line(
+            axes,
+            np.append(speeds.speed[0], speeds.speed[0][0]),
+            color=COLOURS["blue"],
+            label=failed_motors_text(speeds),
+        )
         if wheel:
-            line(axes, np.append(found.speed[wheel], found.speed[wheel][0]), color=COLOURS["vermillion"],
-                 linestyle=(0, (5, 1.5)), label="without one more" if found.failed else "without one")  # fmt: skip
+            line(axes, np.append(speeds.speed[wheel], speeds.speed[wheel][0]), color=COLOURS["vermillion"],
+                 linestyle=(0, (5, 1.5)), label="without one more" if speeds.failed else "without one")  # fmt: skip
             axes.set_title(f"without wheel {wheel}")
         if required is not None:
             line(axes, np.full(len(turn), required), color="black", linewidth=0.7, linestyle=(0, (1, 1.5)),
@@ -248,31 +253,31 @@ def layers(power: MachinePower, course: Course) -> list[Layer]:
     """Power of the axes as layers: of many axes those of the largest peaks, and the sum of the others."""
     known = [n for n in range(len(power.axes)) if not np.isnan(course.drawn[n]).any()]
     largest = sorted(known, key=lambda n: -float(course.drawn[n].max(initial=0.0)))[:_MOST_AXES]
-    kept = known if len(known) <= _MOST_AXES + 1 else sorted(largest)
-    made = [Layer(power.axes[n], course.drawn[n], course.returned[n]) for n in kept]
-    rest = [n for n in known if n not in kept]
+    axes = known if len(known) <= _MOST_AXES + 1 else sorted(largest)
+    layers = [Layer(power.axes[n], course.drawn[n], course.returned[n]) for n in axes]
+    rest = [n for n in known if n not in axes]
     if rest:
-        made.append(Layer(f"{len(rest)} others", course.drawn[rest].sum(axis=0), course.returned[rest].sum(axis=0)))
-    return made
+        layers.append(Layer(f"{len(rest)} others", course.drawn[rest].sum(axis=0), course.returned[rest].sum(axis=0)))
+    return layers
 
 
 def axes_power(power: MachinePower) -> Plot:
     """Power of all axes over time: layers over each other, drawn upward, returned downward."""
     course = power.course(_PIECES)
-    found = layers(power, course)
-    largest = max((float(one.drawn.max(initial=0.0)) for one in found), default=0.0)
+    power_layers = layers(power, course)
+    largest = max((float(layer.drawn.max(initial=0.0)) for layer in power_layers), default=0.0)
     unit, curves = "W" if largest < 10e3 else "kW", list[Curve]()
 
     def held(values: Array) -> Any:  # means of pieces at the ends of these, the last one held
         return from_si(np.append(values, values[-1:]), unit, "power")
 
-    for layer, (colour, hatch) in zip(found, LOOKS, strict=False):
+    for layer, (colour, hatch) in zip(power_layers, LOOKS, strict=False):
         net = layer.drawn - layer.returned
-        said = [f"{value:.4g} {label(unit)}".replace("-", "−")
+        texts = [f"{value:.4g} {label(unit)}".replace("-", "−")
                 for value in held(np.where(np.abs(net) > _NOTHING * largest, net, 0.0))]  # fmt: skip
         for stack, values in (("drawn", layer.drawn), ("returned", -layer.returned)):
             curves.append(Curve(name=layer.name, x=course.time, y=held(values), colour=colour, hatch=hatch,
-                                stack=stack, texts=said if stack == "drawn" else ()))  # fmt: skip
+                                stack=stack, texts=texts if stack == "drawn" else ()))  # fmt: skip
     if not np.isnan(course.total).any():
         curves.append(Curve(name="out of the source", x=np.repeat(course.time, 2)[1:-1],
                             y=from_si(np.repeat(course.total, 2), unit, "power"), colour="ink", width=1.0))  # fmt: skip
@@ -296,10 +301,10 @@ def is_known(budget: EnergyBudget) -> bool:
 def consumers(budget: EnergyBudget) -> Bars:
     """Mean power of each consumer."""
     rows = []
-    for name, mean in [(one.name, one.mean) for one in budget.consumers if one.mean]:
+    for name, mean in [(consumer.name, consumer.mean) for consumer in budget.consumers if consumer.mean]:
         low, high = (0.0, 0.0) if isnan(mean) else (min(mean, 0.0), max(mean, 0.0))
-        said = "unknown" if isnan(mean) else f"{mean:.3g}".replace("-", "−")
-        rows.append(Bar(style.named(name).strip(), high, low, "back" if mean < 0.0 else "pass", right=said))
+        text = "unknown" if isnan(mean) else f"{mean:.3g}".replace("-", "−")
+        rows.append(Bar(style.named(name).strip(), high, low, "back" if mean < 0.0 else "pass", right=text))
     return Bars(rows=rows, across="mean power", unit="W")
 
 

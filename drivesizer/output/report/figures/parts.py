@@ -57,8 +57,8 @@ def reach_of(hit: Hit) -> float:
         own = 0.0 if isnan(hit["no_load_current"]) else hit["no_load_current"]
         nominal = hit["torque_constant"] * (hit["nominal_current"] - own)
     cut = ends.torque * (1.0 - min(hit["max_speed"] / ends.speed, 1.0))  # where the line starts, at the top speed
-    wanted = [x for x in (_READ * nominal, _READ * max(continuous, default=nan), 2.0 * cut) if x > 0.0]
-    return min([*([max(wanted)] if wanted else []), *([] if isnan(ends.torque) else [ends.torque])], default=nan)
+    torques = [x for x in (_READ * nominal, _READ * max(continuous, default=nan), 2.0 * cut) if x > 0.0]
+    return min([*([max(torques)] if torques else []), *([] if isnan(ends.torque) else [ends.torque])], default=nan)
 
 
 def _speeds(hit: Hit, unit: str, reach: float) -> Iterator[Curve]:
@@ -68,24 +68,24 @@ def _speeds(hit: Hit, unit: str, reach: float) -> Iterator[Curve]:
         return Curve(name=name, x=from_si(np.asarray(torque), unit, "torque"),
                      y=from_si(np.asarray(speed), "rpm", "rotary_speed"), **look)  # fmt: skip
 
-    ends, drawn, (torque, speed) = line(hit), [0.0], continuous_curve(hit)
+    ends, speeds, (torque, speed) = line(hit), [0.0], continuous_curve(hit)
     if not isnan(ends.torque):
         start = min(ends.speed, hit["max_speed"]) if hit["max_speed"] > 0.0 else ends.speed
         at = [0.0, ends.torque * (1.0 - start / ends.speed), ends.torque]
         yield curve(_line_name(hit, ends, start, reach), at, [start, start, 0.0])
-        drawn.append(start)
+        speeds.append(start)
     if torque:
         around = show(float(rated_ambient(hit)), "degC", "temperature")
         yield curve(f"continuous, at {around} around the motor", torque, speed, colour="green", dashes=DASHED)
-        drawn += speed
+        speeds += speed
     peak, nominal, fast = hit["peak_torque"], hit["nominal_torque"], hit["nominal_speed"]
-    if len(drawn) > 1 and peak <= reach:
+    if len(speeds) > 1 and peak <= reach:
         yield curve(
-            "peak torque, for a short time", [peak, peak], [0.0, max(drawn)], colour="vermillion", dashes=DOTTED
+            "peak torque, for a short time", [peak, peak], [0.0, max(speeds)], colour="vermillion", dashes=DOTTED
         )
     name = "nominal torque, on the line" if isnan(fast) else "nominal point"
     fast = ends.speed * (1.0 - nominal / ends.torque) if isnan(fast) else fast
-    if len(drawn) > 1 and not isnan(nominal + fast):
+    if len(speeds) > 1 and not isnan(nominal + fast):
         yield curve(name, [nominal], [fast], colour="green", mark="o", joined=False)
 
 
@@ -116,7 +116,7 @@ def _motor(hit: Hit) -> Made:
     below = [("current", "A", "vermillion", current)]
     if np.nanmax(efficiency, initial=0.0) <= 1.0:  # else its figures contradict one another
         below.append(("efficiency", "%", "purple", 100.0 * efficiency))
-    below = [one for one in below if not np.isnan(one[-1]).all()]
+    below = [curve for curve in below if not np.isnan(curve[-1]).all()]
     across = from_si(torque, unit, "torque")
     diagrams = [Diagram(name="speed", unit="rpm", curves=speeds, whole=True, height=1.0 if below else 1.5)]
     diagrams += [
@@ -162,9 +162,9 @@ def _stepper(hit: Hit) -> Made:
     own = hit.catalog.pull_outs.on(hit.catalog.pull_outs.stepper == hit.row)
     unit, curves = torque_unit(hit["holding_torque"]) if hit["holding_torque"] > 0.0 else "N*m", list[Curve]()
     for number, curve in enumerate(np.unique(own.curve).tolist()):
-        one = own.on(own.curve == curve)
-        curves.append(Curve(name=pull_out_conditions(one), x=from_si(one.speed, "rpm", "rotary_speed"),
-                            y=from_si(one.torque, unit, "torque"), mark="o", **_look(number)))  # fmt: skip
+        rows = own.on(own.curve == curve)
+        curves.append(Curve(name=pull_out_conditions(rows), x=from_si(rows.speed, "rpm", "rotary_speed"),
+                            y=from_si(rows.torque, unit, "torque"), mark="o", **_look(number)))  # fmt: skip
     title = f"Pull-out torque as printed{_alone(curves)}"
     if not curves:
         curves, title = list(_modelled(hit, unit)), "Pull-out torque, estimated: no curve is printed"
@@ -204,17 +204,17 @@ def _modelled(hit: Hit, unit: str) -> Iterator[Curve]:
 def _battery(hit: Hit) -> Made:
     """Run time over current or power: as printed, else of one cell or block by the rule that sizing uses."""
     own = hit.catalog.discharges.on(hit.catalog.discharges.battery == hit.row)
-    for held, unit in HELD.items():
-        known, curves = own.on(~np.isnan(getattr(own, held))), []
+    for quantity, unit in HELD.items():
+        known, curves = own.on(~np.isnan(getattr(own, quantity))), []
         for number, end in enumerate(np.unique(known.cutoff_voltage)):
-            some = known.on(known.cutoff_voltage == end)
-            draw = getattr(some, held)
+            rows = known.on(known.cutoff_voltage == end)
+            draw = getattr(rows, quantity)
             order = np.argsort(draw)
             curves.append(Curve(name=f"down to {show(float(end), 'V', 'voltage')}", x=draw[order],
-                                y=some.time[order] / 3600.0, mark="o", **_look(number)))  # fmt: skip
+                                y=rows.time[order] / 3600.0, mark="o", **_look(number)))  # fmt: skip
         if curves:
-            title = f"Run time at constant {held} as printed{_alone(curves)}"
-            yield f"discharge-{held}", _run_times(curves, f"constant {held}", label(unit), title)
+            title = f"Run time at constant {quantity} as printed{_alone(curves)}"
+            yield f"discharge-{quantity}", _run_times(curves, f"constant {quantity}", label(unit), title)
     pack = pack_of(Battery(part=hit.part), hit.catalog) if not len(own.time) else None
     if pack and pack.law is not None:
         most = hit["continuous_current"] if hit["continuous_current"] > 0.0 else 2.0 * pack.capacity / 3600.0

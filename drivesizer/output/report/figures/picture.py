@@ -137,8 +137,8 @@ class Pictured(NamedTuple):
 
 def over_time(*diagrams: Diagram, windows: Sequence[Window], **more: Any) -> Plot:
     """A picture over time [s]."""
-    end = max(float(curve.x[-1]) for one in diagrams for curve in one.curves)
-    start = min(float(curve.x[0]) for one in diagrams for curve in one.curves)
+    end = max(float(curve.x[-1]) for diagram in diagrams for curve in diagram.curves)
+    start = min(float(curve.x[0]) for diagram in diagrams for curve in diagram.curves)
     return Plot(diagrams=diagrams, across="time", unit="s", ends=(start, end), windows=windows, over_time=True, **more)
 
 
@@ -153,21 +153,21 @@ _FEW = 60  # points that are marked each
 @style.figure
 def on_paper(figure: Figure, plot: Plot) -> None:
     """A picture as paper has it."""
-    names = {curve.name for one in plot.diagrams for curve in one.curves if curve.listed and curve.name}
+    names = {curve.name for diagram in plot.diagrams for curve in diagram.curves if curve.listed and curve.name}
     right = plot.legend == "right"
     lines = 0 if right or len(names) < plot.fewest else ceil(len(names) / plot.columns)
     strip = style.strip(plot.windows) if plot.windows else None
     titled = strip is not None and len(strip.windows) > 1
     top = 0.1 + _LINE * lines + 0.12 * titled
-    heights = [one.height for one in plot.diagrams]
+    heights = [diagram.height for diagram in plot.diagrams]
     low = max(heights) < 0.9  # names of axes on several lines
-    said = _on_lines if right else _on_a_line if plot.columns > 1 else lambda curve: clean(curve.name)
+    name_of = _on_lines if right else _on_a_line if plot.columns > 1 else lambda curve: clean(curve.name)
     grid = style.placed(figure, sum(heights) + 0.5 + top - 0.1, len(heights), top=top, left=0.8 if low else 0.66,
                         heights=heights, right=_BESIDE if right else 0.2)  # fmt: skip
-    for (axes,), one in zip(grid, plot.diagrams, strict=True):
-        draw(axes, one, strip, said)
+    for (axes,), diagram in zip(grid, plot.diagrams, strict=True):
+        draw(axes, diagram, strip, name_of)
         if low:
-            axes.set_ylabel("\n".join([*textwrap.wrap(one.name, _WIDE), f"({label(one.unit)})"]))
+            axes.set_ylabel("\n".join([*textwrap.wrap(diagram.name, _WIDE), f"({label(diagram.unit)})"]))
         if strip:
             style.across(axes, strip, titled=titled and axes is grid[0][0])
     axes = grid[-1][0]
@@ -176,13 +176,13 @@ def on_paper(figure: Figure, plot: Plot) -> None:
     elif plot.ends and not strip:
         axes.set_xlim(plot.ends)
     axes.set_xlabel(style.reads(plot.across, plot.unit))
-    handles = {said: line for (ax,) in reversed(grid)
-               for line, said in reversed([*zip(*ax.get_legend_handles_labels(), strict=True)])}  # fmt: skip
+    handles = {name: line for (ax,) in reversed(grid)
+               for line, name in reversed([*zip(*ax.get_legend_handles_labels(), strict=True)])}  # fmt: skip
     if right:
         style.outside(axes)
     elif lines:
-        listed = [*dict.fromkeys(said for (ax,) in grid for said in ax.get_legend_handles_labels()[1])]
-        style.heading(figure, [handles[said] for said in listed], listed, plot.columns)
+        listed = [*dict.fromkeys(name for (ax,) in grid for name in ax.get_legend_handles_labels()[1])]
+        style.heading(figure, [handles[name] for name in listed], listed, plot.columns)
 
 
 @style.figure
@@ -199,17 +199,17 @@ def abreast(figure: Figure, plots: Sequence[Plot], height: float, *, columns: in
         axes.set_visible(n < len(plots))
         if n >= len(plots):
             continue
-        (one,), before = plots[n].diagrams, plots[n - 1].diagrams[0]
-        draw(axes, one)
+        (diagram,), before = plots[n].diagrams, plots[n - 1].diagrams[0]
+        draw(axes, diagram)
         if plots[n].ends:
             axes.set_xlim(plots[n].ends)
         axes.axvline(0.0, color="black", linewidth=0.6)
         axes.set_xlabel(style.reads(plots[n].across, plots[n].unit))
         axes.set_title(short(clean(plots[n].title), int(_LETTERS * 3 / columns)))
-        if n % columns and (one.name, one.unit) == (before.name, before.unit):
+        if n % columns and (diagram.name, diagram.unit) == (before.name, before.unit):
             axes.set_ylabel("")
-        for line, said in zip(*axes.get_legend_handles_labels(), strict=True):
-            seen.setdefault(said, line)
+        for line, name in zip(*axes.get_legend_handles_labels(), strict=True):
+            seen.setdefault(name, line)
     if len(seen) > 1:
         style.heading(figure, [*seen.values()], [*seen], names)
 
@@ -222,17 +222,17 @@ def _on_a_line(curve: Curve) -> str:
 
 
 def draw(
-    axes: Axes, one: Diagram, strip: style.Strip | None = None, said_of: Callable[[Curve], str] = _on_a_line
+    axes: Axes, diagram: Diagram, strip: style.Strip | None = None, said_of: Callable[[Curve], str] = _on_a_line
 ) -> None:
     """A diagram on its axes."""
     seen = {""}
     stacks: dict[str, Array] = {}
-    for curve in one.curves:
-        said = said_of(curve) if curve.listed and curve.name not in seen else ""
+    for curve in diagram.curves:
+        name = said_of(curve) if curve.listed and curve.name not in seen else ""
         seen.add(curve.name)
         colour = COLOURS.get(curve.colour, "black")
         look: dict[str, Any] = {"color": colour, "linestyle": curve.dashes, "linewidth": curve.width,
-                                "label": said or None}  # fmt: skip
+                                "label": name or None}  # fmt: skip
         if curve.mark:
             small = curve.joined and len(curve.x) > 1
             look |= {"marker": curve.mark if not small or len(curve.x) <= _FEW else "",
@@ -240,35 +240,35 @@ def draw(
                      **({"markerfacecolor": "none", "markeredgewidth": 1.2} if curve.hollow else {}),
                      **({} if curve.joined else {"linestyle": "none"})}  # fmt: skip
         if curve.stack:
-            _layer(axes, curve, stacks, said)
+            _layer(axes, curve, stacks, name)
         elif curve.filled:
-            axes.fill(curve.x, curve.y, color=colour, alpha=curve.filled, linewidth=0, label=said or None)
+            axes.fill(curve.x, curve.y, color=colour, alpha=curve.filled, linewidth=0, label=name or None)
         elif strip:
             style.plotted(axes, curve.x, curve.y, strip, **look)
         else:
             axes.plot(curve.x, curve.y, **look)
-    if one.zero:
+    if diagram.zero:
         axes.axhline(0.0, color="black", linewidth=0.6)
-    for level in one.dashed:
+    for level in diagram.dashed:
         axes.axhline(level, color="black", linewidth=0.6, linestyle=(0, (4, 3)))
-    for place in one.upright:
+    for place in diagram.upright:
         axes.axvline(place, color=COLOURS["grey"], linewidth=0.6, linestyle=(0, (4, 3)))
-    if one.band:
-        axes.axhspan(*one.band, color=COLOURS["grey"], alpha=0.18, linewidth=0)
-    if one.levels:
-        _limits(axes, one)
-    if one.ends:
-        axes.set_ylim(one.ends)
-    elif one.whole:
+    if diagram.band:
+        axes.axhspan(*diagram.band, color=COLOURS["grey"], alpha=0.18, linewidth=0)
+    if diagram.levels:
+        _limits(axes, diagram)
+    if diagram.ends:
+        axes.set_ylim(diagram.ends)
+    elif diagram.whole:
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]) if axes.dataLim.y0 < 0.0 else 0.0)
-    if one.log:
+    if diagram.log:
         axes.set_yscale("log")
         axes.yaxis.set_major_formatter("{x:g}")
-    if one.tick:
+    if diagram.tick:
         from matplotlib.ticker import MultipleLocator
 
-        axes.yaxis.set_major_locator(MultipleLocator(one.tick))
-    axes.set_ylabel(style.reads(one.name, one.unit))
+        axes.yaxis.set_major_locator(MultipleLocator(diagram.tick))
+    axes.set_ylabel(style.reads(diagram.name, diagram.unit))
 
 
 def _on_lines(curve: Curve) -> str:
@@ -277,7 +277,7 @@ def _on_lines(curve: Curve) -> str:
     return "\n".join(style.named(line) for line in [*lines, *([curve.detail] if curve.detail else [])])
 
 
-def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], said: str) -> None:
+def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], name: str) -> None:
     from matplotlib.colors import to_rgb
 
     below = stacks.get(curve.stack, np.zeros(len(curve.y)))
@@ -285,7 +285,7 @@ def _layer(axes: Axes, curve: Curve, stacks: dict[str, Array], said: str) -> Non
     colour = COLOURS[curve.colour]
     light = tuple(1.0 - 0.45 * (1.0 - part) for part in to_rgb(colour))  # lines can be read on it
     axes.stairs(above[:-1], curve.x, baseline=below[:-1], fill=True, facecolor=light, hatch=curve.hatch,
-                edgecolor=colour, linewidth=0.4, label=said or None)  # fmt: skip
+                edgecolor=colour, linewidth=0.4, label=name or None)  # fmt: skip
 
 
 class Limit(NamedTuple):
@@ -296,21 +296,21 @@ class Limit(NamedTuple):
     below: bool
 
 
-def limits(one: Diagram, top: float) -> tuple[list[Limit], list[str]]:
+def limits(diagram: Diagram, top: float) -> tuple[list[Limit], list[str]]:
     """Limits of a diagram up to the end of its axis; and those beyond, in words."""
-    said = [(f"{name} {value:.4g} {label(one.unit)}", value) for name, value in one.levels]
-    inside = [value for _, value in said if value <= top]
+    levels = [(f"{name} {value:.4g} {label(diagram.unit)}", value) for name, value in diagram.levels]
+    inside = [value for _, value in levels if value <= top]
     near = _HEIGHT_OF_A_NAME * top
-    found = [Limit(text, value, any(value < other < value + near for other in inside))
-             for text, value in said if value <= top]  # fmt: skip
-    return found, [text for text, value in said if not value <= top]
+    sight = [Limit(text, value, any(value < other < value + near for other in inside))
+             for text, value in levels if value <= top]  # fmt: skip
+    return sight, [text for text, value in levels if not value <= top]
 
 
-def _limits(axes: Axes, one: Diagram) -> None:
+def _limits(axes: Axes, diagram: Diagram) -> None:
     """Limits in sight as lines, those beyond the end of the axis in words."""
-    inside, beyond = limits(one, (one.ends or axes.get_ylim())[1])
-    for look, (said, value, below) in enumerate(inside):
-        style.limit(axes, value, said, look, below=below)
+    inside, beyond = limits(diagram, (diagram.ends or axes.get_ylim())[1])
+    for look, (text, value, below) in enumerate(inside):
+        style.limit(axes, value, text, look, below=below)
     if beyond:
         style.beside(axes, "beyond: " + ", ".join(beyond), (0.0, 1.0), (3, -1), xycoords="axes fraction", va="top")
 
@@ -339,7 +339,7 @@ def barred(figure: Figure, bars: Bars) -> None:
     style.beside(axes, bars.head, (1.0, 1.0), (5, 3), xycoords="axes fraction")
     if bars.marks:
         mark: Any = {"color": "black", "linewidth": 0.9, "marker": "|", "markersize": 7, "linestyle": "none"}
-        looks = {said: line for line, said in zip(*axes.get_legend_handles_labels(), strict=True)}
+        looks = {name: line for line, name in zip(*axes.get_legend_handles_labels(), strict=True)}
         names: dict[str, Any] = looks | {bars.marks: Line2D([], [], **mark)}
         figure.legend(names.values(), names, loc="upper right", ncols=len(names), borderaxespad=0.2)
 
@@ -347,21 +347,21 @@ def barred(figure: Figure, bars: Bars) -> None:
 def draw_bars(axes: Axes, bars: Bars) -> None:
     """Bars on their axes, with their texts, for which the axis has room."""
     colours, rooms = {"ink": "black", "page": "white", **COLOURS}, []
-    for place, one in enumerate(bars.rows):
-        face, edge, hatch = LOOKS[one.look]
-        axes.barh(place, one.end - one.start, left=one.start, height=0.65, facecolor=colours[face], zorder=3,
-                  edgecolor=colours[edge], hatch=hatch * 4 or None, linewidth=0.6, label=one.look)  # fmt: skip
-        if isfinite(one.mark):
-            axes.plot([one.mark] * 2, [place - 0.42, place + 0.42], color="black", linewidth=0.9, zorder=5)
-        for at, said, off, to in ((one.start, one.left, -3, "right"), (one.end, one.right, 3, "left")):
-            style.beside(axes, said, (at, place), (off, 0), va="center", ha=to, fontsize=6.2, zorder=5,
+    for place, bar in enumerate(bars.rows):
+        face, edge, hatch = LOOKS[bar.look]
+        axes.barh(place, bar.end - bar.start, left=bar.start, height=0.65, facecolor=colours[face], zorder=3,
+                  edgecolor=colours[edge], hatch=hatch * 4 or None, linewidth=0.6, label=bar.look)  # fmt: skip
+        if isfinite(bar.mark):
+            axes.plot([bar.mark] * 2, [place - 0.42, place + 0.42], color="black", linewidth=0.9, zorder=5)
+        for at, text, off, to in ((bar.start, bar.left, -3, "right"), (bar.end, bar.right, 3, "left")):
+            style.beside(axes, text, (at, place), (off, 0), va="center", ha=to, fontsize=6.2, zorder=5,
                          bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # fmt: skip
-        style.beside(axes, one.said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
-        rooms.append([style.width(said, 6.2) + 6.0 if said else 0.0 for said in (one.left, one.right)])
-    style.bars(axes, [short(clean(one.name), _LONGEST) for one in bars.rows])
+        style.beside(axes, bar.said, (1.0, place), (5, 0), xycoords=("axes fraction", "data"), va="center")
+        rooms.append([style.width(text, 6.2) + 6.0 if text else 0.0 for text in (bar.left, bar.right)])
+    style.bars(axes, [short(clean(bar.name), _LONGEST) for bar in bars.rows])
     axes.axvline(bars.line, color="black", linewidth=1.2, zorder=4)
     axes.set_xlabel(style.reads(bars.across, bars.unit))
-    low, high = min(0.0, *(one.start for one in bars.rows)), max(0.0, *(one.end for one in bars.rows))
+    low, high = min(0.0, *(bar.start for bar in bars.rows)), max(0.0, *(bar.end for bar in bars.rows))
     before, behind = np.max(rooms, axis=0)
     wide = axes.get_window_extent().width * 72.0 / axes.figure.dpi
     scale = (high - low or 1.0) / (wide - before - behind)
@@ -392,26 +392,26 @@ def spots(
     at = np.array(points, float).reshape(-1, 2)
     low, spread = at.min(axis=0), np.where(np.ptp(at, axis=0) == 0.0, 1.0, np.ptp(at, axis=0))
     places = ((at - low) / spread + AROUND) / (1.0 + 2.0 * np.array(AROUND)) * room
-    taken = [(x - _DOT, y - _DOT, x + _DOT, y + _DOT) for x, y in places]
-    found = list[tuple[str, str]]()
+    boxes = [(x - _DOT, y - _DOT, x + _DOT, y + _DOT) for x, y in places]
+    labels = list[tuple[str, str]]()
     for x, y in places:
         spot = ("", "")
-        for text in texts[len(found)]:
+        for text in texts[len(labels)]:
             wide, high = _LETTER * size * len(text), _HIGH * size
             for side, (across, up) in SIDES.items():
                 left = x + across * (_GAP + wide / 2.0) - wide / 2.0
                 base = y + up * (_GAP + high / 2.0) - high / 2.0
                 box = left, base, left + wide, base + high
                 inside = min(left, base) >= 0.0 and box[2] <= room[0] and box[3] <= room[1]
-                free = all(box[0] >= b[2] or b[0] >= box[2] or box[1] >= b[3] or b[1] >= box[3] for b in taken)
+                free = all(box[0] >= b[2] or b[0] >= box[2] or box[1] >= b[3] or b[1] >= box[3] for b in boxes)
                 if inside and free:
-                    taken.append(box)
+                    boxes.append(box)
                     spot = short(text), side
                     break
             if spot[0]:
                 break
-        found.append(spot)
-    return found
+        labels.append(spot)
+    return labels
 
 
 AROUND = (0.08, 0.12)  # of the spread of the points, beyond them at each end

@@ -74,14 +74,14 @@ class Drawing:
             matplotlib.rcdefaults()  # not what the user's matplotlibrc says
             matplotlib.rcParams.update(house_style() | ({"svg.fonttype": "none"} if form == "typeset" else {}))
             warnings.filterwarnings("ignore", message="Glyph .* missing")  # a box stands in for a letter of far scripts
-            kept, self._laid_out = (None, self._laid_out) if kind == "png" else (self._laid_out, None)
-            shown = kept or Figure(figsize=(_WIDTH, _WIDTH), dpi=dots)
-            if kept is None:
-                canvas(shown)
-                self.draw(shown)
-                self._laid_out = shown if kind == "svg" else self._laid_out
+            laid_out, self._laid_out = (None, self._laid_out) if kind == "png" else (self._laid_out, None)
+            target = laid_out or Figure(figsize=(_WIDTH, _WIDTH), dpi=dots)
+            if laid_out is None:
+                canvas(target)
+                self.draw(target)
+                self._laid_out = target if kind == "svg" else self._laid_out
             # not savefig, which draws all of it twice: once to find the extent of what is drawn, which nothing needs
-            getattr(shown.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
+            getattr(target.canvas, f"print_{kind}")(stream, metadata=_UNDATED[kind])
         return stream.getvalue()
 
 
@@ -104,7 +104,7 @@ def figure(draw: Callable[Concatenate[Figure, _Record], None]) -> Callable[_Reco
 
     @wraps(draw)
     def drawing(*record: _Record.args, **options: _Record.kwargs) -> Drawing:
-        return Drawing(lambda shown: draw(shown, *record, **options))
+        return Drawing(lambda figure: draw(figure, *record, **options))
 
     return drawing
 
@@ -198,10 +198,10 @@ def named(name: str, room: float = 118.0) -> str:
 
     One that begins with an underscore matplotlib would leave out.
     """
-    shown = short(clean(name).replace("\u200b", ""), 28)
-    while len(shown) > 1 and width(shown) > room:
-        shown = shown.rstrip("…")[:-1] + "…"
-    return f" {shown}".removeprefix("" if name.startswith("_") else " ")
+    text = short(clean(name).replace("\u200b", ""), 28)
+    while len(text) > 1 and width(text) > room:
+        text = text.rstrip("…")[:-1] + "…"
+    return f" {text}".removeprefix("" if name.startswith("_") else " ")
 
 
 def width(text: str, size: float = 7.0) -> float:
@@ -263,8 +263,8 @@ def thinned(time: Array, values: Array, window: Window) -> NDArray[np.int64]:
     first, last = np.searchsorted(time, [window.start, window.end])
     start, end = max(first - 1, 0), min(last + 1, len(time))
     steps = np.flatnonzero(np.diff(time[start:end]) > _SEEN * (window.end - window.start))
-    kept = [extremes(values[start:end], _MOST), steps, steps + 1]
-    return start + np.unique(np.concatenate(kept))
+    rows = [extremes(values[start:end], _MOST), steps, steps + 1]
+    return start + np.unique(np.concatenate(rows))
 
 
 class Strip(NamedTuple):
@@ -304,33 +304,33 @@ def within(time: Array, values: Array, window: Window) -> tuple[Array, Array]:
     return np.concatenate([x for x, _ in pieces]), np.concatenate([y for _, y in pieces])
 
 
-def across(axes: Axes, shown: Strip, *, titled: bool = False) -> None:
+def across(axes: Axes, strip: Strip, *, titled: bool = False) -> None:
     """Ticks of each stretch by its own times, a gap with marks between them, and their titles."""
     from matplotlib.ticker import MaxNLocator
 
     locator = MaxNLocator(_TICKS_OF_STRIP, steps=[1, 2, 5, 10])
     places, names = list[float](), list[str]()
-    for number, (window, start) in enumerate(zip(shown.windows, shown.starts, strict=True)):
+    for number, (window, start) in enumerate(zip(strip.windows, strip.starts, strict=True)):
         ticks, room = np.asarray(locator.tick_values(window.start, window.end)), 1e-9 * (window.end - window.start)
         ticks = ticks[(ticks >= window.start - room) & (ticks <= window.end + room)]
-        places += shown.place(number, ticks).tolist()
+        places += strip.place(number, ticks).tolist()
         names += [f"{tick:.6g}" for tick in ticks]
         if titled:
             beside(axes, window.title, (start, 1.0), (0, 4), xycoords=("data", "axes fraction"), fontsize=7.5)
         if number:
-            before = shown.windows[number - 1]
-            end = shown.starts[number - 1] + before.end - before.start
+            before = strip.windows[number - 1]
+            end = strip.starts[number - 1] + before.end - before.start
             axes.axvspan(end, start, facecolor="white", linewidth=0, zorder=3.5)
             axes.plot([end, start], [0.0, 0.0], transform=axes.get_xaxis_transform(), linestyle="none", marker=_BREAK,
                       markersize=5, color="black", clip_on=False, zorder=6)  # fmt: skip
     axes.set_xticks(places, names)
-    axes.set_xlim(0.0, shown.end)
+    axes.set_xlim(0.0, strip.end)
 
 
-def plotted(axes: Axes, time: Array, values: Array, shown: Strip, *, label: str | None = None, **look: Any) -> None:
+def plotted(axes: Axes, time: Array, values: Array, strip: Strip, *, label: str | None = None, **look: Any) -> None:
     """A record over time in all stretches."""
-    for number, window in enumerate(shown.windows):
+    for number, window in enumerate(strip.windows):
         start, end = max(window.start, float(time[0])), min(window.end, float(time[-1]))
         if start < end:  # a record may be of a part only
             t, v = within(time, values, window._replace(start=start, end=end))
-            axes.plot(shown.place(number, t), v, label=None if number else label, **look)
+            axes.plot(strip.place(number, t), v, label=None if number else label, **look)

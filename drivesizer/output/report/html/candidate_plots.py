@@ -45,17 +45,17 @@ def sets_plot(rows: Sequence[dict[str, Any]], up: str, title: str, unit: str) ->
         places.setdefault((row["exact"]["mass"], row["exact"][up]), []).append(row["rank"])
     texts = [(", ".join(ranks[:3]) + (" …" if len(ranks) > 3 else ""),) for ranks in places.values()]
     spots = picture.spots([*places], texts, _ROOM, _SIZE) if len(places) <= _FEW else [("", "")] * len(places)
-    beside = {ranks[0]: spot for ranks, spot in zip(places.values(), spots, strict=True)}
+    spot_of = {ranks[0]: spot for ranks, spot in zip(places.values(), spots, strict=True)}
     curves = []
     for status, (colour, mark, hollow) in _LOOKS.items():
-        some = [row for row in known if row["status"] == status]
+        of_status = [row for row in known if row["status"] == status]
         lines = ("{rank}  {motor}", "{gearhead}", "ratio {ratio}", "{mass}, {price}", "{margin} {check}")
-        said = ["\n".join(lines).format(**row) for row in some]
-        if some:
-            curves.append(Curve(name=status, x=[row["exact"]["mass"] for row in some], hollow=hollow, joined=False,
-                                y=[row["exact"][up] for row in some], colour=colour, mark=mark, texts=said,
-                                keys=[row["rank"] for row in some],
-                                spots=[beside.get(row["rank"], ("", "")) for row in some]))  # fmt: skip
+        hovers = ["\n".join(lines).format(**row) for row in of_status]
+        if of_status:
+            curves.append(Curve(name=status, x=[row["exact"]["mass"] for row in of_status], hollow=hollow, joined=False,
+                                y=[row["exact"][up] for row in of_status], colour=colour, mark=mark, texts=hovers,
+                                keys=[row["rank"] for row in of_status],
+                                spots=[spot_of.get(row["rank"], ("", "")) for row in of_status]))  # fmt: skip
     return Plot(diagrams=[Diagram(name=title, unit=unit, curves=curves)], across="mass", unit="g")
 
 
@@ -64,20 +64,20 @@ _WORST = -1e30  # in the place of what is unknown
 _SCALE = [[0.0, "#2c7fb8"], [0.5, "#a1dab4"], [1.0, "#fdae61"]]  # of the energy: seen in light and in dark
 
 
-def choices_plot(chosen: Choices | None) -> Plot | None:
+def choices_plot(choices: Choices | None) -> Plot | None:
     """The drives by mass and price, coloured by the energy of a cycle; diamonds are those that no other beats."""
-    every = chosen.drives if chosen else ()
-    drives = [one for one in every if isfinite(one.figures["mass"]) and isfinite(one.figures["price"])]
+    listed = choices.drives if choices else ()
+    drives = [drive for drive in listed if isfinite(drive.figures["mass"]) and isfinite(drive.figures["price"])]
     if len(drives) < 2:
         return None
-    energy = [one.figures["energy"] for one in drives]
-    goals = -np.array([[one.figures.get(name, nan) for name in _AXES] for one in drives])
+    energy = [drive.figures["energy"] for drive in drives]
+    goals = -np.array([[drive.figures.get(name, nan) for name in _AXES] for drive in drives])
     different, which = np.unique(np.nan_to_num(goals, nan=_WORST), axis=0, return_inverse=True)
     best = np.isin(which.ravel(), undominated(different)).tolist()
     points = Curve(
-        name="drives", x=[1e3 * one.figures["mass"] for one in drives], y=[one.figures["price"] for one in drives],
-        mark="o", joined=False, listed=False, keys=[""] * len(drives),
-        texts=["\n".join(_hover_text(one, front)) for one, front in zip(drives, best, strict=True)],
+        name="drives", x=[1e3 * drive.figures["mass"] for drive in drives],
+        y=[drive.figures["price"] for drive in drives], mark="o", joined=False, listed=False, keys=[""] * len(drives),
+        texts=["\n".join(_hover_text(drive, front)) for drive, front in zip(drives, best, strict=True)],
     )  # fmt: skip
     marker = {
         "size": [12 if front else 8 for front in best],
@@ -89,11 +89,11 @@ def choices_plot(chosen: Choices | None) -> Plot | None:
     return Plot(diagrams=[prices], across="mass", unit="g", trace={"marker": marker})
 
 
-def _hover_text(one: Choice, front: bool) -> Iterator[str]:
-    energy, tight = one.figures["energy"], one.figures.get("margin", nan)
-    drawn = show(energy, "J", "energy") if isfinite(energy) else "energy unknown"
-    yield one.parts.label
-    yield f"{show(one.figures['mass'], 'g', 'mass')}, {one.figures['price']:.2f} {one.parts.currency}, {drawn}"
+def _hover_text(drive: Choice, front: bool) -> Iterator[str]:
+    energy, tight = drive.figures["energy"], drive.figures.get("margin", nan)
+    text = show(energy, "J", "energy") if isfinite(energy) else "energy unknown"
+    yield drive.parts.label
+    yield f"{show(drive.figures['mass'], 'g', 'mass')}, {drive.figures['price']:.2f} {drive.parts.currency}, {text}"
     words = [f"smallest margin {margin(tight)}"] if isfinite(tight) else []
     yield "; ".join([*words, *(["none beats it"] if front else [])])
 
@@ -119,16 +119,20 @@ class Criterion(NamedTuple):
 
 def weights_section(content: Content) -> dict[str, Any] | None:
     """The section as plain data for the page's template."""
-    chosen = content.result.choices
-    every = [*_criteria(chosen.drives)] if chosen else []
-    offered = [one for one in every if len({*one.figures}) > 1]
-    if chosen is None or not offered:
+    choices = content.result.choices
+    criteria = [*_criteria(choices.drives)] if choices else []
+    offered = [criterion for criterion in criteria if len({*criterion.figures}) > 1]
+    if choices is None or not offered:
         return None
-    controls = [{"name": one.name, "title": one.title, "weight": chosen.weights.get(one.name, 0.0)} for one in offered]
+    controls = [
+        {"name": criterion.name, "title": criterion.title, "weight": choices.weights.get(criterion.name, 0.0)}
+        for criterion in offered
+    ]
     block = {
-        "kind": "weights", "intro": _intro(content, chosen), "caption": _caption(chosen, offered), "controls": controls,
-        "rules": [*_rules(offered)], "left_out": [*_left_out(every, offered)], **_table(chosen, offered),
-        **_command(content, chosen),
+        "kind": "weights", "intro": _intro(content, choices), "caption": _caption(choices, offered),
+        "controls": controls, "rules": [*_rules(offered)], "left_out": [*_left_out(criteria, offered)],
+        **_table(choices, offered),
+        **_command(content, choices),
     }  # fmt: skip
     blocks = [block, *as_data([picture_of("choices")])]
     return cleaned({"name": "weights", "title": "Choose by weights", "level": 1, "blocks": blocks})
@@ -138,12 +142,12 @@ def _criteria(drives: tuple[Choice, ...]) -> Iterator[Criterion]:
     """All figures of the drives, whether they differ or not."""
     currency = drives[0].parts.currency
     for name in drives[0].figures:
-        declared, values = OBJECTIVES[name], [one.figures[name] for one in drives]
+        declared, values = OBJECTIVES[name], [drive.figures[name] for drive in drives]
         figures = used_share(np.array(values)).tolist() if declared.more_is_better else values
         yield Criterion(
             name, declared.title, [_text(name, value, currency) for value in values], [*map(_rounded, figures)]
         )
-    counts = [len(one.parts.parts) for one in drives]
+    counts = [len(drive.parts.parts) for drive in drives]
     yield Criterion(_PARTS, "number of parts", [number_of(count, "part") for count in counts], [*map(float, counts)])
 
 
@@ -161,68 +165,76 @@ def _rounded(value: float) -> float:
     return np.nan if isnan(value) else float(f"{value:.{_DIGITS}g}")
 
 
-def _table(chosen: Choices, offered: list[Criterion]) -> dict[str, Any]:
+def _table(choices: Choices, offered: list[Criterion]) -> dict[str, Any]:
     """The drives in the order of the spec's objective, and the numbers that another order is made of."""
-    figures = {one.name: np.array(one.figures) for one in offered}
-    found = weighted_order(figures, chosen.weights)
+    figures = {criterion.name: np.array(criterion.figures) for criterion in offered}
+    ranking = weighted_order(figures, choices.weights)
     rows = [
-        {"row": row, "place": place, **_part_names(chosen.drives[row]), "texts": [one.texts[row] for one in offered],
-         "score": "unknown" if found.lacking[row] or isnan(found.score[row]) else f"{found.score[row]:.3f}"}
-        for place, row in enumerate(found.order.tolist(), 1)
+        {"row": row, "place": place, **_part_names(choices.drives[row]),
+         "texts": [criterion.texts[row] for criterion in offered],
+         "score": "unknown" if ranking.lacking[row] or isnan(ranking.score[row]) else f"{ranking.score[row]:.3f}"}
+        for place, row in enumerate(ranking.order.tolist(), 1)
     ]  # fmt: skip
-    data = {"figures": {one.name: documents.plain(one.figures) for one in offered}, "first": chosen.first}
-    return {"rows": rows, "belts": any(row["belt"] for row in rows), "data": data, "first": chosen.first}
+    data = {
+        "figures": {criterion.name: documents.plain(criterion.figures) for criterion in offered},
+        "first": choices.first,
+    }
+    return {"rows": rows, "belts": any(row["belt"] for row in rows), "data": data, "first": choices.first}
 
 
-def _part_names(one: Choice) -> dict[str, str]:
-    parts = one.parts
+def _part_names(drive: Choice) -> dict[str, str]:
+    parts = drive.parts
     return {"motor": parts.motor_name, "gearhead": gearhead_words(parts, belt=False), "belt": parts.belt_name}
 
 
-def _intro(content: Content, chosen: Choices) -> str:
-    result, count = content.result, len(chosen.drives)
+def _intro(content: Content, choices: Choices) -> str:
+    result, count = content.result, len(choices.drives)
     met = "all limits" if result.sets and result.sets[0].status == "pass" else ""
-    each = ("meets " if count == 1 else "meet ") if met else ("fails " if count == 1 else "fail ")
-    picked = f"The {'drive' if count == 1 else f'{count} drives'} below {each}{met or 'no check'}"
-    if chosen.judged:
-        picked += f", in the machine as well; {chosen.passing} meet their own limits"
-    elif chosen.passing > count:
-        why = "whatever the weights, none of the others is better than the first" if chosen.whole else (
+    verb = ("meets " if count == 1 else "meet ") if met else ("fails " if count == 1 else "fail ")
+    picked = f"The {'drive' if count == 1 else f'{count} drives'} below {verb}{met or 'no check'}"
+    if choices.judged:
+        picked += f", in the machine as well; {choices.passing} meet their own limits"
+    elif choices.passing > count:
+        why = "whatever the weights, none of the others is better than the first" if choices.whole else (
             "by mass, price, a lower bound of the power and a bound of the margin")  # fmt: skip
-        picked += f". They are picked out of {chosen.passing}: {why}"
+        picked += f". They are picked out of {choices.passing}: {why}"
     ranked = result.objective.replace("_", " ")
     return f"{picked}. At first they are in the order of the spec, which ranks by {ranked}."
 
 
-def _caption(chosen: Choices, offered: list[Criterion]) -> str:
+def _caption(choices: Choices, offered: list[Criterion]) -> str:
     """Meaning of the figures: parts that they are summed over, or drives that they are of."""
-    there = {role for role in BOUGHT if any(getattr(one.parts, role) for one in chosen.drives)}
-    said = dict[str, list[str]]()
-    for declared in (OBJECTIVES[one.name] for one in offered if one.name != _PARTS):
+    there = {role for role in BOUGHT if any(getattr(drive.parts, role) for drive in choices.drives)}
+    titles_of = dict[str, list[str]]()
+    for declared in (OBJECTIVES[criterion.name] for criterion in offered if criterion.name != _PARTS):
         over = f"of {', '.join(role for role in declared.over if role in there)}" if declared.over else declared.note
-        said.setdefault(over, []).append(declared.title)
-    return "; ".join(f"{' and '.join(titles)}: {over}" for over, titles in said.items())
+        titles_of.setdefault(over, []).append(declared.title)
+    return "; ".join(f"{' and '.join(titles)}: {over}" for over, titles in titles_of.items())
 
 
 def _rules(offered: list[Criterion]) -> Iterator[str]:
     yield sentence("weights")
-    if any(np.nanmin(one.figures) <= 0.0 for one in offered):
+    if any(np.nanmin(criterion.figures) <= 0.0 for criterion in offered):
         yield sentence("weights_negative")
-    if any(isnan(figure) for one in offered for figure in one.figures):
+    if any(isnan(figure) for criterion in offered for figure in criterion.figures):
         yield sentence("weights_unknown")
     yield sentence("weights_source")
 
 
-def _left_out(every: list[Criterion], offered: list[Criterion]) -> Iterator[str]:
+def _left_out(criteria: list[Criterion], offered: list[Criterion]) -> Iterator[str]:
     """Figures without a weight, and why."""
-    for one in every:
-        if one in offered or one.name == _PARTS:
+    for criterion in criteria:
+        if criterion in offered or criterion.name == _PARTS:
             continue
-        yield f"{one.title} is unknown of all" if isnan(one.figures[0]) else f"{one.title} is the same, {one.texts[0]}"
+        yield (
+            f"{criterion.title} is unknown of all"
+            if isnan(criterion.figures[0])
+            else f"{criterion.title} is the same, {criterion.texts[0]}"
+        )
 
 
-def _command(content: Content, chosen: Choices) -> dict[str, Any]:
+def _command(content: Content, choices: Choices) -> dict[str, Any]:
     """The search of all drives by the same weights."""
-    named = ",".join(f"{name}={weight:g}" for name, weight in chosen.weights.items())
+    named = ",".join(f"{name}={weight:g}" for name, weight in choices.weights.items())
     command = shlex.join(["drivesizer", "size", content.file or "robot.yaml", "--objective"])
     return {"command": f"{command} ", "objective": named}

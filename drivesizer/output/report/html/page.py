@@ -42,10 +42,10 @@ def image(svg: bytes) -> str:
 def both_schemes(svg: str) -> str:
     """A drawing with each colour as a variable, and their values for light and for dark."""
     styled = _GROUND.sub(r'\1style="fill: \2"', svg)
-    named = _COLOUR.sub(lambda found: f"var(--{found[0][1:]})", styled)
-    used = sorted({_BLACK, *_COLOUR.findall(styled)})
-    light = "".join(f"--{colour[1:]}:{colour};" for colour in used)
-    dark = "".join(f"--{colour[1:]}:{_dark(colour)};" for colour in used)
+    named = _COLOUR.sub(lambda match: f"var(--{match[0][1:]})", styled)
+    colours = sorted({_BLACK, *_COLOUR.findall(styled)})
+    light = "".join(f"--{colour[1:]}:{colour};" for colour in colours)
+    dark = "".join(f"--{colour[1:]}:{_dark(colour)};" for colour in colours)
     style = (f"<style>:root{{{light}fill:var(--{_BLACK[1:]})}}"
              f"@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}</style>")  # fmt: skip
     opening = re.search(r"<svg\b[^>]*>", named)
@@ -63,7 +63,7 @@ def _dark(colour: str) -> str:
         return _DARK[colour]
     hue, light, full = colorsys.rgb_to_hls(*(int(colour[n : n + 2], 16) / 255.0 for n in (1, 3, 5)))
     red, green, blue = colorsys.hls_to_rgb(hue, 0.08 + 0.86 * (1.0 - light), full)
-    return "#" + "".join(f"{round(255 * one):02x}" for one in (red, green, blue))
+    return "#" + "".join(f"{round(255 * part):02x}" for part in (red, green, blue))
 
 
 # -- HTML: the sections of a report with style, script and figures inside, in one file.
@@ -89,32 +89,38 @@ def page_parts(
     if isinstance(alone, Content):
         filled["sections"] = [*_with_weights(filled["sections"], alone)]
         pictures = pictures | _of_candidates(alone)
-    wanted = {name: one for name in dict.fromkeys(pictures_of(filled["sections"])) if (one := pictures.get(name))}
-    figures = {f"{name}-{n}" if len(one.page) > 1 else name: movable(plot)
-               for name, one in wanted.items() for n, plot in enumerate(one.page, 1)}  # fmt: skip
-    return filled, figures, {name: one.paper for name, one in wanted.items() if one.paper and not one.page}
+    printed = {
+        name: picture for name in dict.fromkeys(pictures_of(filled["sections"])) if (picture := pictures.get(name))
+    }
+    figures = {f"{name}-{n}" if len(picture.page) > 1 else name: movable(plot)
+               for name, picture in printed.items() for n, plot in enumerate(picture.page, 1)}  # fmt: skip
+    return (
+        filled,
+        figures,
+        {name: picture.paper for name, picture in printed.items() if picture.paper and not picture.page},
+    )
 
 
 def _of_candidates(content: Content) -> dict[str, Pictured]:
     """Figures that the page alone has."""
     drives = candidate_numbers(content)
-    made = {"sets-margin": sets_plot(drives, "percent", "smallest margin", "%"),
+    plots = {"sets-margin": sets_plot(drives, "percent", "smallest margin", "%"),
             "sets-price": sets_plot(drives, "price", "price", content.result.catalog.currency),
             "choices": choices_plot(content.result.choices)}  # fmt: skip
-    return {name: Pictured(None, [plot]) for name, plot in made.items() if plot}
+    return {name: Pictured(None, [plot]) for name, plot in plots.items() if plot}
 
 
 def _with_weights(sections: list[dict[str, Any]], content: Content) -> Iterator[dict[str, Any]]:
     """The sections, with the choice by weights behind the candidates and what belongs to them."""
-    chosen, reached = weights_section(content), False
+    weights, reached = weights_section(content), False
     for section in sections:
-        if chosen and reached and section["level"] == 1:
-            yield chosen
-            chosen = None
+        if weights and reached and section["level"] == 1:
+            yield weights
+            weights = None
         reached = reached or section["name"] == "candidates"
         yield section
-    if chosen:
-        yield chosen
+    if weights:
+        yield weights
 
 
 def filled_page(filled: dict[str, Any], figures: Mapping[str, Data], pictures: Mapping[str, Drawing]) -> bytes:

@@ -59,8 +59,8 @@ def movable(plot: Plot | Bars) -> Data:
     """A picture as the page draws it."""
     if isinstance(plot, Bars):
         return _bars(plot)
-    data = [_trace(plot, one, curve, number) | dict(plot.trace)
-            for number, one in enumerate(plot.diagrams, 1) for curve in one.curves]  # fmt: skip
+    data = [_trace(plot, diagram, curve, number) | dict(plot.trace)
+            for number, diagram in enumerate(plot.diagrams, 1) for curve in diagram.curves]  # fmt: skip
     legend: dict[str, Data] = {}
     for number, trace in enumerate(data):
         if trace["showlegend"]:
@@ -68,88 +68,88 @@ def movable(plot: Plot | Bars) -> Data:
     views = []
     if len(plot.windows) > 1 and plot.ends:
         stretches = [*plot.windows, Window("all", *plot.ends)]
-        views = [{"title": one.title, "range": numbers((one.start, one.end)), "shown": one is stretches[0]}
-                 for one in stretches]  # fmt: skip
+        views = [{"title": window.title, "range": numbers((window.start, window.end)), "shown": window is stretches[0]}
+                 for window in stretches]  # fmt: skip
     return {"data": data, "layout": _layout(plot), "legend": [*legend.values()] if len(legend) > 1 else [],
             "views": views, "title": plot.title}  # fmt: skip
 
 
-def _trace(plot: Plot, one: Diagram, curve: Curve, number: int) -> Data:
+def _trace(plot: Plot, diagram: Diagram, curve: Curve, number: int) -> Data:
     x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)
     if plot.over_time and not curve.stack:  # peaks and troughs of all of it, and finer in the stretches to look at
         whole = Window("", float(x[0]), float(x[-1]))
-        kept = np.unique(np.concatenate([thinned(x, y, window) for window in (whole, *plot.windows)]))
-        x, y = x[kept], y[kept]
+        samples = np.unique(np.concatenate([thinned(x, y, window) for window in (whole, *plot.windows)]))
+        x, y = x[samples], y[samples]
     few = len(x) <= _FEW and len(x) > 1
-    made: Data = {
+    trace: Data = {
         "type": "scatter", "mode": "lines", "x": numbers(x, 8), "y": numbers(y), "name": plain(curve.name),
         "legendgroup": curve.name, "showlegend": curve.listed and bool(curve.name),
         "line": {"color": curve.colour, "dash": dashes(curve.dashes), "width": 1.8},
-        "yaxis": "y" if number == 1 else f"y{number}", "hovertemplate": _hover(plot, one, curve),
+        "yaxis": "y" if number == 1 else f"y{number}", "hovertemplate": _hover(plot, diagram, curve),
     }  # fmt: skip
-    made |= {} if curve.first else {"visible": "legendonly"}
+    trace |= {} if curve.first else {"visible": "legendonly"}
     if curve.mark and (few or not curve.joined):
         symbol = f"{_MARKS[curve.mark]}-open" if curve.hollow else _MARKS[curve.mark]
         rim = {"width": 1.6 if curve.hollow else 0}
-        made["mode"] = "lines+markers" if curve.joined else "markers"
-        made["marker"] = {"symbol": symbol, "size": 6 if curve.joined else 9, "color": curve.colour, "line": rim}
+        trace["mode"] = "lines+markers" if curve.joined else "markers"
+        trace["marker"] = {"symbol": symbol, "size": 6 if curve.joined else 9, "color": curve.colour, "line": rim}
     if curve.texts:
         keys = curve.keys or [""] * len(curve.texts)
-        made["customdata"] = [[key, plain(text).replace("\n", "<br>")]
+        trace["customdata"] = [[key, plain(text).replace("\n", "<br>")]
                               for key, text in zip(keys, curve.texts, strict=True)]  # fmt: skip
     if any(text for text, _ in curve.spots):
-        made |= {"mode": "markers+text", "text": [text for text, _ in curve.spots], "cliponaxis": False,
+        trace |= {"mode": "markers+text", "text": [text for text, _ in curve.spots], "cliponaxis": False,
                  "textposition": [_SPOTS.get(side, "top center") for _, side in curve.spots]}  # fmt: skip
     if curve.stack:
-        made |= {"stackgroup": curve.stack, "fillcolor": curve.colour, "line": made["line"] | {"shape": "hv",
+        trace |= {"stackgroup": curve.stack, "fillcolor": curve.colour, "line": trace["line"] | {"shape": "hv",
                  "width": 0.6}}  # fmt: skip
         if curve.hatch:
-            made["fillpattern"] = {"shape": _HATCHES[curve.hatch], "bgcolor": curve.colour, "fgcolor": "page",
+            trace["fillpattern"] = {"shape": _HATCHES[curve.hatch], "bgcolor": curve.colour, "fgcolor": "page",
                                    "size": 7, "solidity": 0.15}  # fmt: skip
     if curve.filled:
-        made |= {"fill": "toself", "fillcolor": curve.colour, "opacity": curve.filled, "hoverinfo": "skip",
-                 "line": made["line"] | {"width": 0}}  # fmt: skip
-        del made["hovertemplate"]
-    return made
+        trace |= {"fill": "toself", "fillcolor": curve.colour, "opacity": curve.filled, "hoverinfo": "skip",
+                 "line": trace["line"] | {"width": 0}}  # fmt: skip
+        del trace["hovertemplate"]
+    return trace
 
 
-def _hover(plot: Plot, one: Diagram, curve: Curve) -> str:
+def _hover(plot: Plot, diagram: Diagram, curve: Curve) -> str:
     """Words at a point: its figure, of all curves at a time, or with the place and what else it is."""
-    up, across = label(one.unit), label(plot.unit)
-    said = "%{customdata[1]}" if curve.stack and curve.texts else f"%{{y:.4~r}} {up}"
+    up, across = label(diagram.unit), label(plot.unit)
+    height = "%{customdata[1]}" if curve.stack and curve.texts else f"%{{y:.4~r}} {up}"
     if plot.over_time:
-        return f"{said}<extra>%{{fullData.name}}</extra>"
+        return f"{height}<extra>%{{fullData.name}}</extra>"
     if curve.keys:
         return "%{customdata[1]}<extra></extra>"
     more = "<br>%{customdata[1]}" if curve.texts else ""
-    return f"<b>%{{fullData.name}}</b><br>{said}, %{{x:.4~r}} {across}{more}<extra></extra>"
+    return f"<b>%{{fullData.name}}</b><br>{height}, %{{x:.4~r}} {across}{more}<extra></extra>"
 
 
 def _layout(plot: Plot) -> Data:
     """Diagrams below one another, each with its name above it."""
     alone = len(plot.diagrams) == 1 and not plot.over_time
-    heights = [max(_ALONE if alone else 0, round(_PER_INCH * one.height)) for one in plot.diagrams]
+    heights = [max(_ALONE if alone else 0, round(_PER_INCH * diagram.height)) for diagram in plot.diagrams]
     total = sum(heights) + _ABOVE * len(heights)
     hover = {"hoversubplots": "axis", "hovermode": "x unified"} if plot.over_time else {"hovermode": "closest"}
     layout: Data = {"height": total + _BELOW, "annotations": [], "shapes": [], **hover}
     top = 1.0
-    for number, (one, high) in enumerate(zip(plot.diagrams, heights, strict=True), 1):
+    for number, (diagram, high) in enumerate(zip(plot.diagrams, heights, strict=True), 1):
         top -= _ABOVE / total
         name = "yaxis" if number == 1 else f"yaxis{number}"
         axis: Data = {"domain": [max(top - high / total, 0.0), top], "anchor": "x"}
-        axis |= {"range": [*one.ends]} if one.ends else {"rangemode": "tozero"} if one.whole else {}
-        axis |= {"dtick": one.tick} if one.tick else {"type": "log"} if one.log else {}
+        axis |= {"range": [*diagram.ends]} if diagram.ends else {"rangemode": "tozero"} if diagram.whole else {}
+        axis |= {"dtick": diagram.tick} if diagram.tick else {"type": "log"} if diagram.log else {}
         layout[name] = axis
         layout["annotations"].append({
-            "text": plain(reads(one.name, one.unit)), "x": 0, "y": top, "xref": "paper", "yref": "paper",
+            "text": plain(reads(diagram.name, diagram.unit)), "x": 0, "y": top, "xref": "paper", "yref": "paper",
             "xanchor": "left", "yanchor": "bottom", "showarrow": False,
         })  # fmt: skip
-        layout["shapes"] += _shapes(one, name.replace("axis", ""))
-        highest = one.ends[1] if one.ends else max((level for _, level in one.levels), default=0.0)
+        layout["shapes"] += _shapes(diagram, name.replace("axis", ""))
+        highest = diagram.ends[1] if diagram.ends else max((level for _, level in diagram.levels), default=0.0)
         layout["annotations"] += [
-            {"text": plain(said), "x": 1, "y": value, "xref": "paper", "yref": name.replace("axis", ""),
+            {"text": plain(text), "x": 1, "y": value, "xref": "paper", "yref": name.replace("axis", ""),
              "xanchor": "right", "yanchor": "top" if below else "bottom", "showarrow": False}
-            for said, value, below in limits(one, highest)[0]
+            for text, value, below in limits(diagram, highest)[0]
         ]  # fmt: skip
         top = axis["domain"][0]
     lowest = "y" if len(heights) == 1 else f"y{len(heights)}"
@@ -162,27 +162,27 @@ def _layout(plot: Plot) -> Data:
     return layout
 
 
-def _shapes(one: Diagram, axis: str) -> list[Data]:
+def _shapes(diagram: Diagram, axis: str) -> list[Data]:
     def line(ends: Data, colour: str) -> Data:
         return {"type": "line", "line": {"color": colour, "width": 0.8, "dash": "dash"}, **ends}
 
     across = {"xref": "paper", "x0": 0, "x1": 1, "yref": axis}
-    inside = [value for _, value in one.levels if not one.ends or value <= one.ends[1]]
-    found = [line({**across, "y0": y, "y1": y}, "ink") for y in (*one.dashed, *inside)]
-    found += [line({"xref": "x", "x0": x, "x1": x, "yref": f"{axis} domain", "y0": 0, "y1": 1}, "grey")
-              for x in one.upright]  # fmt: skip
-    if one.band:
-        found.append({"type": "rect", **across, "y0": one.band[0], "y1": one.band[1], "fillcolor": "grey",
+    inside = [value for _, value in diagram.levels if not diagram.ends or value <= diagram.ends[1]]
+    shapes = [line({**across, "y0": y, "y1": y}, "ink") for y in (*diagram.dashed, *inside)]
+    shapes += [line({"xref": "x", "x0": x, "x1": x, "yref": f"{axis} domain", "y0": 0, "y1": 1}, "grey")
+              for x in diagram.upright]  # fmt: skip
+    if diagram.band:
+        shapes.append({"type": "rect", **across, "y0": diagram.band[0], "y1": diagram.band[1], "fillcolor": "grey",
                       "opacity": 0.2, "line": {"width": 0}})  # fmt: skip
-    return found
+    return shapes
 
 
 def _entry(trace: Data) -> Data:
-    marker, drawn = trace.get("marker", {}), "lines" in trace["mode"]
+    marker, lined = trace.get("marker", {}), "lines" in trace["mode"]
     return {
-        "label": trace["legendgroup"], "colour": trace["line"]["color"], "dash": trace["line"]["dash"] if drawn else "",
+        "label": trace["legendgroup"], "colour": trace["line"]["color"], "dash": trace["line"]["dash"] if lined else "",
         "filled": "fill" in trace, "stacked": "stackgroup" in trace,
-        "hatch": trace.get("fillpattern", {}).get("shape", ""), "mark": "" if drawn else marker.get("symbol", ""),
+        "hatch": trace.get("fillpattern", {}).get("shape", ""), "mark": "" if lined else marker.get("symbol", ""),
         "shown": trace.get("visible", True) is True, "traces": [],
     }  # fmt: skip
 
@@ -190,23 +190,23 @@ def _entry(trace: Data) -> Data:
 def _bars(bars: Bars) -> Data:
     """Bars of a look as a trace each."""
     data = list[Data]()
-    names = {one.name: "<br>".join(wrap(plain(one.name), _SHORT, break_long_words=False)) for one in bars.rows}
-    for look in dict.fromkeys(one.look for one in bars.rows):
-        some, (face, edge, hatch) = [one for one in bars.rows if one.look == look], LOOKS[look]
+    names = {bar.name: "<br>".join(wrap(plain(bar.name), _SHORT, break_long_words=False)) for bar in bars.rows}
+    for look in dict.fromkeys(bar.look for bar in bars.rows):
+        rows, (face, edge, hatch) = [bar for bar in bars.rows if bar.look == look], LOOKS[look]
         marker: Data = {"color": face, "line": {"color": edge, "width": 0.8}}
         if hatch:
             marker["pattern"] = {"shape": hatch, "bgcolor": face, "fgcolor": edge, "size": 6, "solidity": 0.2}
-        ends = [(f"{one.start:.4g} {label(bars.unit)} at {one.left}, " if one.left else "")
-                + (f"{one.end:.4g} {label(bars.unit)} at {one.right}" if one.left else one.said or one.right)
-                for one in some]  # fmt: skip
+        ends = [(f"{bar.start:.4g} {label(bars.unit)} at {bar.left}, " if bar.left else "")
+                + (f"{bar.end:.4g} {label(bars.unit)} at {bar.right}" if bar.left else bar.said or bar.right)
+                for bar in rows]  # fmt: skip
         data.append({
-            "type": "bar", "orientation": "h", "base": numbers(one.start for one in some),
-            "x": numbers(one.end - one.start for one in some), "y": [names[one.name] for one in some], "name": look,
+            "type": "bar", "orientation": "h", "base": numbers(bar.start for bar in rows),
+            "x": numbers(bar.end - bar.start for bar in rows), "y": [names[bar.name] for bar in rows], "name": look,
             "showlegend": False, "marker": marker, "customdata": [plain(text.replace("-", "−")) for text in ends],
-            "text": [plain(one.said or one.right).replace(", ", "<br>") for one in some], "textposition": "outside",
+            "text": [plain(bar.said or bar.right).replace(", ", "<br>") for bar in rows], "textposition": "outside",
             "cliponaxis": False, "hovertemplate": "%{y}: %{customdata}<extra></extra>",
         })  # fmt: skip
-    low, high = min(0.0, *(one.start for one in bars.rows)), max(0.0, *(one.end for one in bars.rows))
+    low, high = min(0.0, *(bar.start for bar in bars.rows)), max(0.0, *(bar.end for bar in bars.rows))
     layout = {"height": 90 + 34 * len(names), "hovermode": "closest", "barmode": "overlay",
               "xaxis": {"title": {"text": reads(bars.across, bars.unit)},
                         "range": numbers((1.05 * low, high + 0.3 * (high - low)))},

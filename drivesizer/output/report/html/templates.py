@@ -31,9 +31,9 @@ class Compiled(BytecodeCache):
 
     def load_bytecode(self, bucket: Bucket) -> None:
         """Fill a bucket with what was kept, if it is whole."""
-        found = cached_bytes(_place(bucket))
-        if found is not None:
-            bucket.bytecode_from_string(found)
+        bytecode = cached_bytes(_place(bucket))
+        if bytecode is not None:
+            bucket.bytecode_from_string(bytecode)
 
     def dump_bytecode(self, bucket: Bucket) -> None:
         """Keep what a bucket holds; where the folder cannot be written it is compiled again the next time."""
@@ -64,13 +64,13 @@ def mathml(sources: Iterable[str]) -> Mapping[str, str]:
     """
     import typst
 
-    wanted = list(dict.fromkeys(source for source in sources if source))
-    if not wanted:
+    formulas = list(dict.fromkeys(source for source in sources if source))
+    if not formulas:
         return {}
-    page = "\n".join(f"#html.elem({_PLACE})[${source}$]" for source in wanted)
-    made = typst.compile(page.encode(), format="html", font_paths=typst.Fonts(include_system_fonts=False))
-    found = re.findall(f"<{_TAG}>(.*?)</{_TAG}>", made.decode(), re.DOTALL)
-    return {source: _plain(text) for source, text in zip(wanted, found, strict=True)}
+    page = "\n".join(f"#html.elem({_PLACE})[${source}$]" for source in formulas)
+    html = typst.compile(page.encode(), format="html", font_paths=typst.Fonts(include_system_fonts=False))
+    texts = re.findall(f"<{_TAG}>(.*?)</{_TAG}>", html.decode(), re.DOTALL)
+    return {source: _plain(text) for source, text in zip(formulas, texts, strict=True)}
 
 
 _TAG = "output"  # an element that mathematics does not have
@@ -105,14 +105,14 @@ def environment(math: Mapping[str, str]) -> Environment:
     import jinja2
     from markupsafe import Markup
 
-    made = jinja2.Environment(
+    templates = jinja2.Environment(
         loader=jinja2.FunctionLoader(own_file), autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True,
         lstrip_blocks=True, bytecode_cache=Compiled(),
     )  # fmt: skip
-    made.policies["json.dumps_kwargs"] = {"allow_nan": False, "ensure_ascii": False, "separators": (",", ":")}
-    made.filters["math"] = lambda source: Markup(math[source])  # noqa: S704 - set by typst from our own source
-    made.filters["noted"] = _noted
-    return made
+    templates.policies["json.dumps_kwargs"] = {"allow_nan": False, "ensure_ascii": False, "separators": (",", ":")}
+    templates.filters["math"] = lambda source: Markup(math[source])  # noqa: S704 - set by typst from our own source
+    templates.filters["noted"] = _noted
+    return templates
 
 
 def _noted(text: str) -> Any:
