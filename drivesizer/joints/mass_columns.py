@@ -135,8 +135,7 @@ def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joi
 
     def axis(joint: Joint) -> Array:
         """In the frame of the root, the joints that move at their references."""
-        along: Array = robot.frame(joint.parent, held)[1] @ joint.turn @ joint.axis
-        return along
+        return robot.frame(joint.parent, held)[1] @ joint.turn @ joint.axis
 
     for row, name in enumerate(joints):
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]

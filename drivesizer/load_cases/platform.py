@@ -452,5 +452,4 @@ def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArr
     time[:-1, 1] = np.maximum(np.nextafter(time[:-1, 1], -math.inf), time[:-1, 0])
     kept = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
     rows: NDArray[np.float64] = np.stack([time, left], axis=2).reshape(-1, 2)[kept]
-    found: NDArray[np.float64] = rows[np.append(np.diff(rows[:, 0]) > 0.0, True)]
-    return found  # a segment too short for its times to differ: its end
+    return rows[np.append(np.diff(rows[:, 0]) > 0.0, True)]

@@ -73,8 +73,7 @@ class Course:
     @property
     def direction(self) -> NDArray[np.float64]:
         """Sign of the speed within each segment, 0 at rest: shape (segments, 1, ...)."""
-        direction: NDArray[np.float64] = np.sign(self.speed.mean(axis=1, keepdims=True))
-        return direction
+        return np.sign(self.speed.mean(axis=1, keepdims=True))
 
     def split(self) -> Course:
         """The same course, cut where it turns round: within a segment the direction is one."""

@@ -109,8 +109,7 @@ def pieces_of_turn(course: Course) -> NDArray[np.float64]:
     """Pieces of each segment of a course that turns in which a weight on a lever is a straight line to 1e-5 of it."""
     lasting = np.where(course.duration > 0.0, course.duration, 1.0)
     slope = np.abs(np.diff(course.speed, axis=1)[:, 0]) / lasting
-    found: NDArray[np.float64] = np.hypot(np.abs(course.speed).max(axis=1), np.sqrt(slope)) * course.duration / _STEP
-    return found
+    return np.hypot(np.abs(course.speed).max(axis=1), np.sqrt(slope)) * course.duration / _STEP
 
 
 def weight_on_lever(lever: Lever, gravity: Figure, course: Course) -> tuple[Course, Ends]:

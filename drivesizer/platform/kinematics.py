@@ -446,8 +446,7 @@ def map_columns(matrix: Array, values: Array) -> Array:
 
 def to_robot(theta: Any, xi_dot: Any) -> Array:
     """Velocity in the robot's frame, (22)."""
-    found: Array = eq.robot_velocity(np.asarray(theta, dtype=float), *columns(xi_dot, 3, "velocity in the world"))
-    return found
+    return eq.robot_velocity(np.asarray(theta, dtype=float), *columns(xi_dot, 3, "velocity in the world"))
 
 
 def seen_by_robot(theta: Any, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
@@ -463,8 +462,7 @@ def seen_by_robot(theta: Any, velocity: Array, acceleration: Array) -> tuple[Arr
 
 def to_world(theta: Any, eta: Any) -> Array:
     """Velocity in the world, (31); the other way round of ``to_robot``."""
-    found: Array = eq.world_velocity(np.asarray(theta, dtype=float), *columns(eta, 3, "velocity of the platform"))
-    return found
+    return eq.world_velocity(np.asarray(theta, dtype=float), *columns(eta, 3, "velocity of the platform"))
 
 
 def wheel_speeds(k: Kinematics, eta: Any) -> Array:

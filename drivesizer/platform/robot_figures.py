@@ -295,8 +295,7 @@ def _factors(unit: str) -> Array:
     up = np.array([_factor(u.strip()) for u in over.split(",")])
     if not under:
         return up if len(up) > 1 else up.reshape(())
-    factors: Array = up[:, None] / np.array([_factor(u.strip()) for u in under.split(",")])
-    return factors
+    return up[:, None] / np.array([_factor(u.strip()) for u in under.split(",")])
 
 
 def _value(expression: str, *, anew: bool = False) -> Any:

@@ -23,8 +23,7 @@ Array = NDArray[np.float64]
 def places(names: list[str]) -> Iterable[int]:
     """Numbers of places; not Python integers, for which numba would compile a function once for every number."""
     found: Any = np.arange(len(names))
-    numbers: Iterable[int] = found
-    return numbers
+    return found
 
 
 def numbered(names: str, before: str = "") -> list[str]:

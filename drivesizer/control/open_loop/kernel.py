@@ -72,8 +72,7 @@ def torque_of(q: Array, table: Array, lag: float, v: float, w: float) -> float:
     pull_out = q[NOW] * (table[k] + (place - k) * (table[k + 1] - table[k]))
     root, slip = math.sqrt(max(pull_out, 0.0)), v - w
     fades = max(1.0 - abs(slip) / (q[FADES] * root), 0.0) if root > 0.0 else 0.0
-    found: float = pull_out * math.sin(q[TEETH] * lag) + q[DAMP] * root * slip * fades
-    return found
+    return pull_out * math.sin(q[TEETH] * lag) + q[DAMP] * root * slip * fades
 
 
 def stage(p: Array, q: Array, table: Array, x: float, w: float, sign: float, field: tuple[float, ...],
