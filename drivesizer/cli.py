@@ -31,8 +31,8 @@ _TABLE = {head: {name: rest for of, (name, *rest) in listed("drivesizer.commands
 _COMMANDS, _GROUPS = _TABLE["commands"], _TABLE["groups"]  # by name, in the order of use
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(value: bool) -> None:
+    if value:
         typer.echo(f"drivesizer {__version__}")
         raise typer.Exit
 
@@ -51,23 +51,23 @@ def _unloaded() -> None:
 
 def _with_commands(names: Collection[str], *, loaded: bool = True) -> typer.Typer:
     """The command line with some of its commands, whose modules are loaded unless only their names are wanted."""
-    made = typer.Typer(
+    app = typer.Typer(
         name="drivesizer",
         no_args_is_help=True,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
         context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     )
-    made.callback()(_root)
+    app.callback()(_root)
     for name, (module, short, example) in _COMMANDS.items():
         if name in names:
             command = getattr(importlib.import_module(f"drivesizer.{module}"), name) if loaded else _unloaded
-            made.command(name, short_help=short, epilog=f"Example: drivesizer {example}")(command)
+            app.command(name, short_help=short, epilog=f"Example: drivesizer {example}")(command)
     for name, (module, short) in _GROUPS.items():
         if name in names:
             group = importlib.import_module(f"drivesizer.{module}").app if loaded else typer.Typer(callback=_unloaded)
-            made.add_typer(group, name=name, short_help=short)
-    return made
+            app.add_typer(group, name=name, short_help=short)
+    return app
 
 
 @cache

@@ -81,16 +81,16 @@ def rounded_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
     for name in ("payload", "payload_back"):
         if getattr(before, name):
             fields[name] = show(getattr(before, name), "kg", "mass", 6)
-    made = SCurve.model_validate(fields, context={"axis": proof.spec.load.axis})
-    longer = profile_of(proof.spec.alone(motion=made)).duration - profile_of(proof.spec).duration
+    curve = SCurve.model_validate(fields, context={"axis": proof.spec.load.axis})
+    longer = profile_of(proof.spec.alone(motion=curve)).duration - profile_of(proof.spec).duration
     what = f"rounded ramps, the cycle {show(longer, 's', 'time', 3)} longer"
     entry = ", ".join(f"{name}: {'true' if text is True else text}" for name, text in fields.items())
-    yield Change(what, f"motion: {{{entry}}}", _with_motion(spec, before, made))
+    yield Change(what, f"motion: {{{entry}}}", _with_motion(spec, before, curve))
 
 
-def _with_motion(spec: RobotSpec, before: Any, made: Any) -> RobotSpec:
+def _with_motion(spec: RobotSpec, before: Any, motion: Any) -> RobotSpec:
     """The spec with another motion in the place of one, in all load cases that have it."""
-    return spec.changed(lambda one: one.model_copy(update={"motion": made} if one.motion == before else {}))
+    return spec.changed(lambda case: case.model_copy(update={"motion": motion} if case.motion == before else {}))
 
 
 def _limits(motion: SCurve | Trapezoid | Triangle | Move) -> dict[str, float] | None:
@@ -124,11 +124,11 @@ def other_gains(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
     without = {name: getattr(blank, name) for name in (*_GAINS, *(("phase_margin",) if cascade else ()))}
 
     def with_figures(figures: dict[str, Any]) -> RobotSpec:
-        def change(one: RobotSpec) -> RobotSpec:
-            control, own = one.control, figures
+        def change(case: RobotSpec) -> RobotSpec:
+            control, own = case.control, figures
             if control.structure == "cascade":
                 own = {"velocity": control.velocity.model_copy(update=figures)}
-            return one.model_copy(update={"control": control.model_copy(update=own)})
+            return case.model_copy(update={"control": control.model_copy(update=own)})
 
         return spec.changed(change)
 
@@ -151,8 +151,8 @@ def finer_steps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
     more = int(min(CALM, finest)) if finest >= 1.0 else CALM
     if isinstance(proof.gains, Stepping) and more > proof.gains.microsteps:
 
-        def change(one: RobotSpec) -> RobotSpec:
-            return one.model_copy(update={"control": one.control.model_copy(update={"microsteps": more})})
+        def change(case: RobotSpec) -> RobotSpec:
+            return case.model_copy(update={"control": case.control.model_copy(update={"microsteps": more})})
 
         what = "finer steps" if finest >= more else "finer steps, of a driver that has them"
         yield Change(what, f"control.microsteps: {more}", spec.changed(change))
@@ -167,17 +167,17 @@ def slower_ramps(spec: RobotSpec, proof: Validation) -> Iterator[Change]:
         if before.acceleration is not None:
             kind, unit = _UNITS[proof.spec.load.axis]["acceleration"]
             text = show(before.acceleration / factor, unit, kind, 6)
-            made = before.model_copy(update={"acceleration": to_si(text, kind)})
-            yield Change("slower ramps", f"motion.acceleration: {text}", _with_motion(spec, before, made))
+            ramps = before.model_copy(update={"acceleration": to_si(text, kind)})
+            yield Change("slower ramps", f"motion.acceleration: {text}", _with_motion(spec, before, ramps))
             continue
         text = show(factor * before.phases[0], "s", "time", 6)
-        made = before.model_copy(update={"acceleration_time": to_si(text, "time")})
+        ramps = before.model_copy(update={"acceleration_time": to_si(text, "time")})
         entry = f"motion.acceleration_time: {text}"
         if before.deceleration_time is not None:
             text = show(factor * before.deceleration_time, "s", "time", 6)
-            made = made.model_copy(update={"deceleration_time": to_si(text, "time")})
+            ramps = ramps.model_copy(update={"deceleration_time": to_si(text, "time")})
             entry += f", motion.deceleration_time: {text}"
-        yield Change("slower ramps", entry, _with_motion(spec, before, made))
+        yield Change("slower ramps", entry, _with_motion(spec, before, ramps))
 
 
 _ALL = 1e-6  # of the duration: a smaller part that was not simulated is not reported
@@ -259,7 +259,7 @@ def validate(
         motion, farther = named(spec, profile) if isinstance(profile, str) else profile, ()
     more = []
     if drive_set.estimated:
-        listed = ", ".join(f"{one.title} {one.text}" for one in drive_set.estimated)
+        listed = ", ".join(f"{estimate.title} {estimate.text}" for estimate in drive_set.estimated)
         more.append(f"estimated from peers, at the middle of the band: {listed}")
     if others := len(cases) - 1:
         left = "1 further case is" if others == 1 else f"{others} further cases are"
@@ -273,14 +273,14 @@ def validate(
         assumptions, warnings = (*proof.assumptions, *more), (*proof.warnings, *farther)
         return replace(proof, assumptions=assumptions, warnings=warnings)
     case = run(spec, drive_set, motion)
-    found, recorded, controller = checks(case), columns(case), drive_set.controller
+    check_results, recorded, controller = checks(case), columns(case), drive_set.controller
     if shared:
         note = "of this load case alone, informational: it has a share of the time, and `size` checks the whole shift"
-        found = tuple(
+        check_results = tuple(
             replace(c, advice=True, title=f"{c.title} (advice)", note=note)
             if c.name in _OF_THE_SHIFT and not c.advice
             else c
-            for c in found
+            for c in check_results
         )
     own: tuple[ControllerGain, ...] = ()
     lacking: list[str] = []
@@ -292,14 +292,14 @@ def validate(
         drive_set=drive_set,
         case=name,
         profile=motion.name,
-        status=verdict(found),
-        checks=found,
+        status=verdict(check_results),
+        checks=check_results,
         figures=figures(case),
         gains=case.controller,
         series=recorded,
         series_units=units_of("series", recorded, rotary=spec.load.shaft_axis == "rotary"),
         assumptions=(*case.assumptions, *_assumptions(case), *more),
-        warnings=(*_warnings(case, found), *lacking, *farther),
+        warnings=(*_warnings(case, check_results), *lacking, *farther),
         controller_gains=own,
         loops=case.loops.all,
         linear=linear_run(case),
@@ -325,9 +325,9 @@ def commissioned(
         rated = replace(controller, current_loop=current, speed_loop=velocity, position_loop=position)
         drive = replace(drive, controller=rated)
 
-    def simulated(control: Control, one: DriveSet = drive) -> Validation:
+    def simulated(control: Control, drive_set: DriveSet = drive) -> Validation:
         own = spec.changed(lambda case: case.model_copy(update={"control": control}))
-        return validate(own, one, profile=profile, load_case=load_case, device=device)
+        return validate(own, drive_set, profile=profile, load_case=load_case, device=device)
 
     proof = simulated(devices.loops_of(device, spec, drive))
     values = devices.figures(proof, device, settings or {})
@@ -349,9 +349,9 @@ def commissioned(
     if values.get("rate", 0.0) > most:
         raise InputError(f"--device: {device.title} cannot express {values['rate'] / 1e3:.3g} kHz of pulses: "
                          f"{most / 1e3:.3g} kHz at most; expected fewer control.microsteps")  # fmt: skip
-    again = simulated(devices.as_written(device, rows, proof, values), devices.with_limit(device, rows, drive))
-    said = f"the loop is that of {device.title}, with the gains and limits that are written there, after rounding"
-    return Commissioned(proof, rows, left_out, replace(again, assumptions=(said, *again.assumptions)))
+    rounded = simulated(devices.as_written(device, rows, proof, values), devices.with_limit(device, rows, drive))
+    note = f"the loop is that of {device.title}, with the gains and limits that are written there, after rounding"
+    return Commissioned(proof, rows, left_out, replace(rounded, assumptions=(note, *rounded.assumptions)))
 
 
 def with_remedies(
@@ -361,7 +361,7 @@ def with_remedies(
     *,
     profile: str | Profile | None = None,
     axis: str = "",
-    sized: Callable[[RobotSpec, DriveSet], DriveSet] = lambda _, one: one,
+    sized: Callable[[RobotSpec, DriveSet], DriveSet] = lambda _, drive: drive,
 ) -> Validation:
     """A simulation that fails with what helps: finer steps, smoother ramps, another bandwidth, another drive.
 
@@ -376,33 +376,33 @@ def with_remedies(
         kinds.insert(1, rounded_ramps(spec, proof))
         kinds += [slower_ramps(spec, proof)] * mine.steps
     option = f"--axis {axis} --set" if axis else "--set"
-    next_drives = [one for one in others if one.label != mine.label][:_OTHERS]
+    next_drives = [other for other in others if other.label != mine.label][:_OTHERS]
     drives = [
-        (f"another drive{_heavier(mine, one) if axis else ''}", f"{option} {one.order_numbers}", spec, one)
-        for one in next_drives
+        (f"another drive{_heavier(mine, other) if axis else ''}", f"{option} {other.order_numbers}", spec, other)
+        for other in next_drives
     ]
-    under, tried = f"axes.{axis}." if axis else "", list[Remedy]()
+    under, remedies = f"axes.{axis}." if axis else "", list[Remedy]()
     for kind in (*([(c.what, under + c.entry, c.spec, mine) for c in kind] for kind in kinds), drives):
-        for what, entry, changed, one in kind:
+        for what, entry, changed, drive in kind:
             try:
-                again = one if changed is spec else sized(changed, one)
-                status, found = again.status, again.deciding
+                resized = drive if changed is spec else sized(changed, drive)
+                status, checks = resized.status, resized.deciding
                 if status != "fail":
-                    run_again = validate(changed, again, profile=profile, load_case=proof.case or None)
-                    status, found = run_again.status, run_again.checks
+                    run_again = validate(changed, resized, profile=profile, load_case=proof.case or None)
+                    status, checks = run_again.status, run_again.checks
             except InputError:  # as a bandwidth that the loop's delay does not allow
                 continue
-            tried.append(Remedy(what, entry, status, worst(found)))
+            remedies.append(Remedy(what, entry, status, worst(checks)))
             if status != "fail":
                 break
-    return replace(proof, tried=tuple(tried))
+    return replace(proof, tried=tuple(remedies))
 
 
 def _heavier(mine: DriveSet, other: DriveSet) -> str:
     """Mass by which another drive is heavier for an axis that carries it, in words; its controller rides on none."""
 
-    def of_turning(one: DriveSet) -> float:
-        return math.fsum(part.mass for role, part in one.parts.items() if part is not None and role != "controller")
+    def of_turning(drive: DriveSet) -> float:
+        return math.fsum(part.mass for role, part in drive.parts.items() if part is not None and role != "controller")
 
     more = of_turning(other) - of_turning(mine)
     return f", {show(more, 'g', 'mass', 3)} heavier" if more > 0.0 else ""
@@ -432,36 +432,36 @@ def validate_all(
     InputError
         As :func:`validate`, where no drive can be simulated.
     """
-    found: list[Validation] = []
+    proofs: list[Validation] = []
     errors: list[str] = []
-    for one in result.sets:
+    for drive in result.sets:
         try:
-            driven = hardest_case(result.spec, one) if load_case is None else load_case
-            found.append(validate(result.spec, one, profile=profile, load_case=driven))
+            driven = hardest_case(result.spec, drive) if load_case is None else load_case
+            proofs.append(validate(result.spec, drive, profile=profile, load_case=driven))
         except InputError as error:
-            errors.append(f"{one.label}: {error}")
-    if not found:
+            errors.append(f"{drive.label}: {error}")
+    if not proofs:
         raise InputError(errors[0])
-    return sorted(found, key=lambda proof: GRAVEST[::-1].index(proof.status)), errors
+    return sorted(proofs, key=lambda proof: GRAVEST[::-1].index(proof.status)), errors
 
 
 def _assumptions(case: ClosedLoop) -> list[str]:
     """Assumptions of the model, as sentences."""
     simulated, lasts = case.figure("time_simulated"), case.figure("time")
-    given: dict[str, Any] = {
+    terms: dict[str, Any] = {
         "case": case, "cascade": isinstance(case.controller, Cascade), "over": case.controller.counted_over,
         "computing": COMPUTING, "unlimited": math.isnan(case.usable_voltage), "simulated": simulated, "lasts": lasts,
         "repeated": simulated < (1.0 - _ALL) * lasts,
         "lag": case.figure("load_angle_error"),  # rad: an error of the sine of as much at most
     }  # fmt: skip
     return [
-        *sentences("drivesizer.control", "closed loop", **given),
+        *sentences("drivesizer.control", "closed loop", **terms),
         *loss_assumptions(case.spec, case.drive_set.controller),
-        *sentences("drivesizer.control", "closed loop, as it was simulated", **given),
+        *sentences("drivesizer.control", "closed loop, as it was simulated", **terms),
     ]
 
 
-def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
+def _warnings(case: ClosedLoop, checks: tuple[Check, ...]) -> list[str]:
     """Warnings, each with its remedy where there is one."""
     warnings = loop_warnings(case.loops.all, case.profile)
     if case.train.flexible:
@@ -476,7 +476,7 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
             peak = controller.peak_current if controller else math.nan
             warnings += resolution_warning(encoder.lines, time, c.velocity_kp, peak)
     warnings += [*_rest_current_note(case), *grip_warning(case.spec)]
-    failed = {check.name for check in found if check.status == "fail" and not check.advice}
+    failed = {check.name for check in checks if check.status == "fail" and not check.advice}
     if "stability" in failed:
         warnings.append("the loop is unstable with these gains: lower them, or leave them out to have them designed")
     if "tracking_error" in failed:
@@ -486,9 +486,9 @@ def _warnings(case: ClosedLoop, found: tuple[Check, ...]) -> list[str]:
         limits = {"time_at_voltage_limit": "voltage", "time_at_current_limit": "current"}
         why = next((f": {what} limit reached" for name, what in limits.items() if case.figure(name)), "")
         warnings.append(f"the drive does not follow the profile: error {show(error, unit, kind, 3)}{share}{why}")
-    if math.isinf(next(check.demand for check in found if check.name == "winding_temperature")):
+    if math.isinf(next(check.demand for check in checks if check.name == "winding_temperature")):
         warnings.append("thermal runaway of the winding at this current")
-    unknown = [check.title for check in found if check.status == "unknown" and not check.advice]
+    unknown = [check.title for check in checks if check.status == "unknown" and not check.advice]
     if unknown:
         warnings.append(f"unknown: {', '.join(unknown)}")
     return warnings
@@ -512,13 +512,13 @@ def _rest_current_note(case: ClosedLoop) -> list[str]:
     current = np.abs(rows["current"][still])
     holding = np.abs(machine.rest_torque + more) / machine.ratio / machine.torque_constant
     worst = int(np.argmax(current - holding))
-    kept, needed = float(current[worst]), float(holding[worst])
-    if not kept > needed + _KEPT * case.figure("rms_current"):
+    at_rest, needed = float(current[worst]), float(holding[worst])
+    if not at_rest > needed + _KEPT * case.figure("rms_current"):
         return []
     cure = "switch the power stage off at rest to save that heat"
     if needed:  # the weight would move the load
         cure = "a brake that holds at rest saves that heat; with the power stage off alone the load moves"
     return [
-        f"at rest the integral of the loop holds up to {show(kept, 'A', 'current', 3)} against friction, where holding "
-        f"the load needs {show(needed, 'A', 'current', 3)}: {cure}"
+        f"at rest the integral of the loop holds up to {show(at_rest, 'A', 'current', 3)} against friction, where "
+        f"holding the load needs {show(needed, 'A', 'current', 3)}: {cure}"
     ]

@@ -95,7 +95,7 @@ def size(
         spec, catalog, top, pareto=pareto, progress=progress, sampling=sampling, choices=choices,
         misses=0 if brief else _MISSES, others=0 if brief else _ALTERNATIVES, brief=brief,
     )  # fmt: skip
-    problem, found, evaluation = picked.problem, picked.found, picked.found.evaluation
+    problem, search, evaluation = picked.problem, picked.found, picked.found.evaluation
 
     def records(rows: Iterable[int], first: int) -> tuple[DriveSet, ...]:
         return tuple(picked.record(row, rank, in_brief=headline and rank > 1) for rank, row in enumerate(rows, first))
@@ -113,28 +113,28 @@ def size(
 
     sets = passing(picked.best, 1)
     unsure = passing(picked.unsure, len(sets) + 1)
-    rejected, in_vain = [*picked.short, *picked.rejected][: None if sets else top], not (brief or found.passing)
-    shown = next(iter((*picked.best, *picked.unsure, *picked.short)), 0)
+    rejected, in_vain = [*picked.short, *picked.rejected][: None if sets else top], not (brief or search.passing)
+    row = next(iter((*picked.best, *picked.unsure, *picked.short)), 0)
 
     def going_on() -> None:
         if progress:
-            progress(found.counts.considered, found.counts.considered)
+            progress(search.counts.considered, search.counts.considered)
 
     prices_left = [uncompared(problem.catalog)] if problem.machine.counts_price or "price" in pareto else []
     return SizingResult(
         problem=problem,
         method=spec.method,
         objective=title_of(spec.select.objective),
-        requirements=_requirements(found, shown),
+        requirements=_requirements(search, row),
         sets=sets,
         unsure=unsure,
         misses=records(rejected, len(sets) + len(unsure) + 1),
-        front=records(found.front, 1),
+        front=records(search.front, 1),
         alternatives=records(picked.others, 2),
         relaxations=relaxations(problem, going_on) if in_vain else (),
         tried=tried(problem) if in_vain else (),
         unrestricted=None if brief else _unrestricted(problem),
-        counts=found.counts,
+        counts=search.counts,
         assumptions=assumptions(problem, spec, (*sets, *unsure)),
         warnings=() if headline else (*warnings(picked, sets), *catalog.replaced, *filter(None, prices_left)),
         pareto=pareto,
@@ -143,17 +143,17 @@ def size(
     )
 
 
-def _requirements(found: SearchResult, row: int) -> tuple[Requirement, ...]:
+def _requirements(search: SearchResult, row: int) -> tuple[Requirement, ...]:
     """The load's requirements: by physics figures of the load cycle, by the paper (1)-(16).
 
     The latter are with the rotor inertia of the candidate that is shown; without candidates, with none.
     """
-    problem = found.evaluation.problem
+    problem = search.evaluation.problem
     if problem.spec.method == "physics":
         of_screw = screw_requirements([case.spec for case in problem.cases])
         return (*requirements([case.cycle for case in problem.cases]), *of_screw)
-    if len(found.evaluation.candidates.motor):
-        return tuple(found.evaluation.requirements(row)[0])
+    if len(search.evaluation.candidates.motor):
+        return tuple(search.evaluation.requirements(row)[0])
     return tuple(vehicle(problem.spec, 0.0).steps.values())
 
 
@@ -215,30 +215,30 @@ def explained(
         select=behind.select.pair_with(part, family), transmission=behind.transmission
     )  # the motor with all gearheads of the family, of which the one is examined
     combinations = candidates(narrowed, also=rows)
-    found = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1])).tolist()
+    pair_rows = np.flatnonzero((combinations.motor == rows[0]) & (combinations.gearhead == rows[1])).tolist()
     evaluation = evaluate(narrowed, combinations)
     machine = InMachine(problem)
-    parts = {row: drive_parts(evaluation, row) for row in found}
-    beside = {row: other_checks(problem, one) for row, one in parts.items()}
+    parts = {row: drive_parts(evaluation, row) for row in pair_rows}
+    others = {row: other_checks(problem, drive) for row, drive in parts.items()}
     reliability, uncertain = dict[int, Reliability](), None
     if sampling or (sampling := sampling_of(spec)):
         from drivesizer.search.uncertainty.probabilities import reliabilities, sample_drives, subject, uncertainty
 
-        sampled = sample_drives(problem, {row: subject(evaluation, row, beside[row]) for row in found}, sampling)
+        sampled = sample_drives(problem, {row: subject(evaluation, row, others[row]) for row in pair_rows}, sampling)
         passing = {  # which alone go through the closed loop
-            row: one
-            for row, one in parts.items()
+            row: drive
+            for row, drive in parts.items()
             if not evaluation.failed[row] and verdict(machine.budget(evaluation, row).checks) != "fail"
         }
-        reliability, uncertain = reliabilities(sampled, found, passing), uncertainty(sampled)
+        reliability, uncertain = reliabilities(sampled, pair_rows, passing), uncertainty(sampled)
     sets = [
         drive_set(
             evaluation, row, rank,
             budget=machine.budget(evaluation, row),
-            beside=beside[row],
+            beside=others[row],
             reliability=reliability.get(row),
-            changes=changes_for(problem, one) if evaluation.failed[row] else (),
+            changes=changes_for(problem, drive) if evaluation.failed[row] else (),
         )
-        for rank, (row, one) in enumerate(parts.items(), 1)
+        for rank, (row, drive) in enumerate(parts.items(), 1)
     ]  # fmt: skip
     return Explanation(sets, uncertain, (*not_returning(problem), *nearest_figures(spec, sets)))

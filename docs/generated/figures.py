@@ -18,7 +18,7 @@ from drivesizer import explain, load_spec, size, validate
 from drivesizer.catalog import load
 from drivesizer.catalog.query import Hit
 from drivesizer.control.path_following import FollowingRun
-from drivesizer.control.path_following import drawn as drawn_runs
+from drivesizer.control.path_following import runs_of_figure as drawn_runs
 from drivesizer.files.yaml_source import YamlSource
 from drivesizer.machine.platform_budget import permitted_speeds
 from drivesizer.output.document.bench import bench_document

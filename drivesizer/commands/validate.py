@@ -319,14 +319,14 @@ def drive(
 
 def _followed(found: Any, one: Any, drawings: Path | None) -> Any:
     """Simulate the runs along the path, and draw them where a folder is given."""
-    from drivesizer.control.path_following import drawn, follow_runs
+    from drivesizer.control.path_following import follow_runs, runs_of_figure
 
     with common.working("simulating the platform on its path"):
         runs = follow_runs(found, one)
     if drawings:
         from drivesizer.output.report import write_path
 
-        common.print_written(write_path(drawn(runs), drawings))
+        common.print_written(write_path(runs_of_figure(runs), drawings))
     return runs
 
 

@@ -74,10 +74,10 @@ class Parameter(NamedTuple):
         exact, figure = self.at(values), values.get(self.figure, math.nan)
         if not figure or math.isnan(figure) or math.isclose(value, exact, rel_tol=1e-14):
             return figure
-        found = newton(
+        factor = newton(
             lambda share: self.at({**values, self.figure: figure * share}) - value, 1.0, tol=1e-12, disp=False
         )
-        return figure * float(found)
+        return figure * float(factor)
 
 
 class Device(NamedTuple):
@@ -139,27 +139,27 @@ class Writing(NamedTuple):
 @cache
 def devices() -> dict[str, Device]:
     """All controllers of the table, by name."""
-    found = {}
+    table = {}
     for entry in shipped_data("drivesizer.control", "devices.yaml"):
         rows = (line.split("|") for line in entry["parameters"].strip().splitlines())
         parameters = tuple(Parameter(*(cell.strip() for cell in cells)) for cells in rows)
         words = defaultdict(str, {name: str(value) for name, value in entry.items()})
         current, velocity, position = map(float, entry.get("rates", (0.0, 0.0, 0.0)))
         settings = {}
-        for one in filter(None, entry.get("settings", "").split("; ")):
-            name, value, what = re.split(r" = | ", one, maxsplit=2)
+        for setting in filter(None, entry.get("settings", "").split("; ")):
+            name, value, what = re.split(r" = | ", setting, maxsplit=2)
             settings[name] = math.nan if value == "?" else float(value), what
-        found[entry["name"]] = Device(
+        table[entry["name"]] = Device(
             entry["name"], entry["title"], entry["structure"], entry.get("amperes") == "phase",
             (current, velocity, position), settings, parameters, words,
         )  # fmt: skip
-    return found
+    return table
 
 
 def known(controller: str) -> Device | None:
     """The controller of that family and part, where the table has it."""
-    found = (one for one in devices().values() if one.words["match"])
-    return next((one for one in found if re.search(one.words["match"], controller, re.IGNORECASE)), None)
+    members = (device for device in devices().values() if device.words["match"])
+    return next((device for device in members if re.search(device.words["match"], controller, re.IGNORECASE)), None)
 
 
 def device_of(name: str | None, controller: str, firmware: str | None = None) -> Device:
@@ -171,23 +171,25 @@ def device_of(name: str | None, controller: str, firmware: str | None = None) ->
     'moteus-old'
     """
     table = devices()
-    found = table.get(name) if name else known(controller)
-    family = found.words["family"] if found else name or ""
-    members = [one for one in table.values() if family and one.words["family"] == family]
-    if firmware is None and found:
-        return found
+    device = table.get(name) if name else known(controller)
+    family = device.words["family"] if device else name or ""
+    members = [member for member in table.values() if family and member.words["family"] == family]
+    if firmware is None and device:
+        return device
     if members:
-        each = ", ".join(f"{one.words['firmware'].replace(' .. ', ' to below ')} ({one.name})" for one in members)
+        versions = ", ".join(
+            f"{member.words['firmware'].replace(' .. ', ' to below ')} ({member.name})" for member in members
+        )
         if firmware is None:
-            raise InputError(f"--device: of {quoted(family)} the firmware decides; expected --firmware, {each}")
+            raise InputError(f"--device: of {quoted(family)} the firmware decides; expected --firmware, {versions}")
         version = _version(firmware)
-        for one in members:
-            low, high = map(_version, one.words["firmware"].split(" .. "))
+        for member in members:
+            low, high = map(_version, member.words["firmware"].split(" .. "))
             if low <= version < high:
-                return one
-        raise InputError(f"--firmware: {quoted(firmware)} is not known of {family}; expected {each}")
-    if found:
-        raise InputError(f"--firmware: it decides nothing of {found.title}; leave it out")
+                return member
+        raise InputError(f"--firmware: {quoted(firmware)} is not known of {family}; expected {versions}")
+    if device:
+        raise InputError(f"--firmware: it decides nothing of {device.title}; leave it out")
     if name is not None:
         raise InputError(f"--device: {quoted(name)} is not known{nearest(name, table)}; expected {', '.join(table)}")
     raise InputError(f"--device: nothing is known of {quoted(controller or 'no controller')}; expected one of "
@@ -224,28 +226,28 @@ def loops_of(device: Device, spec: RobotSpec, drive: DriveSet) -> Control:
     rate = own.rate if own.rate and device.words["own_rate"] else device.rates[1]
     train = drive_train(spec, drive, 1.0 / rate)[0]
     if on_voltage:
-        kept: dict[str, Any] = {"rate": rate, "structure": "voltage_pid", "position": None}
+        loops: dict[str, Any] = {"rate": rate, "structure": "voltage_pid", "position": None}
         if {"b", "J", "M_c"} & has:
             ahead = dict(zip(("acceleration", "velocity", "friction"), feedforward(train), strict=True))
-            kept["feedforward"] = Feedforward(
+            loops["feedforward"] = Feedforward(
                 **{name: ahead[name] * (figure in has) for name, figure in _AHEAD.items()}
             )
         if device.structure == "servo":
-            kept |= {"kp": 0.0, "ki": own.ki or position_on_voltage(train, 1.0 / rate), "at_rest": "hold"}
+            loops |= {"kp": 0.0, "ki": own.ki or position_on_voltage(train, 1.0 / rate), "at_rest": "hold"}
         if own.structure == "cascade" and own.velocity.bandwidth is not None:
-            kept["bandwidth"] = own.velocity.bandwidth
-        return (own if own.structure == "voltage_pid" else Control()).model_copy(update=kept)
-    given, position = own.feedforward, None if device.structure == "speed" else own.position
+            loops["bandwidth"] = own.velocity.bandwidth
+        return (own if own.structure == "voltage_pid" else Control()).model_copy(update=loops)
+    terms, position = own.feedforward, None if device.structure == "speed" else own.position
     if device.structure == "pid" and position is None:
         position = PositionLoop()
     if position and device.words["planned_speed"]:
         position = position.model_copy(update={"planned_speed": False})
     none = {name: 0.0 for name, figure in _AHEAD.items() if figure not in has}
-    kept = {"structure": "cascade", "position": position, "rate": rate, "feedforward": given.model_copy(update=none),
+    loops = {"structure": "cascade", "position": position, "rate": rate, "feedforward": terms.model_copy(update=none),
             "computing": int(not device.words["prompt"])}  # fmt: skip
     if own.structure == "voltage_pid" and own.bandwidth is not None:  # which is required of that structure too
-        kept |= {"velocity": VelocityLoop().model_copy(update={"bandwidth": own.bandwidth}), "bandwidth": None}
-    return own.model_copy(update=kept)
+        loops |= {"velocity": VelocityLoop().model_copy(update={"bandwidth": own.bandwidth}), "bandwidth": None}
+    return own.model_copy(update=loops)
 
 
 _AHEAD = {"velocity": "b", "friction": "M_c", "acceleration": "J"}  # fields of the feed-forward, and their figures
@@ -254,7 +256,7 @@ _AHEAD = {"velocity": "b", "friction": "M_c", "acceleration": "J"}  # fields of 
 def _refuse_foreign(device: Device, spec: RobotSpec, *, on_voltage: bool) -> None:
     """Refuse gains of a spec for which a controller has no place."""
     own, has = spec.control, device.figures
-    given = own.feedforward
+    terms = own.feedforward
     of_cascade = own.current != CurrentLoop() or own.velocity.kp is not None or own.velocity.ki is not None
     wrong = [
         ("kp", own.kp is not None and not on_voltage,
@@ -269,7 +271,7 @@ def _refuse_foreign(device: Device, spec: RobotSpec, *, on_voltage: bool) -> Non
         ("velocity.kd", own.velocity.kd, "it has no place for it"),
         ("current.ki", own.current.ki and own.current.kp and "K_i" in has and not {"K_ii", "T_i"} & has,
          "it makes its own of kp, resistance and inductance"),
-        *((f"feedforward.{name}", getattr(given, name) and figure not in has, "it has no place for it")
+        *((f"feedforward.{name}", getattr(terms, name) and figure not in has, "it has no place for it")
           for name, figure in _AHEAD.items()),
     ]  # fmt: skip
     for name, is_wrong, why in wrong:
@@ -285,51 +287,59 @@ def gain_figures(gains: Cascade | Gains, train: DriveTrain, *, phase: bool) -> d
     """The figures of a controller's loops, in SI and in its own amperes."""
     scale, half = (_PHASE, 0.5) if phase else (1.0, 1.0)
     k_t, k = train.torque_constant, train.torque_constant * scale
-    found = {"R": train.resistance * half, "L": train.inductance * half, "k": k, "k_e": train.back_emf_constant}
+    figures = {"R": train.resistance * half, "L": train.inductance * half, "k": k, "k_e": train.back_emf_constant}
     if isinstance(gains, Cascade):
-        found |= {
+        figures |= {
             "K_i": gains.current_kp * half, "K_ii": gains.current_ki * half, "K_v": gains.velocity_kp * k_t,
             "K_vi": gains.velocity_ki * k_t, "K_pos": gains.position_kp, "J": gains.feedforward_acceleration * k_t,
             "b": gains.feedforward_velocity * k_t, "M_c": gains.feedforward_friction * k_t,
         }  # fmt: skip
-        found["T_i"] = found["K_i"] / found["K_ii"] if found["K_ii"] else math.inf
+        figures["T_i"] = figures["K_i"] / figures["K_ii"] if figures["K_ii"] else math.inf
     else:
         per_volt = k_t / train.resistance
         acceleration, velocity, friction = feedforward(train)
-        found |= {
+        figures |= {
             "volt_p": gains.kp, "volt_i": gains.ki, "K_v": gains.kp * per_volt, "K_vi": gains.ki * per_volt,
             "K_pos": 0.0, "J": acceleration * k_t, "b": velocity * k_t, "M_c": friction * k_t,
         }  # fmt: skip
-    found |= {"A_p": found["K_v"] / k, "A_i": found["K_vi"] / k, "T_w": gains.counted_over * gains.velocity_period}
-    found["T_n"] = found["K_v"] / found["K_vi"] if found["K_vi"] else math.inf
-    place = found["K_pos"]
-    return found | {"kd": found["K_v"], "kp": found["K_v"] * place + found["K_vi"], "ki": found["K_vi"] * place}
+    figures |= {
+        "A_p": figures["K_v"] / k,
+        "A_i": figures["K_vi"] / k,
+        "T_w": gains.counted_over * gains.velocity_period,
+    }
+    figures["T_n"] = figures["K_v"] / figures["K_vi"] if figures["K_vi"] else math.inf
+    place = figures["K_pos"]
+    return figures | {
+        "kd": figures["K_v"],
+        "kp": figures["K_v"] * place + figures["K_vi"],
+        "ki": figures["K_vi"] * place,
+    }
 
 
 def figures(proof: Validation, device: Device, settings: Mapping[str, float]) -> dict[str, float]:
     """The figures that parameters are made of: of the loops, the parts, the motion that was simulated, the board."""
-    gains, one = proof.gains, proof.drive_set
-    found = {name: value for name, (value, _) in device.settings.items()} | dict(settings)
-    moved, steps = proof.series["speed_reference"], np.diff(proof.series["time"])
-    top, ramps = np.abs(moved).max(), np.abs(np.diff(moved)[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0)
-    turns = mechanics(proof.spec, one)[0].motor_per_speed  # rad of the motor per m, or rad, of the load
-    found |= {"v": float(top), "a": float(ramps), "omega": float(top * turns), "alpha": float(ramps * turns)}
+    gains, drive = proof.gains, proof.drive_set
+    values = {name: value for name, (value, _) in device.settings.items()} | dict(settings)
+    speed, steps = proof.series["speed_reference"], np.diff(proof.series["time"])
+    top, ramps = np.abs(speed).max(), np.abs(np.diff(speed)[steps > 0.0] / steps[steps > 0.0]).max(initial=0.0)
+    turns = mechanics(proof.spec, drive)[0].motor_per_speed  # rad of the motor per m, or rad, of the load
+    values |= {"v": float(top), "a": float(ramps), "omega": float(top * turns), "alpha": float(ramps * turns)}
     if isinstance(gains, Stepping):
-        amperes = one.motor.nominal_current / math.sqrt(2.0)
+        amperes = drive.motor.nominal_current / math.sqrt(2.0)
         idle = proof.spec.control.idle_current
-        return found | {
+        return values | {
             "turn": 2.0 * math.pi / turns, "mm": 1e3 if proof.spec.load.shaft_axis == "linear" else 180.0 / math.pi,
-            "full": 4.0 * one.motor.pole_pairs, "microsteps": gains.microsteps, "I_rms": amperes,
+            "full": 4.0 * drive.motor.pole_pairs, "microsteps": gains.microsteps, "I_rms": amperes,
             "I_hold": amperes * (1.0 if idle is None else idle), "rate": gains.pulse_rate,
         }  # fmt: skip
-    train, motor = drive_train(proof.spec, one, gains.velocity_period)[0], one.motor
+    train, motor = drive_train(proof.spec, drive, gains.velocity_period)[0], drive.motor
     scale = _PHASE if device.phase else 1.0
-    peaks = [one.controller.peak_current if one.controller else math.nan, motor.peak_torque / train.torque_constant,
+    peaks = [drive.controller.peak_current if drive.controller else math.nan, motor.peak_torque / train.torque_constant,
              motor.stall_current]  # fmt: skip
     most = min((peak for peak in peaks if not math.isnan(peak)), default=math.nan)
-    return found | gain_figures(gains, train, phase=device.phase) | {
+    return values | gain_figures(gains, train, phase=device.phase) | {
         "i": train.gear_ratio, "p": motor.pole_pairs, "V": proof.spec.supply.nominal,
-        "counts": float(edges_of(proof.spec, one)) or math.nan, "I_max": most / scale,
+        "counts": float(edges_of(proof.spec, drive)) or math.nan, "I_max": most / scale,
         "I_cont": motor.nominal_current / scale, "M_max": most * train.torque_constant,
         "tau_w": motor.winding_time_constant,
     }  # fmt: skip
@@ -340,20 +350,20 @@ def figures(proof: Validation, device: Device, settings: Mapping[str, float]) ->
 
 def written(device: Device, values: Mapping[str, float]) -> Writing:
     """Every parameter with its value as it is written; and those that are not written, with the reason."""
-    found, known = Writing([], [], []), dict(values)
+    writing, known = Writing([], [], []), dict(values)
     reasons = dict[str, list[str]]()
     for parameter in device.parameters:
-        one = _written(parameter, known)
-        if isinstance(one, Written):
-            found.rows.append(one)
-            known[parameter.name] = one.value
-        elif one.startswith("="):
-            line = f"{parameter.name}, {re.split('[;:]', parameter.meaning)[0]}, would be {one.removeprefix('= ')}"
-            (found.refused if parameter.figure in _OF_LOOPS else found.left_out).append(line)
+        row = _written(parameter, known)
+        if isinstance(row, Written):
+            writing.rows.append(row)
+            known[parameter.name] = row.value
+        elif row.startswith("="):
+            line = f"{parameter.name}, {re.split('[;:]', parameter.meaning)[0]}, would be {row.removeprefix('= ')}"
+            (writing.refused if parameter.figure in _OF_LOOPS else writing.left_out).append(line)
         else:
-            reasons.setdefault(one, []).append(parameter.name)
-    found.left_out.extend(f"{', '.join(names)}: {reason}" for reason, names in reasons.items())
-    return found
+            reasons.setdefault(row, []).append(parameter.name)
+    writing.left_out.extend(f"{', '.join(names)}: {reason}" for reason, names in reasons.items())
+    return writing
 
 
 def _written(parameter: Parameter, values: dict[str, float]) -> Written | str:
@@ -368,12 +378,12 @@ def _written(parameter: Parameter, values: dict[str, float]) -> Written | str:
     if not math.isfinite(exact):
         return "the loop has no need of it"
     value = float(np.float32(exact)) if parameter.rounding == "float" else round(exact, parameter.decimals)
-    said = f"= {exact:.4g} {parameter.unit}".rstrip()
+    text = f"= {exact:.4g} {parameter.unit}".rstrip()
     if value == 0.0 and abs(exact) > 1e-30 and not parameter.expression.startswith("8 - log2"):
-        return f"{said}, less than the controller can express"
+        return f"{text}, less than the controller can express"
     low, high = parameter.ends
     if not low <= value <= high:
-        return f"{said}, and it takes {low:.10g} to {high:.10g}"
+        return f"{text}, and it takes {low:.10g} to {high:.10g}"
     si = parameter.figure_at(value, values) if parameter.figure else math.nan
     return Written(parameter, exact, value, si, rotary=values.get("mm", 1e3) != 1e3)
 
@@ -395,14 +405,14 @@ def controller_gains(
     rows = written(device._replace(parameters=tuple(of_gains)), values).rows
     if not rows:
         return (), []
-    found = tuple(
+    gains = tuple(
         ControllerGain(place=row.parameter.name, name=row.parameter.meaning, unit=row.parameter.unit,
                        value=int(row.value) if row.parameter.rounding == "whole" else row.value)
         for row in rows
     )  # fmt: skip
     lacking = {"velocity kd": cascade.velocity_kd}
     lacking |= {"feedforward friction": cascade.feedforward_friction} if "M_c" not in device.figures else {}
-    return found, [f"{device.title} has no place for {what}" for what, gain in lacking.items() if gain]
+    return gains, [f"{device.title} has no place for {what}" for what, gain in lacking.items() if gain]
 
 
 def _names(expression: str) -> set[str]:
@@ -465,9 +475,9 @@ def as_written(device: Device, rows: list[Written], proof: Validation, values: M
                     ("ki", gains.velocity_ki * gains.position_kp)))  # fmt: skip
         root = math.sqrt(max(0.0, p * p - 4.0 * i * d))
         fast, slow = (p + root) / (2.0 * d), (p - root) / (2.0 * d)
-        inner = min((fast, slow), key=lambda one: abs(one - ki / kp))
+        inner = min((fast, slow), key=lambda rate: abs(rate - ki / kp))
         kp, ki, outer = d, d * inner, fast + slow - inner
-    found: dict[str, Any] = {
+    loops: dict[str, Any] = {
         "current": CurrentLoop(kp=current_kp, ki=current_ki), "velocity": VelocityLoop(kp=kp, ki=ki),
         "position": PositionLoop(kp=outer, planned_speed=gains.planned_speed) if outer else None, "count_time": over,
         "feedforward": Feedforward(
@@ -475,4 +485,4 @@ def as_written(device: Device, rows: list[Written], proof: Validation, values: M
             acceleration=rounded(gains.feedforward_acceleration, "J"),
         ),
     }  # fmt: skip
-    return own.model_copy(update=found)
+    return own.model_copy(update=loops)

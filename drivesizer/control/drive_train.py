@@ -131,12 +131,12 @@ class Mode(NamedTuple):
 
 def modes(train: DriveTrain) -> tuple[Mode, ...]:
     """The five modes of a rigid drive train in the order of :class:`Regime`; at rest, friction balances the motor."""
-    found = [Mode(inf, 0.0)]
+    modes = [Mode(inf, 0.0)]
     for friction, resistance in ((train.friction, train.forward_torque), (-train.friction, train.backward_torque)):
         for share in train.shares:
             inertia = train.motor_inertia + train.load_inertia * share / train.ratio
-            found.append(Mode(inertia, friction + resistance * share))
-    return tuple(found)
+            modes.append(Mode(inertia, friction + resistance * share))
+    return tuple(modes)
 
 
 def mechanics(spec: RobotSpec, drive_set: DriveParts) -> tuple[Mechanics, list[str]]:
@@ -147,7 +147,7 @@ def mechanics(spec: RobotSpec, drive_set: DriveParts) -> tuple[Mechanics, list[s
     inertias |= {"encoder": drive_set.encoder.inertia} if drive_set.encoder else {}
     unknown = [f"inertia of the {part}" for part, inertia in inertias.items() if isnan(inertia)]
     unknown += ["friction of the motor"] * isnan(coulomb) + ["inertia of the load"] * isnan(shaft.inertia)
-    found = Mechanics(
+    rigid = Mechanics(
         friction=(0.0 if isnan(coulomb) else coulomb) + own.idle,
         motor_inertia=drive_set.inertia(unknown=0.0),
         gear_ratio=own.ratio,
@@ -160,7 +160,7 @@ def mechanics(spec: RobotSpec, drive_set: DriveParts) -> tuple[Mechanics, list[s
         backward_torque=shaft.backward_torque,
         rest_torque=shaft.rest_torque,
     )
-    return found, [f"the {what} is unknown and taken as 0" for what in unknown]
+    return rigid, [f"the {what} is unknown and taken as 0" for what in unknown]
 
 
 def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[DriveTrain, list[str]]:
@@ -170,12 +170,12 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
         raise NoLoopError(f"motor {motor.part} is a stepper, which runs open-loop: it has no closed loop")
     require(drive_set, _NEEDED, "no closed loop without")
     rigid, unknown = mechanics(spec, drive_set)
-    said = [*unstated_temperature([motor.part] if isnan(motor.data_temperature) else []), *unknown]
+    assumptions = [*unstated_temperature([motor.part] if isnan(motor.data_temperature) else []), *unknown]
     if isnan(own.viscous):
-        said.append("the viscous friction of the motor is unknown and taken as 0")
+        assumptions.append("the viscous friction of the motor is unknown and taken as 0")
     resistance, inductance = float(resistance_25(motor)), motor.inductance
     if not inductance > 0.0:  # NaN too
-        said.append("the motor's inductance is unknown: the current follows the voltage at once")
+        assumptions.append("the motor's inductance is unknown: the current follows the voltage at once")
         inductance = _NO_INDUCTANCE * period * resistance
     train = DriveTrain(
         **{f.name: getattr(rigid, f.name) for f in fields(rigid)},
@@ -188,7 +188,7 @@ def drive_train(spec: RobotSpec, drive_set: DriveParts, period: float) -> tuple[
     )
     if not all(isfinite(getattr(train, f.name)) for f in fields(train) if f.name != "stiffness"):
         raise InputError("the load's figures leave the range of numbers that can be computed with")
-    return train, said
+    return train, assumptions
 
 
 def within_reach(train: Mechanics, profile: Profile) -> None:
@@ -233,8 +233,8 @@ _NORM = 0.5  # of the matrix times the step, up to which the series is used
 def columns(trains: Sequence[DriveTrain]) -> dict[str, Array]:
     """Drive trains as columns, by the names of their figures; total ratio, efficiency and shares among them."""
     names = [*(f.name for f in fields(DriveTrain)), "ratio", "efficiency"]
-    found = {name: np.array([getattr(train, name) for train in trains], float) for name in names}
-    return found | {"shares": np.array([train.shares for train in trains]).T}
+    figures = {name: np.array([getattr(train, name) for train in trains], float) for name in names}
+    return figures | {"shares": np.array([train.shares for train in trains]).T}
 
 
 def generators(machine: dict[str, Array], resistance: Array) -> Array:
@@ -293,18 +293,18 @@ def discretised(machine: dict[str, Array], resistance: Array, period: Array) -> 
     scaled *= scale.T[:, None, None, :, None] / scale.T[:, None, None, None, :]
     norm = float(scaled.sum(axis=-1).max())
     squarings = max(0, int(np.ceil(np.log2(norm / _NORM)))) if 0.0 < norm < inf else 0
-    A, one = G * (small / 2.0**squarings), np.eye(states + 6)
-    P = one + A / _ORDER
+    A, identity = G * (small / 2.0**squarings), np.eye(states + 6)
+    P = identity + A / _ORDER
     for k in range(_ORDER - 1, 1, -1):
-        P = one + A @ P / k
+        P = identity + A @ P / k
     F: Array = A @ P
     for _ in range(squarings):
         F = 2.0 * F + F @ F
-    found = np.empty((*G.shape[:3], LEVELS, states + 2, states + 4))
-    kept = [*range(states), *range(states + 2, states + 6)]
+    matrices = np.empty((*G.shape[:3], LEVELS, states + 2, states + 4))
+    places = [*range(states), *range(states + 2, states + 6)]
     for level in range(LEVELS):
-        found[..., level, :, :] = F[..., : states + 2, kept]
+        matrices[..., level, :, :] = F[..., : states + 2, places]
         for state in range(states):
-            found[..., level, state, state] += 1.0
+            matrices[..., level, state, state] += 1.0
         F = 2.0 * F + F @ F
-    return found
+    return matrices

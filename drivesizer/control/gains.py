@@ -73,9 +73,9 @@ def design(
         over = max(counts.periods, 1) if counts else 0
         return Gains(kp=c.kp, ki=c.ki, kd=c.kd, filter_time=filter_time, period=period, counted_over=over, rule=GIVEN,
                      source="", **_ahead(c, train))  # fmt: skip
-    every, (periods, late) = modes(train), lags(counts, period)
-    tau_1, theta = effective_delay(train, every[Regime.FORWARD_DRIVING], period)
-    lightest, _ = effective_delay(train, every[Regime.FORWARD_BRAKING], period)
+    all_modes, (periods, late) = modes(train), lags(counts, period)
+    tau_1, theta = effective_delay(train, all_modes[Regime.FORWARD_DRIVING], period)
+    lightest, _ = effective_delay(train, all_modes[Regime.FORWARD_BRAKING], period)
     delay = theta + late
     # braking, the gears' losses help and the loop is faster: even there tau_c is no shorter than the delay
     least = tight = tau_1 / lightest * 2.0 * delay - delay
@@ -85,10 +85,10 @@ def design(
     if c.bandwidth is not None:
         tau_c, shortest_by_delay = 1.0 / (2.0 * math.pi * c.bandwidth), float(tight.min())
         if tau_c < shortest_by_delay:
-            given = show(c.bandwidth, "Hz", "frequency")
+            bandwidth = show(c.bandwidth, "Hz", "frequency")
             highest = show(1.0 / (2.0 * math.pi * shortest_by_delay), "Hz", "frequency", 3)
             raise InputError(
-                f"{spec.where(('control', 'bandwidth'))}: {given} is faster than the delay of the loop allows; "
+                f"{spec.where(('control', 'bandwidth'))}: {bandwidth} is faster than the delay of the loop allows; "
                 f"expected at most {highest}"
             )
     elif spec.needs.bandwidth is not None:
@@ -107,13 +107,13 @@ def design(
 
 def _ahead(c: Control, train: DriveTrain) -> dict[str, float]:
     """Feedforward of the voltage for the currents that are given: of a controller that has it, else none."""
-    given = c.feedforward
-    if given.velocity is None or given.friction is None or given.acceleration is None:
+    own = c.feedforward
+    if own.velocity is None or own.friction is None or own.acceleration is None:
         return {}
     return {
-        "feedforward_velocity": train.back_emf_constant + train.resistance * given.velocity,
-        "feedforward_friction": train.resistance * given.friction,
-        "feedforward_acceleration": train.resistance * given.acceleration,
+        "feedforward_velocity": train.back_emf_constant + train.resistance * own.velocity,
+        "feedforward_friction": train.resistance * own.friction,
+        "feedforward_acceleration": train.resistance * own.acceleration,
     }
 
 
@@ -225,8 +225,8 @@ def most_bandwidth(lag: float, damping: float, lightest: float = 1.0) -> float:
 
 def feedforward(train: DriveTrain) -> tuple[float, float, float]:
     """Feedforward gains of the current, driving: acceleration, viscous friction, Coulomb friction."""
-    every, k_t = modes(train), train.torque_constant
-    forward, backward = every[Regime.FORWARD_DRIVING], every[Regime.BACKWARD_DRIVING]
+    all_modes, k_t = modes(train), train.torque_constant
+    forward, backward = all_modes[Regime.FORWARD_DRIVING], all_modes[Regime.BACKWARD_DRIVING]
     return forward.inertia / k_t, train.viscous / k_t, (forward.drag - backward.drag) / 2.0 / k_t
 
 
@@ -244,8 +244,8 @@ Where = Callable[[tuple[str, ...]], str]  # a field of the spec as messages name
 
 def design_cascade(
     train: DriveTrain,
-    every: Rates,
-    wanted: Control,
+    periods: Rates,
+    control: Control,
     *,
     where: Where = ".".join,
     counts: Counts | None = None,
@@ -255,27 +255,27 @@ def design_cascade(
 
     Velocity loop: pole placement where a bandwidth or a damping is given, else the symmetrical optimum.
     """
-    _refuse(wanted, where)
-    own, place = wanted.velocity, wanted.position
-    current_kp, current_ki, current_rule = _current(train, every, wanted, where)
+    _refuse(control, where)
+    own, place = control.velocity, control.position
+    current_kp, current_ki, current_rule = _current(train, periods, control, where)
     # lag of the closed current loop: twice the small lag for the magnitude optimum [3]
     lag = train.resistance / current_ki if current_ki > 0.0 else (
-        train.inductance / (train.resistance + current_kp) + LATE * every.current
+        train.inductance / (train.resistance + current_kp) + LATE * periods.current
     )  # fmt: skip
-    bandwidth, late = None if own.bandwidth is None else own.bandwidth / slower, wanted.computing + _HOLDING
-    over, lag = _late(train, lag + late * every.velocity, every.velocity, own, bandwidth, counts)
+    bandwidth, late = None if own.bandwidth is None else own.bandwidth / slower, control.computing + _HOLDING
+    over, lag = _late(train, lag + late * periods.velocity, periods.velocity, own, bandwidth, counts)
     kp, ki, velocity_rule = _velocity(train, lag * slower, own, bandwidth, where)
     outer, outer_rule = place.kp if place else None, "position: given"
     if outer is None:
-        outer = _position_gain(train, lag + late * every.position, kp, ki) if place and (kp or ki) else 0.0
+        outer = _position_gain(train, lag + late * periods.position, kp, ki) if place and (kp or ki) else 0.0
         outer_rule = "position: aperiodic"
     rules = [current_rule, velocity_rule, *([outer_rule] if outer else [])]
     kd, filter_time = own.kd or 0.0, own.filter_time
     if filter_time is None:  # a tenth of the derivative time, a period at least
-        filter_time = max(every.velocity, kd / kp / _FILTER) if kp else every.velocity
-    given = wanted.feedforward
+        filter_time = max(periods.velocity, kd / kp / _FILTER) if kp else periods.velocity
+    ahead = control.feedforward
     acceleration, velocity, friction = feedforward(train)
-    found = Cascade(
+    cascade = Cascade(
         current_kp=current_kp,
         current_ki=current_ki,
         velocity_kp=kp,
@@ -283,39 +283,39 @@ def design_cascade(
         velocity_kd=kd,
         filter_time=filter_time if kd else 0.0,
         position_kp=outer,
-        feedforward_acceleration=acceleration if given.acceleration is None else given.acceleration,
-        feedforward_velocity=velocity if given.velocity is None else given.velocity,
-        feedforward_friction=friction if given.friction is None else given.friction,
-        computing=wanted.computing,
+        feedforward_acceleration=acceleration if ahead.acceleration is None else ahead.acceleration,
+        feedforward_velocity=velocity if ahead.velocity is None else ahead.velocity,
+        feedforward_friction=friction if ahead.friction is None else ahead.friction,
+        computing=control.computing,
         planned_speed=place is None or place.planned_speed,
-        current_period=every.current,
-        velocity_period=every.velocity,
-        position_period=every.position if outer else 0.0,
+        current_period=periods.current,
+        velocity_period=periods.velocity,
+        position_period=periods.position if outer else 0.0,
         counted_over=over,
         rule="; ".join(rules),
         source="; ".join(source for name, source in SOURCES.items() if any(name in rule for rule in rules)),
     )
-    return found, ["gains are designed for the inertia of driving; braking, the gears' losses make it less"]
+    return cascade, ["gains are designed for the inertia of driving; braking, the gears' losses make it less"]
 
 
-def _refuse(wanted: Control, where: Where) -> None:
+def _refuse(control: Control, where: Where) -> None:
     """Refuse what is no gain, and figures of the velocity loop that exclude or lack each other."""
     for section in ("current", "velocity", "position", "feedforward"):
-        figures = getattr(wanted, section)
+        figures = getattr(control, section)
         for name, value in figures.model_dump().items() if figures else ():
             if value is not None and not 0.0 <= value <= _LARGEST_GAIN:  # a yes or no is within
                 what = where(("control", section, name))
                 raise InputError(f"{what}: {value:g} is no use; expected 0 to {_LARGEST_GAIN:g}")
-    own = wanted.velocity
+    own = control.velocity
     gains = [f"velocity_{name}" for name in ("kp", "ki") if getattr(own, name) is not None]
     margin, several = own.phase_margin, own.bandwidth is not None or own.damping is not None
-    beside = {"bandwidth": gains, "phase_margin": gains, "damping": gains if len(gains) > 1 else []}
+    excluded_by = {"bandwidth": gains, "phase_margin": gains, "damping": gains if len(gains) > 1 else []}
     wrong = [
         ("phase_margin", margin is not None and not 0.0 < margin < math.pi / 2,
          "expected more than 0° and less than 90°"),
         *((name, bool(others) and getattr(own, name) is not None,
            f"{others[0] if others else ''} is given too, and settles it; expected one of them")
-          for name, others in beside.items()),
+          for name, others in excluded_by.items()),
         ("phase_margin", margin is not None and several,
          "expected either it, or bandwidth and damping: they are two rules"),
         ("damping", own.damping is not None and own.bandwidth is None and not gains,
@@ -329,9 +329,9 @@ def _refuse(wanted: Control, where: Where) -> None:
             raise InputError(f"{where(('control', 'velocity', name))}: {why}")
 
 
-def _current(train: DriveTrain, every: Rates, wanted: Control, where: Where) -> tuple[float, float, str]:
+def _current(train: DriveTrain, periods: Rates, control: Control, where: Where) -> tuple[float, float, str]:
     """Gains of the current loop and their rule: around one that is given, the other cancels the winding's lag."""
-    kp, ki = wanted.current.kp, wanted.current.ki
+    kp, ki = control.current.kp, control.current.ki
     if kp == 0.0 and not ki:
         what = where(("control", "current", "kp"))
         raise InputError(f"{what}: without it and current_ki no current flows; expected one of them")
@@ -342,7 +342,7 @@ def _current(train: DriveTrain, every: Rates, wanted: Control, where: Where) -> 
         return kp, kp * train.resistance / train.inductance, f"current: kp given, {cancels}"
     if ki is not None:
         return ki * train.inductance / train.resistance, ki, f"current: ki given, {cancels}"
-    gains = magnitude_optimum(train.resistance, train.inductance, LATE * every.current)
+    gains = magnitude_optimum(train.resistance, train.inductance, LATE * periods.current)
     return *gains, "current: magnitude optimum"
 
 
@@ -355,25 +355,25 @@ def _late(
     counts are taken as long as its gain needs. Gains that are given are kept, with counts of one period.
     """
     periods, late = lags(counts, period)
-    every = lag + late
+    total_lag = lag + late
     if counts is None or counts.periods:
-        return int(periods[0]), float(every[0])
+        return int(periods[0]), float(total_lag[0])
     most = most_gain(counts, periods, period)
     if own.kp is not None or own.ki is not None:
-        return 1, float(every[0])
+        return 1, float(total_lag[0])
     inertia = modes(train)[Regime.FORWARD_DRIVING].inertia
     if bandwidth is not None:
         damping = own.damping or _DAMPING
         w = natural_frequency(bandwidth, damping)
         kp, _ = pole_placement(inertia, train.torque_constant, w, damping, train.viscous)
         lightest = modes(train)[Regime.FORWARD_BRAKING].inertia / inertia
-        within = every * bandwidth <= most_bandwidth(1.0, damping, lightest)
+        within = total_lag * bandwidth <= most_bandwidth(1.0, damping, lightest)
         # the first that is quiet; else as long as the delay allows, and one where it allows none
         quiet, last = np.flatnonzero(within & (kp <= most)), np.flatnonzero(within)
         n = int(quiet[0]) if len(quiet) else int(last[-1]) if len(last) else 0
-        return int(periods[n]), float(every[n])
+        return int(periods[n]), float(total_lag[n])
     a = SPREAD if own.phase_margin is None else spread_of(own.phase_margin)
-    least = np.maximum(every, inertia / (train.torque_constant * a * most))
+    least = np.maximum(total_lag, inertia / (train.torque_constant * a * most))
     n = shortest(least, float(least.min()))
     return int(periods[n]), float(least[n])
 
@@ -382,8 +382,8 @@ def _velocity(
     train: DriveTrain, lag: float, own: VelocityLoop, bandwidth: float | None, where: Where
 ) -> tuple[float, float, str]:
     """Gains of the velocity loop and their rule; in each, one gain that is given sets the other."""
-    kp, ki, k_t, every = own.kp, own.ki, train.torque_constant, modes(train)
-    J = every[Regime.FORWARD_DRIVING].inertia
+    kp, ki, k_t, all_modes = own.kp, own.ki, train.torque_constant, modes(train)
+    J = all_modes[Regime.FORWARD_DRIVING].inertia
     if kp is not None and ki is not None:
         return kp, ki, "velocity: given"
     if bandwidth is None and own.damping is None:
@@ -410,7 +410,7 @@ def _velocity(
         else:
             assert bandwidth is not None
             what = "control", "velocity"
-            most = most_bandwidth(lag, damping, every[Regime.FORWARD_BRAKING].inertia / J)
+            most = most_bandwidth(lag, damping, all_modes[Regime.FORWARD_BRAKING].inertia / J)
             if math.isnan(most):
                 raise InputError(
                     f"{where((*what, 'damping'))}: {damping:.3g} leaves a phase margin below 30° at any bandwidth"
@@ -453,21 +453,23 @@ _RISE = math.log(9.0) / (2.0 * math.pi)  # bandwidth times rise time (10-90 %) o
 def loop_warnings(loops: Iterable[Loop], profile: Profile | None = None) -> list[str]:
     """Warnings about loops that are unstable, ring, or are slower than a profile requires."""
     ramp = shortest_ramp(profile) if profile else math.nan
-    said = []
+    warnings = []
     for loop in loops:
         where = f"the {loop.name} loop" + (f", {loop.direction}," if loop.direction else "")
         if not loop.stable:
-            said.append(f"{where} is unstable with these gains: largest pole {loop.pole_radius:.4g}, stable inside 1")
+            warnings.append(
+                f"{where} is unstable with these gains: largest pole {loop.pole_radius:.4g}, stable inside 1"
+            )
         elif loop.phase_margin < LEAST_PHASE_MARGIN:
             margin, least = (f"{math.degrees(figure):.3g}°" for figure in (loop.phase_margin, LEAST_PHASE_MARGIN))
-            said.append(f"{where} rings: phase margin {margin}, expected {least} at least")
+            warnings.append(f"{where} rings: phase margin {margin}, expected {least} at least")
         if loop.stable and loop.bandwidth < _RISE / ramp:
             has, needs = (show(f, "Hz", "frequency", 3) for f in (loop.bandwidth, _RISE / ramp))
-            said.append(
+            warnings.append(
                 f"the {loop.name} loop is slower than the profile: bandwidth {has}, and the "
                 f"shortest ramp, {show(ramp, 's', 'time', 3)}, needs {needs}"
             )
-    return said
+    return warnings
 
 
 def shortest_ramp(profile: Profile) -> float:
@@ -488,13 +490,13 @@ def shortest_ramp(profile: Profile) -> float:
 
 def resonance_warning(loops: Loops, stiffness: float) -> list[str]:
     """Warning where the bandwidth that the gains have on a stiff shaft reaches the resonance [2]."""
-    wanted, most = loops.rigid_bandwidth, RESONANCE_SHARE * loops.resonance
-    if not wanted > most:
+    rigid, most = loops.rigid_bandwidth, RESONANCE_SHARE * loops.resonance
+    if not rigid > most:
         return []
-    inside = "within" if wanted >= loops.anti_resonance else "near"
-    stiffer = stiffness * (wanted / most) ** 2  # a frequency goes with the root of the stiffness
+    inside = "within" if rigid >= loops.anti_resonance else "near"
+    stiffer = stiffness * (rigid / most) ** 2  # a frequency goes with the root of the stiffness
     bandwidth, low, high, share = (
-        show(figure, "Hz", "frequency", 3) for figure in (wanted, loops.anti_resonance, loops.resonance, most)
+        show(figure, "Hz", "frequency", 3) for figure in (rigid, loops.anti_resonance, loops.resonance, most)
     )
     return [
         f"the load swings against the motor {inside} the bandwidth of {bandwidth} that the velocity loop has with "

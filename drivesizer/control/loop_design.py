@@ -116,48 +116,50 @@ def _gain(values: Sequence[Sequence[float]] | np.ndarray, period: float) -> Syst
 def _answered(controller: System, computing: float = COMPUTING) -> System:
     """From error, feedforward and load torque to demand and load torque: the controller computes for a period."""
     late = control.ss(0.0, 1.0, 1.0, 0.0, controller.dt) if computing else _gain([[1.0]], controller.dt)
-    one, both = _gain([[1.0]], controller.dt), _gain([[1.0, 1.0]], controller.dt)
-    return control.append(late * both * control.append(controller, one), one)
+    through, adder = _gain([[1.0]], controller.dt), _gain([[1.0, 1.0]], controller.dt)
+    return control.append(late * adder * control.append(controller, through), through)
 
 
-def _measured(held: System, periods: int, *, angle: bool = False) -> System:
+def _measured(motor: System, periods: int, *, angle: bool = False) -> System:
     """A sampled motor whose last state is its angle, with one output more: its speed as it is measured."""
-    n, h = (held.nstates, held.dt) if angle else (held.nstates - 1, held.dt)
-    A, B, C = held.A[:n, :n], held.B[:n], held.C[:, :n]
+    n, h = (motor.nstates, motor.dt) if angle else (motor.nstates - 1, motor.dt)
+    A, B, C = motor.A[:n, :n], motor.B[:n], motor.C[:, :n]
     if not periods:
-        return control.ss(A, B, np.vstack([C, C[_SPEED]]), np.vstack([held.D, held.D[_SPEED]]), h)
-    last = np.eye(1, held.nstates, held.nstates - 1)[0]
-    mean = (held.A[-1] - last)[:n] / h  # speed over the period, by the growth of the angle
-    growth = control.ss(A, B, np.vstack([C, mean]), np.vstack([held.D, held.B[-1] / h]), h)
+        return control.ss(A, B, np.vstack([C, C[_SPEED]]), np.vstack([motor.D, motor.D[_SPEED]]), h)
+    last = np.eye(1, motor.nstates, motor.nstates - 1)[0]
+    mean = (motor.A[-1] - last)[:n] / h  # speed over the period, by the growth of the angle
+    growth = control.ss(A, B, np.vstack([C, mean]), np.vstack([motor.D, motor.B[-1] / h]), h)
     counts = control.ss(np.eye(periods, k=-1), np.eye(periods, 1), np.full((1, periods), 1.0 / periods), 0.0, h)
     return control.append(_gain(np.eye(len(C)), h), counts) * growth
 
 
-def _lifted(fast: System, steps: int, each: Sequence[int] = (), *, fine: bool = False) -> System:
+def _lifted(fast: System, steps: int, fast_inputs: Sequence[int] = (), *, fine: bool = False) -> System:
     """A sampled system at the rate of a number of its steps [2]; exact."""
-    held = [k for k in range(fast.ninputs) if k not in each]
+    slow_inputs = [k for k in range(fast.ninputs) if k not in fast_inputs]
     powers = [np.eye(fast.nstates)]
     for _ in range(steps):
         powers.append(fast.A @ powers[-1])
 
     def by_inputs(effect: list[np.ndarray]) -> np.ndarray:
         """Effects of the inputs of each step, side by side, those of the held ones added up."""
-        return np.hstack([np.sum(effect, axis=0)[:, held], *(one[:, [*each]] for one in effect)])
+        return np.hstack([np.sum(effect, axis=0)[:, slow_inputs], *(matrix[:, [*fast_inputs]] for matrix in effect)])
 
     B = by_inputs([powers[steps - 1 - j] @ fast.B for j in range(steps)])
-    none, shown = np.zeros(fast.D.shape), range(steps if fine else 1)
+    none, output_steps = np.zeros(fast.D.shape), range(steps if fine else 1)
     D = [
         by_inputs([fast.C @ powers[i - 1 - j] @ fast.B if j < i else fast.D if j == i else none for j in range(steps)])
-        for i in shown
+        for i in output_steps
     ]
-    return control.ss(powers[steps], B, np.vstack([fast.C @ powers[i] for i in shown]), np.vstack(D), fast.dt * steps)
+    return control.ss(
+        powers[steps], B, np.vstack([fast.C @ powers[i] for i in output_steps]), np.vstack(D), fast.dt * steps
+    )
 
 
 def voltage_open_loop(train: DriveTrain, mode: Mode, gains: Gains) -> System:
     """Open velocity loop that acts on the voltage, as figure 3 of the paper has it: PID, DC motor, encoder."""
-    held = _sampled_motor(train, mode, gains.period)[: len(OUTPUTS) - 1, :]
+    motor = _sampled_motor(train, mode, gains.period)[: len(OUTPUTS) - 1, :]
     controller = pid(gains.kp, gains.ki, gains.period, gains.kd, gains.filter_time)
-    return _measured(held, gains.counted_over) * _answered(controller)
+    return _measured(motor, gains.counted_over) * _answered(controller)
 
 
 def current_open_loop(train: DriveTrain, cascade: Cascade) -> System:
@@ -176,10 +178,10 @@ def velocity_open_loop(
     inner = _answered(pid(cascade.current_kp, cascade.current_ki, cascade.current_period))
     current = closed(_sampled_motor(train, mode, cascade.current_period) * inner, [1.0])
     lifted = _lifted(current[:, [0, 2]], cascade.current_steps, fine=fine)
-    held = _measured(lifted, cascade.counted_over, angle=angle)
+    plant = _measured(lifted, cascade.counted_over, angle=angle)
     kd, filter_time = cascade.velocity_kd, cascade.filter_time
     controller = pid(cascade.velocity_kp, cascade.velocity_ki, cascade.velocity_period, kd, filter_time)
-    return held * _answered(controller, cascade.computing)
+    return plant * _answered(controller, cascade.computing)
 
 
 def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine: bool = False) -> System:
@@ -190,14 +192,14 @@ def position_open_loop(train: DriveTrain, mode: Mode, cascade: Cascade, *, fine:
     slow = _lifted(loop * added, n, (1, 2, 3), fine=fine)
     rest = _gain(np.eye(3 * n), slow.dt)
     late = _answered(pid(cascade.position_kp, 0.0, slow.dt), cascade.computing)[0, 0]
-    shown = np.vstack([np.eye(slow.noutputs), np.eye(1, slow.noutputs, OUTPUTS.index("angle"))])
-    return _gain(shown, slow.dt) * slow * control.append(late, rest)
+    outputs = np.vstack([np.eye(slow.noutputs), np.eye(1, slow.noutputs, OUTPUTS.index("angle"))])
+    return _gain(outputs, slow.dt) * slow * control.append(late, rest)
 
 
 def resonance(train: DriveTrain, mode: Mode) -> tuple[float, float]:
     """Frequencies of the anti-resonance and the resonance of motor and load, undamped [Hz]."""
-    found = two_masses(train.stiffness, train.load_inertia, mode.inertia / train.motor_inertia)
-    return float(found.anti_resonance), float(found.resonance)
+    frequencies = two_masses(train.stiffness, train.load_inertia, mode.inertia / train.motor_inertia)
+    return float(frequencies.anti_resonance), float(frequencies.resonance)
 
 
 # -- Linear analysis of a sampled loop: poles, margins, bandwidth, step response, Bode data.
@@ -246,10 +248,11 @@ def analyse(train: DriveTrain, controller: Cascade | Gains) -> Loops:
 
 def opened_loops(train: DriveTrain, controller: Cascade | Gains) -> dict[str, dict[str, System]]:
     """The open loops of a controller by name and direction of power."""
-    every, names = modes(train), ("velocity", "position")[: 2 if controller.velocity_steps else 1]
+    all_modes, names = modes(train), ("velocity", "position")[: 2 if controller.velocity_steps else 1]
     outer = {
         name: {
-            direction: open_loop(name, train, every[regime], controller) for direction, regime in _DIRECTIONS.items()
+            direction: open_loop(name, train, all_modes[regime], controller)
+            for direction, regime in _DIRECTIONS.items()
         }
         for name in names
     }
@@ -267,13 +270,13 @@ def open_loop(name: str, train: DriveTrain, mode: Mode, controller: Cascade | Ga
 
 def _worse(name: str, opened: Mapping[str, System]) -> Loop:
     """Of driving and braking the loop nearer to instability, with the least margins and bandwidth of both."""
-    found = [loop_of(name, system, direction) for direction, system in opened.items()]
-    unstable = [loop for loop in found if not loop.stable]
+    loops = [loop_of(name, system, direction) for direction, system in opened.items()]
+    unstable = [loop for loop in loops if not loop.stable]
     if unstable:  # it has no margins, whatever the other direction's are
         return max(unstable, key=lambda loop: loop.pole_radius)
-    worst = max(found, key=lambda loop: loop.sensitivity)
+    worst = max(loops, key=lambda loop: loop.sensitivity)
     least: dict[str, Any] = {
-        figure: min((f for loop in found if math.isfinite(f := getattr(loop, figure))), default=math.nan)
+        figure: min((f for loop in loops if math.isfinite(f := getattr(loop, figure))), default=math.nan)
         for figure in ("gain_margin", "phase_margin", "bandwidth")
     }
     return replace(worst, **least)
@@ -293,8 +296,8 @@ class _Response:
         nyquist = math.pi / opened.dt
         even, around = np.geomspace(nyquist * 10.0**-_DECADES, nyquist, _POINTS), np.geomspace(1e-7, 0.1, 40)
         rings = [abs(np.angle(p)) / opened.dt for p in (*self.poles, *opened.poles()) if p.imag > 0.0 and abs(p) > 0.5]
-        every = np.unique(np.concatenate([even, *(w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0))]))
-        self.w = every[(every >= even[0]) & (every <= nyquist)]
+        grid = np.unique(np.concatenate([even, *(w * (1.0 + sign * around) for w in rings for sign in (-1.0, 1.0))]))
+        self.w = grid[(grid >= even[0]) & (grid <= nyquist)]
 
     def opening(self, w: Array) -> _Values:
         """The open loop."""
@@ -302,8 +305,8 @@ class _Response:
 
     def closing(self, w: Array) -> _Values:
         """The closed one."""
-        found = self.values(w)
-        return np.asarray(found[0] / (1.0 + found[-1]))
+        response = self.values(w)
+        return np.asarray(response[0] / (1.0 + response[-1]))
 
     def crossings(
         self, response: Callable[[Array], _Values], figure: Callable[[_Values], Array]
@@ -322,10 +325,10 @@ class _Response:
         for _ in range(_TIMES):
             places = np.linspace(ends[0], ends[1], _PARTS + 1)
             inside = figure(response(places[1:-1].ravel())).reshape(_PARTS - 1, -1)
-            found = np.concatenate([values[:1], inside, values[1:]])
-            after = np.argmax((found < 0.0) != (found[0] < 0.0), axis=0)
+            levels = np.concatenate([values[:1], inside, values[1:]])
+            after = np.argmax((levels < 0.0) != (levels[0] < 0.0), axis=0)
             rows = np.stack([after - 1, after])
-            ends, values = np.take_along_axis(places, rows, 0), np.take_along_axis(found, rows, 0)
+            ends, values = np.take_along_axis(places, rows, 0), np.take_along_axis(levels, rows, 0)
         at = ends[0] - values[0] * (ends[1] - ends[0]) / (values[1] - values[0])
         return [*zip(at.tolist(), response(at).tolist(), strict=True)]
 
@@ -342,27 +345,27 @@ class _Response:
         level = abs(self.final) / math.sqrt(2.0)
         if not (math.isfinite(level) and level > 0.0 and abs(self.closing(self.w[:1])[0]) > level):
             return math.nan
-        found = self.crossings(self.closing, lambda z: np.abs(z) - level)
-        return found[0][0] / (2.0 * math.pi) if found else math.nan
+        crossings = self.crossings(self.closing, lambda z: np.abs(z) - level)
+        return crossings[0][0] / (2.0 * math.pi) if crossings else math.nan
 
 
 def loop_of(name: str, opened: System, direction: str = "") -> Loop:
     """All figures of a loop with unit feedback."""
-    seen, found = _Response(opened), dict[str, Any]()
+    seen, figures = _Response(opened), dict[str, Any]()
     L, T, stable = seen.opening(seen.w), seen.closing(seen.w), seen.radius < 1.0
     if stable:
         real = [z.real for _, z in seen.crossings(seen.opening, lambda z: z.imag)]
         real.append(float(L[-1].real))  # at the Nyquist frequency the response is real
         factors = [-1.0 / x for x in real if x < 0.0]
-        found["gain_margin"] = min((f for f in factors if f > 1.0), default=math.nan)
-        found["gain_reduction"] = max((f for f in factors if f < 1.0), default=math.nan)
-        found["phase_margin"], found["crossover"] = seen.phase_margin()
-        found["bandwidth"] = seen.bandwidth()
+        figures["gain_margin"] = min((f for f in factors if f > 1.0), default=math.nan)
+        figures["gain_reduction"] = max((f for f in factors if f < 1.0), default=math.nan)
+        figures["phase_margin"], figures["crossover"] = seen.phase_margin()
+        figures["bandwidth"] = seen.bandwidth()
         # until the slowest pole has decayed to 1e-4, or the most samples
         samples = 100 + math.ceil(math.log(1e-4) / math.log(min(max(seen.radius, 0.1), 1.0 - 1e-9)))
         time = np.arange(min(samples, _MOST_SAMPLES)) * opened.dt
-        found["step"] = np.asarray(control.step_response(seen.whole, time).outputs)
-        found |= _answer(found["step"], seen.final, opened.dt)
+        figures["step"] = np.asarray(control.step_response(seen.whole, time).outputs)
+        figures |= _answer(figures["step"], seen.final, opened.dt)
     return Loop(
         name=name,
         direction=direction,
@@ -378,7 +381,7 @@ def loop_of(name: str, opened: System, direction: str = "") -> Loop:
             closed_magnitude=np.abs(T),
             closed_phase=np.unwrap(np.angle(T)),
         ),
-        **found,
+        **figures,
     )
 
 
@@ -457,10 +460,10 @@ def tuned(
 
     Slower than its design rule, which misses a margin.
     """
-    found = make(1.0)
-    why = flaw(found, train, margin)
+    controller = make(1.0)
+    why = flaw(controller, train, margin)
     if not why:
-        return found, 1.0, ""
+        return controller, 1.0, ""
     low = high = 1.0
     while flaw(make(high), train, margin):
         low, high = high, 2.0 * high
@@ -491,14 +494,14 @@ def flaw(controller: Gains | Cascade, train: DriveTrain, least: float) -> str:
 
 def _checked(controller: Gains | Cascade, train: DriveTrain) -> Iterator[tuple[str, System]]:
     """The loops to be checked, with their names."""
-    every, rigid = modes(train), replace(train, stiffness=math.inf)
+    all_modes, rigid = modes(train), replace(train, stiffness=math.inf)
     for direction, regime in _DIRECTIONS.items():
         if train.flexible:
-            stiff = open_loop("velocity", rigid, every[regime], controller)
+            stiff = open_loop("velocity", rigid, all_modes[regime], controller)
             yield f"velocity loop with a stiff shaft, {direction},", stiff
-        yield f"velocity loop, {direction},", open_loop("velocity", train, every[regime], controller)
+        yield f"velocity loop, {direction},", open_loop("velocity", train, all_modes[regime], controller)
         if controller.velocity_steps:
-            yield f"position loop, {direction},", open_loop("position", train, every[regime], controller)
+            yield f"position loop, {direction},", open_loop("position", train, all_modes[regime], controller)
     if train.flexible and train.gap:
         alone = open_loop("velocity", rigid, Mode(inertia=train.motor_inertia, drag=train.friction), controller)
         yield "velocity loop of the motor alone, in the backlash,", alone
@@ -519,41 +522,41 @@ def designed(
     """The drive train of a spec and a drive, the controller designed for it or given, and the assumptions of both."""
     if controller is not None:  # designed before, of this machine or of one like it
         period = controller.period if isinstance(controller, Gains) else controller.current_period
-        rigid, said = drive_train(spec, drive_set, period)
-        return _with_shaft(spec, drive_set, rigid), controller, said
-    c, cascade, found = spec.control, spec.control.structure == "cascade", drive_set.controller
+        rigid, assumptions = drive_train(spec, drive_set, period)
+        return _with_shaft(spec, drive_set, rigid), controller, assumptions
+    c, cascade, device = spec.control, spec.control.structure == "cascade", drive_set.controller
     if cascade:
-        every, said = rates(found, c.rate)
+        periods, assumptions = rates(device, c.rate)
     else:
-        rate = c.rate or (found.speed_loop if found else math.nan)
+        rate = c.rate or (device.speed_loop if device else math.nan)
         period = 1.0 / rate if rate > 0.0 else _PERIOD  # NaN too
-        every, said = Rates(period, period, 0.0), []
+        periods, assumptions = Rates(period, period, 0.0), []
         if not rate > 0.0:
-            said.append(f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}")
-    rigid, assumed = drive_train(spec, drive_set, every.current)
+            assumptions.append(f"the controller's rate is unknown: it runs every {show(_PERIOD, 'ms', 'time')}")
+    rigid, assumed = drive_train(spec, drive_set, periods.current)
     train = _with_shaft(spec, drive_set, rigid)
-    counts, more = _counts(spec, drive_set, train, every.velocity)
-    said = [*said, *assumed, *more]
+    counts, more = _counts(spec, drive_set, train, periods.velocity)
+    assumptions = [*assumptions, *assumed, *more]
     place = ("control", "velocity") if cascade else ("control",)
     own, rules = c.velocity if cascade else c, list[str]()
 
     def make(slower: float) -> Gains | Cascade:
         if not cascade:
-            return design(spec, train, every.velocity, counts, slower)
-        found, rules[:] = design_cascade(train, every, c, where=spec.where, counts=counts, slower=slower)
-        return found
+            return design(spec, train, periods.velocity, counts, slower)
+        gains, rules[:] = design_cascade(train, periods, c, where=spec.where, counts=counts, slower=slower)
+        return gains
 
     if own.kp is not None or (cascade and own.ki is not None):
-        return train, make(1.0), [*said, *rules]
+        return train, make(1.0), [*assumptions, *rules]
     controller, slower, why = tuned(make, train, stated_margin(spec))
     if why and own.bandwidth is not None:
         most = show(math.floor(10.0 * own.bandwidth / slower) / 10.0, "Hz", "frequency")
-        given = show(own.bandwidth, "Hz", "frequency")
-        raise InputError(f"{spec.where((*place, 'bandwidth'))}: {given} is too fast: {why}; expected at most {most}")
-    said += rules
+        text = show(own.bandwidth, "Hz", "frequency")
+        raise InputError(f"{spec.where((*place, 'bandwidth'))}: {text} is too fast: {why}; expected at most {most}")
+    assumptions += rules
     if why:
-        said.append(f"the loop is {slower:.3g} times slower than its design rule, with which {why}")
-    return train, controller, said
+        assumptions.append(f"the loop is {slower:.3g} times slower than its design rule, with which {why}")
+    return train, controller, assumptions
 
 
 def edges_of(spec: RobotSpec, drive_set: DriveParts) -> int:

@@ -94,15 +94,15 @@ def rates(controller: Controller | None, velocity_rate: float | None = None) -> 
     if not outer > 0.0:
         outer = max(_PERIODS[2], middle)
     velocity = inner * max(1, round(middle / inner))
-    found = Rates(inner, velocity, velocity * max(1, round(outer / velocity)))
-    said = []
-    for name, period in found._asdict().items():
+    periods = Rates(inner, velocity, velocity * max(1, round(outer / velocity)))
+    assumptions = []
+    for name, period in periods._asdict().items():
         runs = f"runs every {show(period, 'us', 'time', 4)}"
         if math.isnan(known[name]):
-            said.append(f"the rate of the controller's {name} loop is unknown: it {runs}")
+            assumptions.append(f"the rate of the controller's {name} loop is unknown: it {runs}")
         elif not math.isclose(period, known[name], rel_tol=1e-9):
-            said.append(f"the {name} loop {runs}, a whole multiple of the loop inside")
-    return found, said
+            assumptions.append(f"the {name} loop {runs}, a whole multiple of the loop inside")
+    return periods, assumptions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

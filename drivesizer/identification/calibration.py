@@ -89,13 +89,13 @@ def _sweep(data: Mapping[str, Any], path: Path) -> Identification:
     )  # fmt: skip
     findings = [*_contradictions("v_per_hz over poles", by_hz, "the flux linkage of the sweep", flux)]
     traces = (Trace("voltage", "voltage", "V", y, table @ np.array([flux, L_d])),)
-    return _made(path, figures, findings, len(rows), w, traces,
+    return _identification(path, figures, findings, len(rows), w, traces,
                  Inseparable("inertia and friction", "it has steady points alone", "a log of a move"))  # fmt: skip
 
 
-def _contradictions(one: str, a: float, other: str, b: float) -> Iterator[LogFinding]:
+def _contradictions(source: str, a: float, other: str, b: float) -> Iterator[LogFinding]:
     if not (isnan(a) or isnan(b)) and abs(a / b - 1.0) > _CONTRADICT:
-        text = f"{one} gives {a:.4g}, {other} {b:.4g}: a contradiction of {abs(a / b - 1.0):.0%} within the file"
+        text = f"{source} gives {a:.4g}, {other} {b:.4g}: a contradiction of {abs(a / b - 1.0):.0%} within the file"
         yield LogFinding("contradiction", text, b / a, severe=True)
 
 
@@ -108,7 +108,7 @@ def _constants(data: Mapping[str, Any], path: Path) -> Identification:
         _printed("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", 0.75 * poles * flux),
         _printed("R", "resistance of a phase", "resistance", "ohm", float(data["winding_resistance"])),
     )
-    return _made(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
+    return _identification(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
 
 
 def _odrive(flat: Mapping[str, float], path: Path) -> Identification:
@@ -127,10 +127,10 @@ def _odrive(flat: Mapping[str, float], path: Path) -> Identification:
             ("k_t", "torque constant, of the q axis' amplitude", "torque_constant", "mN*m/A", k_t),
         )
         figures += [_printed(f"{axis}{name}", f"{of}{title}", *rest) for name, title, *rest in rows]  # type: ignore[arg-type]
-    return _made(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
+    return _identification(path, figures, findings, 1, np.zeros(0), (), _RESULTS)
 
 
-def _made(
+def _identification(
     path: Path, figures: Any, findings: Any, samples: int, time: Any, traces: Any, tied: Inseparable
 ) -> Identification:
     return Identification(log=path.name, samples=samples, figures=tuple(figures), inseparable=(tied,),

@@ -94,14 +94,14 @@ def compare(log: Log, proof: Validation) -> Comparison:
     if {"current", "speed"} <= set(columns):
         moves = _moves(log, columns, of.figures["k_t"])
         required, explanations = explained(spec, drive, moves)
-        some, time = moves.moving, moves.time
-        if some.any():
+        moving, time = moves.moving, moves.time
+        if moving.any():
             off = required - moves.torque
-            difference, torque = (float(np.sqrt((x[some] ** 2).mean())) for x in (off, moves.torque))
+            difference, torque = (float(np.sqrt((x[moving] ** 2).mean())) for x in (off, moves.torque))
         if explanations and explanations[0].share < 0.5:
             remarks.append("no figure of the load explains most of the difference by itself")
         traces = (
-            Trace("motor torque", "torque", "mN*m", moves.torque, np.where(some, required, nan)),
+            Trace("motor torque", "torque", "mN*m", moves.torque, np.where(moving, required, nan)),
             Trace("motor speed", "rotary_speed", "rpm", moves.speed, moves.speed),
         )
     else:
@@ -121,8 +121,10 @@ def _compared(proof: Validation, columns: Columns) -> Iterator[Compared]:
             continue
         measured = of(columns)
         zero = ambient if check.name == "winding_temperature" else 0.0
-        found = at_most(check.name, measured, check.limit, zero=zero, needed=check.needed).at((), "closed loop")
-        left, status = found.margin, found.status
+        measured_check = at_most(check.name, measured, check.limit, zero=zero, needed=check.needed).at(
+            (), "closed loop"
+        )
+        left, status = measured_check.margin, measured_check.status
         if check.name == "winding_temperature" and status == "pass" and not _is_long(proof, columns):
             left, status = nan, "unknown"
         yield Compared(check.name, check.title, check.kind, check.unit, check.demand, measured, check.limit,
@@ -173,13 +175,13 @@ def required_torque(spec: RobotSpec, drive: DriveSet, moves: Moves) -> Array:
 
 def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tuple[Explanation, ...]]:
     """The torque that a spec requires, and the figures of its load that would explain what the log needs instead."""
-    first, found = required_torque(spec, drive, moves), list[Explanation]()
-    some = moves.moving
+    first, explanations = required_torque(spec, drive, moves), list[Explanation]()
+    moving = moves.moving
 
     def left(of: Array) -> float:
-        return float(((of - moves.torque)[some] ** 2).sum())
+        return float(((of - moves.torque)[moving] ** 2).sum())
 
-    if not some.any() or left(first) < _NOTHING**2 * float((moves.torque[some] ** 2).sum()):
+    if not moving.any() or left(first) < _NOTHING**2 * float((moves.torque[moving] ** 2).sum()):
         return first, ()
     for name, quantity in _figures_of(spec.load):
         x = start = float(getattr(spec.load, name) or 0.0)
@@ -188,23 +190,23 @@ def explained(spec: RobotSpec, drive: DriveSet, moves: Moves) -> tuple[Array, tu
             step = _STEP * abs(x) or _KINDS[quantity.kind]
             try:
                 slope = (required_torque(_with(spec, name, x + step), drive, moves) - required) / step
-                power = float((slope[some] ** 2).sum())
+                power = float((slope[moving] ** 2).sum())
                 if not power > 0.0:
                     break
-                moved = x - float((slope * (required - moves.torque))[some].sum()) / power
-                moved = min(max(moved, quantity.least, quantity.above + 1e-3 * abs(start)), quantity.most)
-                required = required_torque(_with(spec, name, moved), drive, moves)
+                estimate = x - float((slope * (required - moves.torque))[moving].sum()) / power
+                estimate = min(max(estimate, quantity.least, quantity.above + 1e-3 * abs(start)), quantity.most)
+                required = required_torque(_with(spec, name, estimate), drive, moves)
             except InputError:  # a figure with which the load cannot follow its motion
                 break
             if not left(required) < best:
                 break
-            x, best = moved, left(required)
+            x, best = estimate, left(required)
         share = 1.0 - best / left(first)
         if share > _EXPLAINS:
             entered = (spec.entered.get("load") or {}).get(name)
             before = _as_entered(start, quantity.kind, None) if entered is None else str(entered)
-            found.append(Explanation(f"load.{name}", before, _as_entered(x, quantity.kind, entered), share))
-    return first, tuple(sorted(found, key=lambda one: -one.share)[:_MOST])
+            explanations.append(Explanation(f"load.{name}", before, _as_entered(x, quantity.kind, entered), share))
+    return first, tuple(sorted(explanations, key=lambda explanation: -explanation.share)[:_MOST])
 
 
 def _with(spec: RobotSpec, name: str, value: float) -> RobotSpec:
@@ -215,7 +217,7 @@ def _figures_of(load: Any) -> Iterator[tuple[str, Quantity]]:
     """Figures of a load by name, with what they are."""
     for name, field in type(load).model_fields.items():
         parts = [*field.metadata, *(m for part in get_args(field.annotation) for m in get_args(part))]
-        quantity = next((one for one in parts if isinstance(one, Quantity)), None)
+        quantity = next((part for part in parts if isinstance(part, Quantity)), None)
         if quantity is not None and quantity.kind in _KINDS and isinstance(getattr(load, name), float):
             yield name, quantity
 
@@ -229,11 +231,11 @@ def _as_entered(value: float, kind: str, entered: Any) -> str:
     return f"{float(from_si(value, unit, kind)):.4g} {unit}"
 
 
-def corrected(spec: RobotSpec, one: Explanation) -> bytes:
+def corrected(spec: RobotSpec, explanation: Explanation) -> bytes:
     """The spec's text with the figure that explains its log; all else, comments too, as it was."""
     source = spec.source
     above = source.at if isinstance(source, YamlOverlay) else ()
-    place = (*above, *one.field.split("."))
-    plain = re.fullmatch(r"[\d.e+-]+", one.explains)
-    value: Any = float(one.explains) if plain else one.explains
+    place = (*above, *explanation.field.split("."))
+    plain = re.fullmatch(r"[\d.e+-]+", explanation.explains)
+    value: Any = float(explanation.explains) if plain else explanation.explains
     return edited(source.text, [Edit(place, value)], source.name).encode()

@@ -87,25 +87,25 @@ class Record:
         return np.asarray(~np.isnan(self.start), bool)
 
 
-def train_of(x: Figures, one: Record) -> TwoWayTrain:
+def train_of(x: Figures, record: Record) -> TwoWayTrain:
     """The drive train of some figures; of a current that is the input a winding that follows at once."""
-    of_current = one.driven == "current"
+    of_current = record.driven == "current"
     R = 1.0 if of_current else x["R"]
-    rotor = x["J"] if isnan(one.rotor) else min(one.rotor, x["J"])
+    rotor = x["J"] if isnan(record.rotor) else min(record.rotor, x["J"])
     return TwoWayTrain(
-        resistance=R, inductance=max(0.0 if of_current else x["L"], _QUICK * one.h * R),
+        resistance=R, inductance=max(0.0 if of_current else x["L"], _QUICK * record.h * R),
         torque_constant=x["k_t"], back_emf_constant=0.0 if of_current else x["k_e"], viscous=x["b"], friction=x["M_c"],
-        motor_inertia=rotor, load_inertia=(x["J"] - rotor) * one.ratio**2, gear_ratio=one.ratio,
+        motor_inertia=rotor, load_inertia=(x["J"] - rotor) * record.ratio**2, gear_ratio=record.ratio,
         gear_efficiency=x["e"], back_efficiency=x["e_back"],
     )  # fmt: skip
 
 
-def response(x: Figures, one: Record) -> dict[str, Array]:
+def response(x: Figures, record: Record) -> dict[str, Array]:
     """Current, speed and angle at each sample; each voltage begins so late, within a sample too."""
-    train, out = train_of(x, one), np.zeros((len(one.u), 3))
+    train, out = train_of(x, record), np.zeros((len(record.u), 3))
     whole = int(np.floor(x["delay"]))
     share = min(max(x["delay"] - whole, _LEAST), 1.0 - _LEAST)
-    parts = one.h * np.array([share, 1.0 - share])
+    parts = record.h * np.array([share, 1.0 - share])
     M = discretised(columns([train, train]), np.full((2, 1), train.resistance), parts)
     named = mechanical(train) | {
         "R25": train.resistance, "K_T": train.torque_constant, "K_E": train.back_emf_constant, "B_M": train.viscous,
@@ -115,10 +115,10 @@ def response(x: Figures, one: Record) -> dict[str, Array]:
     p[:, at.H] = parts
     s, z, stamp = np.zeros(len(STATE)), np.zeros(16), np.full((2, *M.shape[2:4]), nan)
     s[at.RES] = train.resistance
-    place, last = np.arange(len(one.u)) - whole, len(one.u) - 1
-    given = one.u if one.warm is None else one.u - x["R"] * one.warm * one.outputs["current"]
-    u = np.column_stack([given[np.clip(place - n, 0, last)] for n in (1, 0)])
-    wrong = machine_code(KERNEL)(p, s, tally(), M, M[:, 0].copy(), stamp, z, u, one.load, one.start, out)
+    place, last = np.arange(len(record.u)) - whole, len(record.u) - 1
+    signal = record.u if record.warm is None else record.u - x["R"] * record.warm * record.outputs["current"]
+    u = np.column_stack([signal[np.clip(place - n, 0, last)] for n in (1, 0)])
+    wrong = machine_code(KERNEL)(p, s, tally(), M, M[:, 0].copy(), stamp, z, u, record.load, record.start, out)
     if wrong:
         out[:] = 1e30
     return {"current": out[:, 0], "speed": out[:, 1], "angle": out[:, 2]}
@@ -137,34 +137,34 @@ def noise_of(values: Array, h: float) -> float:
 # -- A start by weighted regression, of signals smoothed alike.
 
 
-def regression(one: Record, known: Figures) -> Figures:
+def regression(record: Record, known: Figures) -> Figures:
     """Figures by linear regression on smoothed signals and their slopes; what has no column is as known.
 
     The voltage is R i + k_e w + L i' where the current was measured; the current, or a voltage alone, is in proportion
     to inertia, friction, speed and, where one is known, load.
     """
-    h, n = one.h, len(one.u)
+    h, n = record.h, len(record.u)
     time, window = h * np.arange(n, dtype=float), _SMOOTHED * h
-    w, dw = local_parabola(time, one.outputs["speed"], window)
-    u = local_parabola(time, np.append(one.u[0], (one.u[1:] + one.u[:-1]) / 2.0), window)[0]
+    w, dw = local_parabola(time, record.outputs["speed"], window)
+    u = local_parabola(time, np.append(record.u[0], (record.u[1:] + record.u[:-1]) / 2.0), window)[0]
     x = {"R": known.get("R", 1.0), "L": known.get("L", 0.0), "e": known.get("e", 1.0), "delay": 0.0,
          "k_e": known.get("k_e", 1.0), "k_t": known.get("k_t", 1.0)}  # fmt: skip
     x["e_back"] = x["e"]
-    fast = np.abs(w) > max(_CERTAIN * noise_of(one.outputs["speed"], h) / 3.0, _FASTEST / 100.0 * np.abs(w).max())
-    fast &= ~one.lead
+    fast = np.abs(w) > max(_CERTAIN * noise_of(record.outputs["speed"], h) / 3.0, _FASTEST / 100.0 * np.abs(w).max())
+    fast &= ~record.lead
     if fast.sum() < _FEW:
-        fast = ~one.lead
-    driving, braking = through_gears(one.ratio, x["e"])
-    load = one.load[:-1] * np.where(one.load[:-1] * w > 0.0, driving, braking)
+        fast = ~record.lead
+    driving, braking = through_gears(record.ratio, x["e"])
+    load = record.load[:-1] * np.where(record.load[:-1] * w > 0.0, driving, braking)
     push = u  # voltage or current that moves it
-    if one.driven == "voltage" and "current" in one.outputs:
-        push, slope = local_parabola(time, one.outputs["current"], window)
-        warm = 1.0 if one.warm is None else 1.0 + one.warm
+    if record.driven == "voltage" and "current" in record.outputs:
+        push, slope = local_parabola(time, record.outputs["current"], window)
+        warm = 1.0 if record.warm is None else 1.0 + record.warm
         x["R"], x["k_e"], x["L"] = _positive(np.column_stack([push * warm, w, slope]), u)
         x["k_t"] = known.get("k_t", x["k_e"])
-    table = np.column_stack([dw, np.sign(w), w, *([load] if one.loaded else [])])[fast]
+    table = np.column_stack([dw, np.sign(w), w, *([load] if record.loaded else [])])[fast]
     a, s, b, *per_torque = _positive(table, push[fast])
-    of_voltage = one.driven == "voltage" and "current" not in one.outputs
+    of_voltage = record.driven == "voltage" and "current" not in record.outputs
     if per_torque and per_torque[0] > 0.0 and "k_t" not in known:
         x["k_t"] = (x["R"] if of_voltage else 1.0) / per_torque[0]
     scale = x["k_t"] / x["R"] if of_voltage else x["k_t"]
@@ -178,8 +178,8 @@ def regression(one: Record, known: Figures) -> Figures:
 def _positive(table: Array, right: Array) -> Array:
     """Non-negative least squares with columns of one size."""
     size = np.sqrt((table**2).mean(axis=0)) + 1e-300
-    found = lsq_linear(table / size, right, bounds=(0.0, np.inf))
-    return np.asarray(found.x / size)
+    solution = lsq_linear(table / size, right, bounds=(0.0, np.inf))
+    return np.asarray(solution.x / size)
 
 
 BAND = 1.96  # standard deviations: 95 % of a normal spread
@@ -209,37 +209,37 @@ class Fit(NamedTuple):
 class _Problem:
     """A record with what is fitted of it, in figures of about 1."""
 
-    def __init__(self, one: Record, start: Figures, known: Figures) -> None:
-        self.one, self.known, self.values = one, known, dict(start)
+    def __init__(self, record: Record, start: Figures, known: Figures) -> None:
+        self.record, self.known, self.values = record, known, dict(start)
         self.free: tuple[str, ...] = ()
-        self.sigma = {name: noise_of(y, one.h) for name, y in one.outputs.items()}
-        i = one.outputs.get("current", one.u if one.driven == "current" else np.zeros(1))
+        self.sigma = {name: noise_of(y, record.h) for name, y in record.outputs.items()}
+        i = record.outputs.get("current", record.u if record.driven == "current" else np.zeros(1))
         push = self.values["k_t"] * float(np.sqrt((i**2).mean()))
-        if one.driven == "voltage" and "current" not in one.outputs:
-            push = self.values["k_t"] / self.values["R"] * float(np.sqrt((one.u**2).mean()))
-        top = float(np.abs(one.outputs["speed"]).max()) or 1.0
+        if record.driven == "voltage" and "current" not in record.outputs:
+            push = self.values["k_t"] / self.values["R"] * float(np.sqrt((record.u**2).mean()))
+        top = float(np.abs(record.outputs["speed"]).max()) or 1.0
         R = self.values["R"]
         self.size = {
-            "R": R, "L": max(self.values["L"], 0.3 * R * one.h), "k_e": self.values["k_e"], "k_t": self.values["k_t"],
-            "J": self.values["J"], "M_c": max(push, 1e-12), "b": max(push / top, 1e-15), "e": 1.0, "e_back": 1.0,
-            "delay": 1.0,
+            "R": R, "L": max(self.values["L"], 0.3 * R * record.h), "k_e": self.values["k_e"],
+            "k_t": self.values["k_t"], "J": self.values["J"], "M_c": max(push, 1e-12), "b": max(push / top, 1e-15),
+            "e": 1.0, "e_back": 1.0, "delay": 1.0,
         }  # fmt: skip
 
     def of(self, x: Array) -> Figures:
         """Figures of the model by those that are fitted; tied ones follow."""
-        found = dict(self.values)
+        figures = dict(self.values)
         for name, value in zip(self.free, x, strict=True):
-            found[name] = value * self.size[name] - (_AHEAD if name == "delay" else 0.0)
-        if "k_t" not in self.free and "k_e" in self.free and self.one.driven == "voltage" and self.ties_k_t:
-            found["k_t"] = found["k_e"] * self.values["k_t"] / self.values["k_e"]
+            figures[name] = value * self.size[name] - (_AHEAD if name == "delay" else 0.0)
+        if "k_t" not in self.free and "k_e" in self.free and self.record.driven == "voltage" and self.ties_k_t:
+            figures["k_t"] = figures["k_e"] * self.values["k_t"] / self.values["k_e"]
         if "e_back" not in self.free:
-            found["e_back"] = found["e"]
-        return found
+            figures["e_back"] = figures["e"]
+        return figures
 
     @property
     def ties_k_t(self) -> bool:
         """Whether the torque constant follows from the voltage per speed: where the current was measured."""
-        return "current" in self.one.outputs
+        return "current" in self.record.outputs
 
     def x(self) -> Array:
         """The fitted figures as they are now."""
@@ -248,16 +248,16 @@ class _Problem:
     def bounds(self) -> tuple[Array, Array]:
         """Their limits."""
         ends = {"e": (0.05, 1.0), "e_back": (0.05, 1.0), "delay": tuple(_AHEAD + d for d in _DELAYS)}
-        found = [ends.get(n, (0.0 if n in _ZERO else 1e-3, 1e3)) for n in self.free]
-        return np.array([low for low, _ in found]), np.array([high for _, high in found])
+        limits = [ends.get(n, (0.0 if n in _ZERO else 1e-3, 1e3)) for n in self.free]
+        return np.array([low for low, _ in limits]), np.array([high for _, high in limits])
 
     def rest(self, x: Array) -> Array:
         """Rest of each output that the model leaves, in standard deviations, one output behind another."""
-        made = response(self.of(x), self.one)
-        found = [(made[n] - y) / self.sigma[n] for n, y in self.one.outputs.items()]
-        for part in found:
-            part[self.one.lead] = 0.0
-        return np.clip(np.concatenate(found), -1e6, 1e6)
+        model = response(self.of(x), self.record)
+        rests = [(model[n] - y) / self.sigma[n] for n, y in self.record.outputs.items()]
+        for part in rests:
+            part[self.record.lead] = 0.0
+        return np.clip(np.concatenate(rests), -1e6, 1e6)
 
     def left(self, others: Figures) -> float:
         """Sum of squares with some figures in place of those it has."""
@@ -267,29 +267,29 @@ class _Problem:
     def slopes(self) -> Array:
         """Slopes of it by each fitted figure."""
         x, (_, high) = self.x(), self.bounds()
-        first, found = self.rest(x), np.empty((0, 0))
+        first, empty = self.rest(x), np.empty((0, 0))
         columns = []
         for k in range(len(x)):
             step = _STEP * max(abs(x[k]), 0.1)
             step = -step if x[k] + step > high[k] else step
-            moved = x.copy()
-            moved[k] += step
-            columns.append((self.rest(moved) - first) / step)
-        return np.array(columns).T if columns else found
+            ahead = x.copy()
+            ahead[k] += step
+            columns.append((self.rest(ahead) - first) / step)
+        return np.array(columns).T if columns else empty
 
     def spread(self) -> Array:
         """Three standard deviations of each fitted figure, a row of each kind."""
-        outputs, n = len(self.one.outputs), len(self.one.u)
+        outputs, n = len(self.record.outputs), len(self.record.u)
         return spreads(self.slopes().reshape(outputs, n, -1), self.rest(self.x()).reshape(outputs, n))
 
     def fit(self, most: int) -> None:
         """Go to the least squares."""
         x, (low, high) = self.x(), self.bounds()
         x = np.clip(x, low + 1e-6 * (1.0 + abs(low)), high - 1e-6 * abs(high))
-        found = least_squares(self.rest, x, bounds=(low, high), diff_step=_STEP, x_scale="jac", max_nfev=most,
+        solution = least_squares(self.rest, x, bounds=(low, high), diff_step=_STEP, x_scale="jac", max_nfev=most,
                               loss="soft_l1", f_scale=4.0, tr_solver="lsmr",
                               tr_options={"atol": 1e-12, "btol": 1e-12, "regularize": False})  # fmt: skip
-        self.values = self.of(found.x)
+        self.values = self.of(solution.x)
         for _ in range(_LAST):
             x, J, r = self.x(), self.slopes(), self.rest(self.x())
             inverse = _covariance(J)
@@ -300,30 +300,30 @@ class _Problem:
 
     def weigh(self) -> None:
         """Weight each output by what was left of it."""
-        rest = self.rest(self.x()).reshape(len(self.one.outputs), -1)
-        for name, part in zip(self.one.outputs, rest, strict=True):
-            kept = part[~self.one.lead]
-            self.sigma[name] *= max(float(np.sqrt((kept**2).mean())), 1e-3)
+        rest = self.rest(self.x()).reshape(len(self.record.outputs), -1)
+        for name, part in zip(self.record.outputs, rest, strict=True):
+            after_lead = part[~self.record.lead]
+            self.sigma[name] *= max(float(np.sqrt((after_lead**2).mean())), 1e-3)
 
 
 _SEPARATED = {name: (float(share), words) for name, share, *words in declared("separated")}
 _FALLEN = {"b": 0.0, "L": 0.0}  # where such a figure is neither fitted nor known
 
 
-def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
+def fitted(record: Record, known: Figures, free: Sequence[str]) -> Fit:
     """Fit what a record separates."""
-    start = regression(one, known)
-    problem = _Problem(one, start, known)
+    start = regression(record, known)
+    problem = _Problem(record, start, known)
     problem.free = tuple(free)
-    lags = [start["L"], *(share * start["R"] * one.h for share in _LAGS_TRIED)] if "L" in free else [start["L"]]
+    lags = [start["L"], *(share * start["R"] * record.h for share in _LAGS_TRIED)] if "L" in free else [start["L"]]
     # of each time constant the best delay, and of what comes of the best of these the nearest
-    tried = [min((problem.left({"delay": late, "L": L}), late, L) for late in _DELAYS_TRIED) for L in lags]
+    starts = [min((problem.left({"delay": late, "L": L}), late, L) for late in _DELAYS_TRIED) for L in lags]
     ends = []
-    for _, late, L in sorted(tried)[:_STARTS]:
+    for _, late, L in sorted(starts)[:_STARTS]:
         problem.values = start | {"delay": late, "L": L}
         problem.fit(12)
         ends.append((problem.left({}), problem.values))
-    problem.values = min(ends, key=lambda one: one[0])[1]
+    problem.values = min(ends, key=lambda end: end[0])[1]
     problem.weigh()
     tied: list[Inseparable] = []
     while (name := _inseparable(problem)) is not None:
@@ -331,7 +331,7 @@ def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
         problem.free = tuple(other for other in problem.free if other != name)
         if name in known or name in _FALLEN:
             problem.values[name] = known.get(name, _FALLEN.get(name, nan))
-        elif name == "k_t" and one.driven == "voltage":
+        elif name == "k_t" and record.driven == "voltage":
             problem.values["k_t"] = problem.values["k_e"]
         elif name in ("e", "e_back"):
             problem.values[name] = problem.values["e"] if name == "e_back" else 1.0
@@ -342,7 +342,7 @@ def fitted(one: Record, known: Figures, free: Sequence[str]) -> Fit:
     slopes, three = problem.slopes(), problem.spread()
     spread = {name: three[:, k] * problem.size[name] for k, name in enumerate(problem.free)}
     return Fit(problem.values, problem.free, spread, _condition(slopes), tuple(tied),
-               response(problem.values, one))  # fmt: skip
+               response(problem.values, record))  # fmt: skip
 
 
 def _condition(slopes: Array) -> float:
@@ -356,12 +356,12 @@ def _covariance(slopes: Array) -> Array:
     """Covariance of fitted figures; infinite where a figure does not reach the outputs."""
     size = np.sqrt((slopes**2).sum(axis=0))
     reached = size > 1e-9 * (size.max() if len(size) else 1.0)
-    found = np.full((len(size), len(size)), 0.0)
-    found[~reached, ~reached] = np.inf
+    covariance = np.full((len(size), len(size)), 0.0)
+    covariance[~reached, ~reached] = np.inf
     scaled = slopes[:, reached] / size[reached]
     inner = np.linalg.pinv(scaled.T @ scaled, rcond=1e-14)
-    found[np.ix_(reached, reached)] = inner / np.outer(size[reached], size[reached])
-    return found
+    covariance[np.ix_(reached, reached)] = inner / np.outer(size[reached], size[reached])
+    return covariance
 
 
 def _inseparable(problem: _Problem) -> str | None:
@@ -369,7 +369,7 @@ def _inseparable(problem: _Problem) -> str | None:
     spread, low = problem.spread().max(axis=0), problem.bounds()[0]
     size = dict(zip(problem.free, problem.x(), strict=True))
     order = [*_SEPARATED]
-    if not (problem.ties_k_t and problem.one.driven == "voltage"):  # a load alone gives the torque constant then
+    if not (problem.ties_k_t and problem.record.driven == "voltage"):  # a load alone gives the torque constant then
         order.remove("k_t")
         order.insert(order.index("e") + 1, "k_t")
     for name in order:
@@ -386,8 +386,8 @@ def spreads(J: Array, r: Array) -> Array:
     """Three standard deviations of each figure: formal, by blocks drawn anew, by parts."""
     n = r.shape[1]
     blocks = np.array_split(np.arange(n), min(_BLOCKS, n))
-    normal = np.array([np.einsum("oti,otj->ij", J[:, some], J[:, some]) for some in blocks])
-    pull = np.array([np.einsum("oti,ot->i", J[:, some], r[:, some]) for some in blocks])
+    normal = np.array([np.einsum("oti,otj->ij", J[:, block], J[:, block]) for block in blocks])
+    pull = np.array([np.einsum("oti,ot->i", J[:, block], r[:, block]) for block in blocks])
     scale = np.sqrt(np.maximum(np.diag(normal.sum(axis=0)), 1e-300))
 
     def moved(weight: Array) -> Array:
@@ -398,20 +398,20 @@ def spreads(J: Array, r: Array) -> Array:
     random = np.random.default_rng(_SEED)
     many = len(blocks)
     draws = (random.integers(many, size=many) for _ in range(_DRAWN))
-    drawn = np.array([moved(np.bincount(some, minlength=many).astype(float)) for some in draws])
+    samples = np.array([moved(np.bincount(draw, minlength=many).astype(float)) for draw in draws])
     order = np.arange(len(blocks)) % _PARTS
     parts = np.array([moved((order == k).astype(float)) for k in range(_PARTS)])
-    low, high = np.percentile(drawn, [2.5, 97.5], axis=0)
+    low, high = np.percentile(samples, [2.5, 97.5], axis=0)
     by_parts = parts.std(axis=0, ddof=1) / np.sqrt(_PARTS) * _STUDENT
     return np.array([formal, (high - low) / 2.0 / BAND, by_parts])
 
 
 def of_points(table: Array, right: Array) -> tuple[Array, Array]:
     """Figures by linear regression of steady points, and three standard deviations of each."""
-    found, *_ = np.linalg.lstsq(table, right, rcond=None)
-    left = table @ found - right
+    figures, *_ = np.linalg.lstsq(table, right, rcond=None)
+    left = table @ figures - right
     size = float(left.std()) or 1.0
-    return np.asarray(found, float), spreads((table / size)[None], (left / size)[None])
+    return np.asarray(figures, float), spreads((table / size)[None], (left / size)[None])
 
 
 def widest(three: Array) -> list[str]:
@@ -466,13 +466,13 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
         R_th1, tau_w, R_th2, tau_h = np.exp(x).tolist()
         b = bodies_of(float(resistance_at(R_25, ambient)), COPPER * R_25, R_th1, R_th2, tau_w / R_th1, tau_h / R_th2)
         w, h = start
-        found = [(w, h)]
+        temperatures = [(w, h)]
         for dt, I2 in zip(spans.tolist(), square.tolist(), strict=True):
             law = law_of(b, I2, 0.0)
             more_w, more_h, _ = added(law, spread(law, dt), dt, w, h)
             w, h = min(max(w + more_w, -300.0), 3000.0), min(max(h + more_h, -300.0), 3000.0)
-            found.append((w, h))
-        return np.array(found).T[places] + ambient
+            temperatures.append((w, h))
+        return np.array(temperatures).T[places] + ambient
 
     def rest(x: Array) -> Array:
         return np.asarray((course(x) - measured).ravel() / _SIGMA)
@@ -482,7 +482,7 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
     tries = [np.clip(np.log([2.0, total / a, 6.0, total * c]), least + 0.01, most - 0.01)
              for a in (20.0, 4.0) for c in (0.5, 3.0)]  # fmt: skip
     best = min((least_squares(rest, x, bounds=(least, most), x_scale=1.0, max_nfev=60) for x in tries),
-               key=lambda one: float(one.cost))  # fmt: skip
+               key=lambda result: float(result.cost))  # fmt: skip
     r = best.fun.reshape(len(rises), -1)
     size = max(float(np.sqrt((r**2).mean())), 1.0)
     three = spreads(best.jac.reshape(len(rises), r.shape[1], 4) / size, r / size)
@@ -500,6 +500,6 @@ def heated(log: Log, current: Array | None, R_25: float) -> Heat:
         basis = BOUND if bound else kinds[k]
         figures.append(IdentifiedFigure(name, title, kind, unit, low if bound else value, low, high, basis))
     tied = (Inseparable(", ".join(open_ones), f"the log lasts {total:.3g} s", _NEEDS),) if open_ones else ()
-    made = course(best.x)
-    traces = tuple(Trace(name, "temperature", "degC", measured[k], made[k]) for k, name in enumerate(rises))
+    model = course(best.x)
+    traces = tuple(Trace(name, "temperature", "degC", measured[k], model[k]) for k, name in enumerate(rises))
     return Heat(tuple(figures), tied, time[edges], traces)

@@ -67,9 +67,9 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
              named: Mapping[str, str] | None = None, content: bytes | None = None) -> Identification:  # fmt: skip
     """Identify a drive by its log."""
     content = read_bytes(path, LARGEST) if content is None else content
-    found = calibration(path, content)
-    if found is not None:
-        return found
+    identification = calibration(path, content)
+    if identification is not None:
+        return identification
     log = scaled(read_log(path, named or {}, content), scales or {})
     columns = at_motor(log, of)
     current, R_25 = columns.get("current"), of.figures.get("R", nan)
@@ -80,24 +80,28 @@ def identify(path: Path, of: Reference = NOTHING, *, scales: Mapping[str, float]
         raise InputError(f"{path}: {quoted(have)}; expected the motor's speed or position, and its voltage or current")
     if log.steady:
         return _of_points(log, columns, of)
-    one, time = record(log, columns, of)
+    record, time = record_of(log, columns, of)
     known = {name: x for name, x in of.figures.items() if x > 0.0}
-    free, known = _fitted_figures(one, known)
-    fit = fitted(one, known, free)
+    free, known = _fitted_figures(record, known)
+    fit = fitted(record, known, free)
     heat = heated(log, current, fit.values["R"] if "R" in fit.free else R_25)
-    figures = [*_figures(one, fit, known, of, log), *heat.figures]
+    figures = [*_figures(record, fit, known, of, log), *heat.figures]
     traces = [
         Trace(
-            "motor speed" if of.label else "speed", "rotary_speed", "rpm", one.outputs["speed"], fit.modelled["speed"]
+            "motor speed" if of.label else "speed",
+            "rotary_speed",
+            "rpm",
+            record.outputs["speed"],
+            fit.modelled["speed"],
         )
     ]
-    if "current" in one.outputs:
-        traces.append(Trace("current", "current", "A", one.outputs["current"], fit.modelled["current"]))
-    remarks = [*log.remarks, *_remarks(one, fit, known, of)]
+    if "current" in record.outputs:
+        traces.append(Trace("current", "current", "A", record.outputs["current"], fit.modelled["current"]))
+    remarks = [*log.remarks, *_remarks(record, fit, known, of)]
     return Identification(
-        log=log.name, label=of.label, columns=log.heads, samples=len(one.u), duration=float(time[-1] - time[0]),
-        driven=one.driven, figures=tuple(figures), inseparable=(*_structural(one, fit), *fit.inseparable,
-        *heat.inseparable), findings=tuple(_findings(log, one, fit, of)), condition=fit.condition, time=time,
+        log=log.name, label=of.label, columns=log.heads, samples=len(record.u), duration=float(time[-1] - time[0]),
+        driven=record.driven, figures=tuple(figures), inseparable=(*_structural(record, fit), *fit.inseparable,
+        *heat.inseparable), findings=tuple(_findings(log, record, fit, of)), condition=fit.condition, time=time,
         traces=tuple(traces), remarks=tuple(remarks),
     )  # fmt: skip
 
@@ -124,8 +128,8 @@ def _of_points(log: Log, columns: Mapping[str, Array], of: Reference) -> Identif
     laws |= {"R k_e": ([i, w], columns["voltage"])} if "voltage" in columns else {}
     figures, traces = [], []
     for names, (table, right) in laws.items():
-        found, three = of_points(np.column_stack(table), right)
-        for name, x, sigma, basis in zip(names.split(), found, BAND * three.max(axis=0), widest(three), strict=True):
+        values, three = of_points(np.column_stack(table), right)
+        for name, x, sigma, basis in zip(names.split(), values, BAND * three.max(axis=0), widest(three), strict=True):
             title, kind, unit = _TITLES[name]
             printed = of.figures.get(name, nan)
             deviation = (x - printed) / sqrt((sigma / BAND) ** 2 + (_TOLERANCE.get(name, 0.2) * printed) ** 2)
@@ -134,7 +138,7 @@ def _of_points(log: Log, columns: Mapping[str, Array], of: Reference) -> Identif
                 IdentifiedFigure(name, title, kind, unit, value, low, high, basis, printed, float(deviation))
             )
         quantity = ("torque", "torque", "mN*m") if "k_t" in names else ("voltage", "voltage", "V")
-        traces.append(Trace(*quantity, right, np.column_stack(table) @ found))
+        traces.append(Trace(*quantity, right, np.column_stack(table) @ values))
     tied = Inseparable("inertia, inductance, delay", "it has steady points alone", "a log of a move")
     lossy = ("a loss of the gears is in the torque constant",) if of.ratio != 1.0 else ()
     return Identification(
@@ -169,7 +173,7 @@ def at_motor(log: Log, of: Reference) -> dict[str, Array]:
     return columns
 
 
-def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Record, Array]:
+def record_of(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Record, Array]:
     """A log on an even grid; inputs are means over each interval, outputs values at its start."""
     driven = "voltage" if "voltage" in columns else "current"
     time = columns["time"]
@@ -185,11 +189,11 @@ def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Recor
     for move in moves:
         t = time[move]
         even = t[0] + h * np.arange(int((t[-1] - t[0]) / h * (1 + 1e-9)) + 1)
-        given = columns[driven][move]
-        between = given[:-1] if driven == "voltage" else (given[:-1] + given[1:]) / 2.0  # held, or on a line
-        held = np.append(0.0, np.cumsum(np.diff(t) * between))
-        beyond = held[-1] + given[-1] * h
-        edges = np.interp(np.append(even, even[-1] + h), np.append(t, t[-1] + h), np.append(held, beyond))
+        signal = columns[driven][move]
+        between = signal[:-1] if driven == "voltage" else (signal[:-1] + signal[1:]) / 2.0  # held, or on a line
+        integral = np.append(0.0, np.cumsum(np.diff(t) * between))
+        beyond = integral[-1] + signal[-1] * h
+        edges = np.interp(np.append(even, even[-1] + h), np.append(t, t[-1] + h), np.append(integral, beyond))
         inputs.append(np.diff(edges) / h)
         loads.append(np.full(len(even), of.weight) if torque is None else np.interp(even, t, torque[move]))
         smooth = local_parabola(t, columns["speed"][move], _START * h)[0]
@@ -208,25 +212,25 @@ def record(log: Log, columns: Mapping[str, Array], of: Reference) -> tuple[Recor
         raise InputError(f"{log.name}: no move of more than 5 rows; expected one without gaps")
     load = np.concatenate(loads)
     rotor = of.figures.get("J", nan) if torque is None else nan
-    one = Record(
+    record = Record(
         h=h, driven=driven, u=np.concatenate(inputs), load=np.append(load, load[-1]),
         outputs={name: np.concatenate(parts) for name, parts in outputs.items() if parts},
         start=np.concatenate(starts), ratio=ratio, rotor=rotor if rotor > 0.0 else nan,
         warm=None if warms is None else np.concatenate(warms),
     )  # fmt: skip
-    return one, np.concatenate(grid)
+    return record, np.concatenate(grid)
 
 
-def _fitted_figures(one: Record, known: dict[str, float]) -> tuple[tuple[str, ...], dict[str, float]]:
+def _fitted_figures(record: Record, known: dict[str, float]) -> tuple[tuple[str, ...], dict[str, float]]:
     """Figures that are fitted of a record, and known ones: without data sheet a resistance or constant of 1."""
     # losses by direction scale as the torque constant does: behind gears that is the voltage per speed
-    direct = one.ratio == 1.0 or one.driven == "current" or "current" not in one.outputs
-    loads = (("k_t", "e") if direct else ("e", "e_back")) if one.loaded else ()
-    if one.driven == "current":
-        return ("J", "M_c", "b", *loads, "delay"), known if one.loaded else {"k_t": 1.0, "k_e": 1.0} | known
-    if "current" not in one.outputs:
+    direct = record.ratio == 1.0 or record.driven == "current" or "current" not in record.outputs
+    loads = (("k_t", "e") if direct else ("e", "e_back")) if record.loaded else ()
+    if record.driven == "current":
+        return ("J", "M_c", "b", *loads, "delay"), known if record.loaded else {"k_t": 1.0, "k_e": 1.0} | known
+    if "current" not in record.outputs:
         own = known if "R" in known and "k_t" in known else {"R": 1.0, "k_t": 1.0}
-        if one.loaded:  # torque per voltage is what a known load gives
+        if record.loaded:  # torque per voltage is what a known load gives
             own = {"R": own["R"]}
         return ("L", "k_e", "J", "M_c", *loads, "delay"), {n: x for n, x in own.items() if n in ("R", "k_t", "e")}
     return ("R", "L", "k_e", "J", "M_c", "b", *loads, "delay"), {n: x for n, x in known.items() if n != "k_t"}
@@ -239,18 +243,20 @@ _OF_VOLTAGE = {name: words for name, *words in declared("of a voltage")}
 _OF_CURRENT = {name: words for name, *words in declared("of a current")}
 
 
-def _normalised(one: Record, fit: Fit, known: Mapping[str, float], of: Reference) -> dict[str, list[str]]:
+def _normalised(record: Record, fit: Fit, known: Mapping[str, float], of: Reference) -> dict[str, list[str]]:
     """Other names where torques are not known as such."""
-    if "k_t" in fit.free or (one.driven == "voltage" and "current" in one.outputs):
+    if "k_t" in fit.free or (record.driven == "voltage" and "current" in record.outputs):
         return {}
-    if one.driven == "current":
+    if record.driven == "current":
         return {} if of.figures.get("k_t", nan) > 0.0 else _OF_CURRENT
     return {} if known.get("R") != 1.0 or known.get("k_t") != 1.0 else _OF_VOLTAGE
 
 
-def _figures(one: Record, fit: Fit, known: Mapping[str, float], of: Reference, log: Log) -> Iterator[IdentifiedFigure]:
-    normal = _normalised(one, fit, known, of)
-    shared = _sheet_share(one, fit, normal)
+def _figures(
+    record: Record, fit: Fit, known: Mapping[str, float], of: Reference, log: Log
+) -> Iterator[IdentifiedFigure]:
+    normal = _normalised(record, fit, known, of)
+    shared = _sheet_share(record, fit, normal)
     for name in _TITLES:
         if name in fit.free:
             kinds = fit.spread[name]
@@ -258,12 +264,12 @@ def _figures(one: Record, fit: Fit, known: Mapping[str, float], of: Reference, l
             sigma = float(kinds.max())
             if name in ("J", "M_c", "b"):
                 sigma = sqrt(sigma**2 + (shared * value) ** 2)
-        elif name == "k_t" and "k_e" in fit.free and "current" in one.outputs:
+        elif name == "k_t" and "k_e" in fit.free and "current" in record.outputs:
             basis, value = "as the back-EMF constant", fit.values["k_e"]
             sigma = float(fit.spread["k_e"].max())
         else:
             continue
-        factor = one.h if name == "delay" else 1.0
+        factor = record.h if name == "delay" else 1.0
         title, kind, unit = _TITLES[name]
         name_, title, kind, unit = normal.get(name, [name, title, kind, unit])
         if name == "k_t" and known.get("R") == 1.0:
@@ -289,13 +295,13 @@ def _bare(of: Reference, log: Log) -> bool:
     )
 
 
-def _sheet_share(one: Record, fit: Fit, normal: Mapping[str, Any]) -> float:
+def _sheet_share(record: Record, fit: Fit, normal: Mapping[str, Any]) -> float:
     """Relative spread that figures have by those that are taken from the data sheet."""
-    if normal or ("current" in one.outputs and one.driven == "voltage") or "k_t" in fit.free:
+    if normal or ("current" in record.outputs and record.driven == "voltage") or "k_t" in fit.free:
         return 0.0
     return (
         _TOLERANCE["k_t"] / BAND
-        if one.driven == "current"
+        if record.driven == "current"
         else sqrt(_TOLERANCE["k_t"] ** 2 + _TOLERANCE["R"] ** 2) / BAND
     )
 
@@ -317,18 +323,18 @@ def _inertias(fit: Fit, of: Reference, log: Log) -> Iterator[IdentifiedFigure]:
                                max(value - reach, 0.0), value + reach, "inertia less that of the rotor")  # fmt: skip
 
 
-def _structural(one: Record, fit: Fit) -> Iterator[Inseparable]:
+def _structural(record: Record, fit: Fit) -> Iterator[Inseparable]:
     """Figures that the columns themselves do not separate."""
-    if one.driven == "voltage" and "current" not in one.outputs:
+    if record.driven == "voltage" and "current" not in record.outputs:
         yield Inseparable("resistance, torque constant, inertia and friction apart", "the current was not logged",
                           "voltage and current, one move of it under load at low speed")  # fmt: skip
         yield Inseparable("viscous friction apart from back-EMF", "both grow with the speed", "the current")
-    if one.driven == "current":
+    if record.driven == "current":
         yield Inseparable("resistance and back-EMF constant", "the voltage was not logged", "the voltage at the motor")
         if "k_t" not in fit.free:
             yield Inseparable("torque constant apart from inertia and friction", "no torque was logged",
                               "a measured torque at the output, or a known load lifted and lowered")  # fmt: skip
-    if one.driven == "voltage" and "current" in one.outputs and not one.loaded:
+    if record.driven == "voltage" and "current" in record.outputs and not record.loaded:
         yield Inseparable("torque constant apart from back-EMF constant, gear loss", "no load at the output is known",
                           "a measured torque, or a known load lifted and lowered")  # fmt: skip
     if "e_back" in fit.free:
@@ -336,7 +342,7 @@ def _structural(one: Record, fit: Fit) -> Iterator[Inseparable]:
                           "a log of the motor alone")  # fmt: skip
 
 
-def _findings(log: Log, one: Record, fit: Fit, of: Reference) -> Iterator[LogFinding]:
+def _findings(log: Log, record: Record, fit: Fit, of: Reference) -> Iterator[LogFinding]:
     yield from log_findings(log, pulled=of.weight != 0.0)
     if "k_e" in fit.free:
         yield from unit_findings(
@@ -347,38 +353,38 @@ def _findings(log: Log, one: Record, fit: Fit, of: Reference) -> Iterator[LogFin
     late = fit.values["delay"]
     if abs(late) > _LATE:
         yield LogFinding(
-            "delay", f"the {one.driven} acts {late:.2g} samples ({1e3 * late * one.h:.3g} ms) after its row"
+            "delay", f"the {record.driven} acts {late:.2g} samples ({1e3 * late * record.h:.3g} ms) after its row"
         )
-    for name, made in fit.modelled.items():
-        if name in one.outputs:
-            measured = one.outputs[name]
-            left = float(np.sqrt(((made - measured) ** 2).mean())) / (float(measured.std()) or 1.0)
+    for name, values in fit.modelled.items():
+        if name in record.outputs:
+            measured = record.outputs[name]
+            left = float(np.sqrt(((values - measured) ** 2).mean())) / (float(measured.std()) or 1.0)
             if left > 0.3:
                 text = f"the model leaves {left:.0%} of the {name}'s spread: another law than friction and inertia acts"
                 yield LogFinding("misfit", text, severe=True)
 
 
-def _remarks(one: Record, fit: Fit, known: Mapping[str, float], of: Reference) -> Iterator[str]:
-    taken = [n for n in ("R", "k_t") if n in of.figures and known.get(n) == of.figures[n] and n not in fit.free]
-    if taken and (one.driven == "current" or "current" not in one.outputs):
-        yield f"{' and '.join(taken)} are the data sheet's: their tolerance is in the bands of inertia and friction"
+def _remarks(record: Record, fit: Fit, known: Mapping[str, float], of: Reference) -> Iterator[str]:
+    of_sheet = [n for n in ("R", "k_t") if n in of.figures and known.get(n) == of.figures[n] and n not in fit.free]
+    if of_sheet and (record.driven == "current" or "current" not in record.outputs):
+        yield f"{' and '.join(of_sheet)} are the data sheet's: their tolerance is in the bands of inertia and friction"
     if "e_back" in fit.free:
         yield "behind gears k_t is taken as k_e: by as much as it is less, both gear efficiencies are too low"
-    if one.warm is not None:
+    if record.warm is not None:
         yield "the resistance is that at 25 °C by the logged temperature of the winding"
-    if not isnan(one.rotor) and one.loaded:
+    if not isnan(record.rotor) and record.loaded:
         yield "the load's inertia is behind the gears, the rotor's is the data sheet's"
 
 
 _PERIOD = 1e-3  # s, of the controller: of a train whose inductance is unknown
 
 
-def of_motor(hit: Hit, ratio: float = 1.0) -> Reference:
+def of_motor(motor: Hit, ratio: float = 1.0) -> Reference:
     """A motor by its data sheet."""
-    columns: Figures = {name: hit.table[name][hit.row : hit.row + 1] for name in hit.table.columns}
-    return Reference(label=hit.part, ratio=ratio, figures={
-        "R": hit["resistance"], "L": hit["inductance"], "k_t": hit["torque_constant"],
-        "k_e": float(back_emf_constant(columns)[0]), "J": hit["rotor_inertia"],
+    columns: Figures = {name: motor.table[name][motor.row : motor.row + 1] for name in motor.table.columns}
+    return Reference(label=motor.part, ratio=ratio, figures={
+        "R": motor["resistance"], "L": motor["inductance"], "k_t": motor["torque_constant"],
+        "k_e": float(back_emf_constant(columns)[0]), "J": motor["rotor_inertia"],
     })  # fmt: skip
 
 
@@ -421,8 +427,8 @@ def log_findings(log: Log, *, pulled: bool) -> Iterator[LogFinding]:
         apart = apart[(apart > 0.0) & (apart < 10.0 * np.median(apart))]
         usual, spread = float(np.median(apart)), float(apart.std())
         if spread > _JITTER * usual:
-            every = f"{show(usual, 'ms', 'time', 3)} ± {show(spread, 'ms', 'time', 2)}"
-            yield LogFinding("jitter", f"samples every {every}: they are put on an even grid")
+            interval = f"{show(usual, 'ms', 'time', 3)} ± {show(spread, 'ms', 'time', 2)}"
+            yield LogFinding("jitter", f"samples every {interval}: they are put on an even grid")
     if "speed" in columns:
         steps = np.diff(np.unique(columns["speed"]))
         top = float(np.abs(columns["speed"]).max())
@@ -453,21 +459,21 @@ def log_findings(log: Log, *, pulled: bool) -> Iterator[LogFinding]:
         )
 
 
-def unit_findings(of: str, column: str, found: float, printed: float, ratio: float) -> Iterator[LogFinding]:
+def unit_findings(of: str, column: str, value: float, printed: float, ratio: float) -> Iterator[LogFinding]:
     """A factor that would make a constant that of the data sheet, where it is far from it."""
-    if isnan(printed) or not found > 0.0 or not printed > 0.0:
+    if isnan(printed) or not value > 0.0 or not printed > 0.0:
         return
-    off = found / printed
+    off = value / printed
     if abs(off - 1.0) < _OFF:
         return
     gears = [] if ratio == 1.0 else [(ratio, "the speed of the output"), (1.0 / ratio, "the speed of the motor")]
-    factor, meaning = min((*_FACTORS, *gears), key=lambda one: abs(np.log(off / one[0])))
+    factor, meaning = min((*_FACTORS, *gears), key=lambda entry: abs(np.log(off / entry[0])))
     near = abs(off / factor - 1.0) < _NEAR
     if not near and abs(off - 1.0) < _FAR:
         return  # a deviation, which its own row shows
-    said = f"{of} is {off:.4g} times that of the data sheet"
+    text = f"{of} is {off:.4g} times that of the data sheet"
     more = f": {column} times {factor:.5g} would fit it ({meaning})" if near else ": no usual factor explains it"
-    yield LogFinding("units", said + more, factor if near else float("nan"), severe=True)
+    yield LogFinding("units", text + more, factor if near else float("nan"), severe=True)
 
 
 # -- A catalogue file of the motor that was identified: the data sheet's row with what was measured in its place.
@@ -480,57 +486,63 @@ _DROPPED = {  # of the data sheet: names, and what would contradict
 _NEEDED = ("R", "k_t", "rotor_inertia")
 
 
-def part_file(found: Identification, hit: Hit | None, name: str) -> bytes:
+def part_file(identification: Identification, motor: Hit | None, name: str) -> bytes:
     """The text of a catalogue with the identified motor."""
-    if hit is not None and hit.section != "motors":
+    if motor is not None and motor.section != "motors":
         raise InputError(
-            f"{quoted(hit.part)} is an actuator: its figures are printed at the output; expected a motor to write a row"
+            f"{quoted(motor.part)} is an actuator: its figures are printed at the output; expected a motor to "
+            "write a row"
         )
-    figures = {one.name: one.value for one in found.figures if one.basis != BOUND}
+    figures = {figure.name: figure.value for figure in identification.figures if figure.basis != BOUND}
     if "rotor_inertia" not in figures and "load_inertia" not in figures and "J" in figures:
         figures["rotor_inertia"] = figures["J"]
     lacks = [n for n in _NEEDED if not figures.get(n, 0.0) > 0.0]
-    if lacks and hit is None:
+    if lacks and motor is None:
         raise InputError(
-            f"{found.log}: {', '.join(lacks)} cannot be had from this log alone; expected --motor for the rest of a row"
+            f"{identification.log}: {', '.join(lacks)} cannot be had from this log alone; expected --motor "
+            "for the rest of a row"
         )
     measured = {column: figures[name] for name, column in declared("columns") if name in figures}
     columns = printed("motors")
     stem = name.rsplit(".", 1)[0]
-    row: dict[str, str] = {"part": f"{hit.part} measured" if hit else stem, "kind": "brushed"}
-    if hit is not None:
+    row: dict[str, str] = {"part": f"{motor.part} measured" if motor else stem, "kind": "brushed"}
+    if motor is not None:
         for column in columns.values():
-            value = hit[column.name]
+            value = motor[column.name]
             if is_known(value) and column.name not in _DROPPED:
                 row[column.name] = str(value) if column.kind == "text" else digits(value, column)
     for column_name, value in measured.items():
         row[column_name] = _rounded(value, columns[column_name])
-    return _text(found, hit, row, sorted(measured), name).encode()
+    return _text(identification, motor, row, sorted(measured), name).encode()
 
 
 def _rounded(value: float, column: Column) -> str:
     return f"{float(f'{float(from_si(value, column.unit, column.kind)):.5g}'):g}"
 
 
-def _text(found: Identification, hit: Hit | None, row: dict[str, str], measured: list[str], name: str) -> str:
-    columns, source = printed("motors"), quoted(f"identified from {found.log}")
-    family = quoted(f"{hit['family'] or hit.part} measured" if hit else row["part"])
+def _text(
+    identification: Identification, motor: Hit | None, row: dict[str, str], measured: list[str], name: str
+) -> str:
+    columns, source = printed("motors"), quoted(f"identified from {identification.log}")
+    family = quoted(f"{motor['family'] or motor.part} measured" if motor else row["part"])
     sources = {"log": {"document": source, "confidence": "measured"}}
     table: dict[str, Any] = {
         "family": family, "source": "log", "columns": [columns[n].head for n in row],
         "rows": [[quoted(x) if columns[n].kind == "text" else x for n, x in row.items()]],
     }  # fmt: skip
     pairs = [{"name": "direct drive", "source": "log", "motors": f"[{family}]", "gearheads": "[direct]"}]
-    if hit is not None:
-        sheet = hit.catalog.sources[hit.table.source[hit.row]]
+    if motor is not None:
+        sheet = motor.catalog.sources[motor.table.source[motor.row]]
         sources["sheet"] = {"document": quoted(sheet.document, 200), "confidence": sheet.confidence}
         fields = f"[{', '.join(measured)}]"
         table |= {"source": "sheet",
                   "notes": [{"fields": fields, "text": source, "source": "log", "confidence": "measured"}]}  # fmt: skip
-        if listed := [f"{{{quoted(hit.catalogue)}: {quoted(one)}}}" for one in partners(hit).get("gearheads", {})]:
+        if listed := [
+            f"{{{quoted(motor.catalogue)}: {quoted(partner)}}}" for partner in partners(motor).get("gearheads", {})
+        ]:
             across = f"[{', '.join(listed)}]"
             pairs.append(pairs[0] | {"name": "as the data sheet's", "source": "sheet", "gearheads": across})
-    maker = quoted(hit["manufacturer"] or "measured") if hit else "measured"
+    maker = quoted(motor["manufacturer"] or "measured") if motor else "measured"
     text = file_text("motors", maker, sources, [table], {"motor_gearhead": pairs})
     parse(YamlSource(text, name), name, "")
     return text

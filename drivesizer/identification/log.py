@@ -46,7 +46,7 @@ def entries(raw: bytes, path: Path) -> dict[str, tuple[Array, Array]]:
         raise InputError(f"{path}: is no data log of version 1.0")
     at = 12 + int.from_bytes(raw[8:12], "little")
     names: dict[int, tuple[str, str]] = {}
-    found: dict[str, tuple[list[float], list[float]]] = defaultdict(lambda: ([], []))
+    series: dict[str, tuple[list[float], list[float]]] = defaultdict(lambda: ([], []))
     for _ in range(_MOST_RECORDS):
         if at >= len(raw):
             break
@@ -64,10 +64,10 @@ def entries(raw: bytes, path: Path) -> dict[str, tuple[Array, Array]]:
         elif entry in names:
             name, form = names[entry]
             if form in _NUMBERS and size == struct.calcsize(_NUMBERS[form]):
-                times, values = found[name]
+                times, values = series[name]
                 times.append(moment / 1e6)
                 values.append(float(struct.unpack(_NUMBERS[form], raw[start:at])[0]))
-    return {name: (np.array(t), np.array(y)) for name, (t, y) in found.items() if len(t) > 1}
+    return {name: (np.array(t), np.array(y)) for name, (t, y) in series.items() if len(t) > 1}
 
 
 def _control(body: bytes, names: dict[int, tuple[str, str]]) -> None:
@@ -177,8 +177,8 @@ def _checked(log: Log, path: Path) -> Log:
             apart = np.diff(log.columns["time"])
         gaps = np.flatnonzero((apart > _GAP * float(np.median(apart[apart > 0.0]))) | (apart <= 0.0)) + 1
         log = log._replace(starts=tuple(sorted({*log.starts, *gaps.tolist()})))
-    moved = [n for n, c in log.columns.items() if n != "time" and np.ptp(c) > _UNMOVED * (np.abs(c).max() or 1.0)]
-    if not moved:
+    changing = [n for n, c in log.columns.items() if n != "time" and np.ptp(c) > _UNMOVED * (np.abs(c).max() or 1.0)]
+    if not changing:
         raise InputError(f"{path}: nothing changes in {', '.join(log.heads.values())}; expected a move")
     return log._replace(remarks=tuple(remarks))
 
@@ -187,20 +187,20 @@ def _checked(log: Log, path: Path) -> Log:
 
 
 def _table(raw: bytes, path: Path, named: Mapping[str, str]) -> Log:
-    table = max(tables_of(raw, path), key=lambda one: len(one.rows))
+    table = max(tables_of(raw, path), key=lambda table: len(table.rows))
     rows = [(line, cells) for line, cells in table.rows if any(cells)]
     rows = [(line, cells) for line, cells in rows if not cells[0].startswith("#")]
-    wanted = set(named.values())
-    heads_at = [(place, cells) for place, (_, cells) in enumerate(rows[:_ABOVE]) if wanted <= set(cells)]
-    if wanted and not heads_at:
-        shown = max((cells for _, cells in rows[:_ABOVE]), key=len, default=[])
+    named_heads = set(named.values())
+    heads_at = [(place, cells) for place, (_, cells) in enumerate(rows[:_ABOVE]) if named_heads <= set(cells)]
+    if named_heads and not heads_at:
+        widest = max((cells for _, cells in rows[:_ABOVE]), key=len, default=[])
         raise InputError(
-            f"{path}: no row has the heads {quoted(', '.join(wanted))}; found {quoted(', '.join(shown), 200)}"
+            f"{path}: no row has the heads {quoted(', '.join(named_heads))}; found {quoted(', '.join(widest), 200)}"
         )
-    found = next(((place, at) for place, cells in heads_at if len(at := _meant(cells, named)) >= 2), None)
-    if found is None:
+    header = next(((place, at) for place, cells in heads_at if len(at := _meant(cells, named)) >= 2), None)
+    if header is None:
         raise InputError(f"{path}: no header was found; expected e.g. time (s),voltage (V),current (A),speed (rpm)")
-    place, at = found
+    place, at = header
     heads = rows[place][1]
     below = rows[place + 1][1] if place + 1 < len(rows) else []
     own = [unit_of(cell.replace("rad.s", "rad/s").replace("Deg C", "degC")) for cell in below]
@@ -208,12 +208,12 @@ def _table(raw: bytes, path: Path, named: Mapping[str, str]) -> Log:
         not unit and cell.lstrip("+-")[:1].isdigit() for cell, unit in zip(below, own, strict=True)
     )
     numbers = rows[place + 1 + has_units :]
-    decimal = decimal_sign([cell for _, some in numbers[:500] for cell in some], table.separator)
+    decimal = decimal_sign([cell for _, row in numbers[:500] for cell in row], table.separator)
     columns, remarks = dict[str, Array](), list[str]()
     for name, k in at.items():
         unit = split_head(heads[k])[1] or (own[k] if has_units and k < len(own) else "")
         factor, offset = _factor(name, unit, heads[k], remarks)
-        cells = [_number(some[k] if k < len(some) else "", decimal) for _, some in numbers]
+        cells = [_number(row[k] if k < len(row) else "", decimal) for _, row in numbers]
         columns[name] = np.array(cells, float) * factor + offset
     return Log(path.name, columns, {name: heads[k] for name, k in at.items()}, (0,), tuple(remarks))
 
@@ -229,16 +229,16 @@ def _meant(cells: Sequence[str], named: Mapping[str, str]) -> dict[str, int]:
     """Place of each quantity among heads: as it is named, else by word, where its unit fits."""
     heads = [plain_head(split_head(cell)[0].replace("_", " ")) for cell in cells]
     units = [split_head(cell)[1] for cell in cells]
-    found = {name: list(cells).index(head) for name, head in named.items()}
+    places = {name: list(cells).index(head) for name, head in named.items()}
     for name, (kinds, words) in _QUANTITIES.items():
-        if name in found:
+        if name in places:
             continue
-        free = [k for k in range(len(cells)) if k not in found.values()]
+        free = [k for k in range(len(cells)) if k not in places.values()]
         fits = [k for k in free if not units[k] or any(_scaled(units[k], kind) for kind in kinds)]
         place = next((k for word in words for k in fits if heads[k] == word), None)
         if place is not None and not (name in ("load_speed", "reference") and not units[place]):
-            found[name] = place
-    return found
+            places[name] = place
+    return places
 
 
 def _scaled(unit: str, kind: str) -> tuple[float, float] | None:
@@ -252,8 +252,8 @@ def _factor(name: str, unit: str, head: str, remarks: list[str]) -> tuple[float,
     """Factor and offset to SI; without a unit that of the SI, but degrees Celsius."""
     kinds = _QUANTITIES[name][0]
     for kind in kinds if unit else ():
-        if (found := _scaled(unit, kind)) is not None:
-            return found
+        if (scale := _scaled(unit, kind)) is not None:
+            return scale
     if unit and kind_of_unit(unit) is not None:
         raise InputError(
             f"{head}: {quoted(unit)} is no unit of {kinds[0].replace('_', ' ')}; expected e.g. {KINDS[kinds[0]].si}"
@@ -319,10 +319,10 @@ def _sysid(data: Mapping[str, Any], path: Path) -> Log:
 
 def _pendulum(data: Mapping[str, Any], path: Path) -> Log:
     """A known mass on an arm: weight by the angle from hanging, inertia; voltage by duty where that is logged."""
-    entries_ = [one for one in data["entries"] if isinstance(one, dict)]
+    rows = [entry for entry in data["entries"] if isinstance(entry, dict)]
 
     def column(name: str) -> Array:
-        return np.array([float(one.get(name, nan)) for one in entries_])
+        return np.array([float(entry.get(name, nan)) for entry in rows])
 
     mass, length, arm = (float(data.get(name, 0.0)) for name in ("mass", "length", "arm_mass"))
     if not (0.0 < mass < 1e6 and 0.0 < length < 1e4):
@@ -335,11 +335,11 @@ def _pendulum(data: Mapping[str, Any], path: Path) -> Log:
         duty = np.where(duty > 32767.0, duty - 65536.0, duty) / _XL330_FULL
         columns["voltage"] = duty * supply
         remarks.append(f"voltage: duty register over {_XL330_FULL:g} times the supply")
-    if "current" in entries_[0]:
+    if "current" in rows[0]:
         columns["current"] = column("current") / 1000.0
-    if "temp" in entries_[0]:
+    if "temp" in rows[0]:
         columns["winding"] = column("temp") + 273.15
-    on = np.array([bool(one.get("torque_enable", True)) for one in entries_])
+    on = np.array([bool(entry.get("torque_enable", True)) for entry in rows])
     weight = (mass + arm / 2.0) * length * _GRAVITY * np.sin(angle)
     starts = (0, *(np.flatnonzero(np.diff(on.astype(int)) != 0) + 1).tolist())
     remarks += ["stretches with the torque off are left out"] * (not on.all())
@@ -353,33 +353,35 @@ def _pendulum(data: Mapping[str, Any], path: Path) -> Log:
 
 def _data_log(raw: bytes, path: Path) -> Log:
     """Numeric entries by the ends of their names, at the moments of the voltage; a state splits tests."""
-    found = entries(raw, path)
-    wanted: dict[str, tuple[Array, Array]] = {}
+    numeric = entries(raw, path)
+    signals: dict[str, tuple[Array, Array]] = {}
     for name, words in {"voltage": ("voltage", "volts"), "speed": ("velocity", "speed"), "position": ("position",),
                         "current": ("current", "amps"), "supply": ("batteryvoltage",)}.items():  # fmt: skip
-        for title, series in found.items():
+        for title, series in numeric.items():
             last = title.rsplit("/", 1)[-1].lower().replace("-", "").replace("_", "")
             if (
                 len(series[0]) >= _FEWEST
-                and name not in wanted
+                and name not in signals
                 and any(last.startswith(w) or last.endswith(w) for w in words)
             ):
-                wanted[name] = series
-    if "voltage" not in wanted or not {"speed", "position"} & set(wanted):
-        shown = ", ".join(list(found)[:8]) or "none"
-        raise InputError(f"{path}: entries {quoted(shown)}; expected voltage, and velocity or position")
-    time = np.unique(wanted["voltage"][0])
-    first = max(series[0][0] for series in wanted.values())
-    last = min(series[0][-1] for series in wanted.values())
+                signals[name] = series
+    if "voltage" not in signals or not {"speed", "position"} & set(signals):
+        names = ", ".join(list(numeric)[:8]) or "none"
+        raise InputError(f"{path}: entries {quoted(names)}; expected voltage, and velocity or position")
+    time = np.unique(signals["voltage"][0])
+    first = max(series[0][0] for series in signals.values())
+    last = min(series[0][-1] for series in signals.values())
     time = time[(time >= first) & (time <= last)]
     if len(time) < _FEWEST:
-        raise InputError(f"{path}: {len(time)} moments at which all of {', '.join(wanted)} are logged; expected more")
+        raise InputError(f"{path}: {len(time)} moments at which all of {', '.join(signals)} are logged; expected more")
     columns = {"time": time}
-    for name, (t, y) in wanted.items():
-        held = name in ("voltage", "supply")
+    for name, (t, y) in signals.items():
+        stepwise = name in ("voltage", "supply")
         order = np.argsort(t, kind="stable")
         t, y = t[order], y[order]
-        columns[name] = y[np.clip(np.searchsorted(t, time, "right") - 1, 0, None)] if held else np.interp(time, t, y)
+        columns[name] = (
+            y[np.clip(np.searchsorted(t, time, "right") - 1, 0, None)] if stepwise else np.interp(time, t, y)
+        )
         columns[name] = columns[name] * (2.0 * np.pi if name in ("speed", "position") else 1.0)
     remarks = ("velocity and position are taken in rotations",)
     return Log(path.name, columns, {name: name for name in columns}, (0,), remarks)

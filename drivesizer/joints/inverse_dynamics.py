@@ -78,13 +78,13 @@ class Torques(NamedTuple):
 
 
 def torques_of(
-    robot: Robot, held: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str],
+    robot: Robot, fixed: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str],
     states: tuple[Array, Array, Array], gravity: Array, directions: Array | None = None,
 ) -> Torques:  # fmt: skip
     """Torques of joints in several states."""
     mujoco = _mujoco()
-    _refuse_unknown_masses(robot, held)
-    model, principal = _model(mujoco, robot, held, points)
+    _refuse_unknown_masses(robot, fixed)
+    model, principal = _model(mujoco, robot, fixed, points)
     model.opt.gravity[:], model.body_mass[:], model.body_inertia[:] = gravity, 0.0, 0.0  # points have none
     for number, (link, moments) in enumerate(zip(robot.links.values(), principal, strict=True)):
         body = model.body(f"link{number}").id
@@ -110,18 +110,18 @@ def _mujoco() -> Any:
         raise InputError('robot: joints need MuJoCo; pip install "drivesizer[robot]"') from None
     if tuple(int(part) for part in re.findall(r"\d+", mujoco.__version__)[:3]) < _OLDEST:
         oldest = ".".join(str(part) for part in _OLDEST)
-        found = f"joints need MuJoCo {oldest}, found {mujoco.__version__}"
-        raise InputError(f'robot: {found}; pip install --upgrade "drivesizer[robot]"')
+        fault = f"joints need MuJoCo {oldest}, found {mujoco.__version__}"
+        raise InputError(f'robot: {fault}; pip install --upgrade "drivesizer[robot]"')
     return mujoco
 
 
-def _refuse_unknown_masses(robot: Robot, held: Mapping[str, float]) -> None:
+def _refuse_unknown_masses(robot: Robot, fixed: Mapping[str, float]) -> None:
     """Refuse links that move and whose mass is unknown or none."""
     if len(robot.links) > _MOST_LINKS:
         raise InputError(f"{robot.file}: {len(robot.links)} links; expected at most {_MOST_LINKS}")
     for link in robot.links.values():
         where = f"{robot.file}:{link.line}: link {quoted(link.name)}"
-        moves = any(joint.moves and joint.name not in held for joint in robot.chain(link.name))
+        moves = any(joint.moves and joint.name not in fixed for joint in robot.chain(link.name))
         if link.lacking and moves:
             raise InputError(f"{where} {link.lacking}")
         _possible(where, link.mass, "kg", RANGES["mass"][1])
@@ -137,37 +137,39 @@ def _refuse_unknown_masses(robot: Robot, held: Mapping[str, float]) -> None:
 
 def _possible(where: str, figures: float | Array, unit: str, most: float) -> None:
     """Refuse figures that no machine has."""
-    found = float(np.abs(figures).max())
-    if not found <= most:
-        raise InputError(f"{where} has {found:.3g} {unit}; no robot has more than {most:g} {unit}")
+    largest = float(np.abs(figures).max())
+    if not largest <= most:
+        raise InputError(f"{where} has {largest:.3g} {unit}; no robot has more than {most:g} {unit}")
 
 
 # --- the model
 
 
-def _model(mujoco: Any, robot: Robot, held: Mapping[str, float], points: Sequence[Attached]) -> tuple[Any, list[Array]]:
+def _model(
+    mujoco: Any, robot: Robot, fixed: Mapping[str, float], points: Sequence[Attached]
+) -> tuple[Any, list[Array]]:
     """Compiled model, and the principal moments of inertia of each link.
 
     Links are named by their number: their own names may be those that MuJoCo keeps for itself.
     """
     spec, above = mujoco.MjSpec(), robot.above
-    made: dict[str, Any] = {}
+    bodies: dict[str, Any] = {}
     numbers, principal = {name: number for number, name in enumerate(robot.links)}, [np.zeros(3)] * len(robot.links)
     for name in robot.outwards():
         joint, link = above.get(name), robot.links[name]
-        body = (made[joint.parent] if joint else spec.worldbody).add_body(name=f"link{numbers[name]}")
+        body = (bodies[joint.parent] if joint else spec.worldbody).add_body(name=f"link{numbers[name]}")
         if joint is not None:
-            body.pos, turn = placed(joint, held.get(joint.name, joint.reference))
+            body.pos, turn = placed(joint, fixed.get(joint.name, joint.reference))
             body.quat = _quaternion(mujoco, turn)
         principal[numbers[name]], axes = np.linalg.eigh(link.inertia)
         axes[:, 0] *= np.sign(np.linalg.det(axes))  # a right-handed rotation
         _weigh(body, link.centre, _quaternion(mujoco, axes))
-        if joint is not None and joint.moves and joint.name not in held:
+        if joint is not None and joint.moves and joint.name not in fixed:
             kind = mujoco.mjtJoint.mjJNT_HINGE if joint.turns else mujoco.mjtJoint.mjJNT_SLIDE
             body.add_joint(name=joint.name, type=kind, axis=joint.axis, pos=joint.anchor, ref=joint.reference)
-        made[name] = body
+        bodies[name] = body
     for number, point in enumerate(points):
-        body = made[point.link].add_body(name=f"point{number}")
+        body = bodies[point.link].add_body(name=f"point{number}")
         body.pos = point.at
         _weigh(body, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
     spec.compiler.degree = False
@@ -180,9 +182,9 @@ def _weigh(body: Any, centre: Array, axes: Array) -> None:
 
 
 def _quaternion(mujoco: Any, turn: Array) -> Array:
-    found = np.zeros(4)
-    mujoco.mju_mat2Quat(found, np.ascontiguousarray(turn).ravel())
-    return found
+    quaternion = np.zeros(4)
+    mujoco.mju_mat2Quat(quaternion, np.ascontiguousarray(turn).ravel())
+    return quaternion
 
 
 # --- the torques
@@ -211,10 +213,10 @@ def _part(
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 1, static[row])
         model.opt.gravity[:] = 0.0
-        for column, one in enumerate(units):  # torque of one direction's acceleration alone, at rest
-            data.qacc[:] = one
+        for column, unit in enumerate(units):  # torque of one direction's acceleration alone, at rest
+            data.qacc[:] = unit
             mujoco.mj_rne(model, data, 1, result)
-            inertia[row, column] = result @ one
+            inertia[row, column] = result @ unit
         model.opt.gravity[:] = gravity
     along = jacobian @ directions  # of each point, shape (states, points, 3, directions)
     pull = np.einsum("spxj,sj->spx", jacobian, acceleration) + np.einsum("spxj,sj->spx", rate, speed) - gravity
@@ -224,14 +226,14 @@ def _part(
         np.einsum("spxd,spxd->psd", along, along),
     )
     own = (torque @ directions, static @ directions, inertia)
-    return Torques(*(np.concatenate([one[None], many]) for one, many in zip(own, columns, strict=True)))
+    return Torques(*(np.concatenate([own_row[None], many]) for own_row, many in zip(own, columns, strict=True)))
 
 
 # --- forces on links
 
 
 def force_torques(
-    robot: Robot, held: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str], position: Array,
+    robot: Robot, fixed: Mapping[str, float], points: Sequence[Attached], joints: Sequence[str], position: Array,
     forces: Array,
 ) -> Array:  # fmt: skip
     """Torques that joints need against forces at points of links, shape (states, joints): minus J^T F of each.
@@ -239,16 +241,16 @@ def force_torques(
     The forces are in the frame of the root, shape (states, points, 3).
     """
     mujoco = _mujoco()
-    model, _ = _model(mujoco, robot, held, points)
+    model, _ = _model(mujoco, robot, fixed, points)
     data, jacobian = mujoco.MjData(model), np.zeros((3, len(joints)))
     order = np.array([model.joint(name).id for name in joints], dtype=np.int64)
     bodies = [model.body(f"point{number}").id for number in range(len(points))]
-    found = np.zeros(position.shape)
+    torques = np.zeros(position.shape)
     for row, at in enumerate(position):
         data.qpos[order] = at
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         for number, body in enumerate(bodies):
             mujoco.mj_jac(model, data, jacobian, None, data.xpos[body], body)
-            found[row] -= forces[row, number] @ jacobian[:, order]
-    return found
+            torques[row] -= forces[row, number] @ jacobian[:, order]
+    return torques

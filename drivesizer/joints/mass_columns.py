@@ -30,9 +30,11 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
         if name not in joints:
             wrong = f"{quoted(name)} is no joint that moves{nearest(name, joints)}; expected {', '.join(joints)[:200]}"
             raise FieldError(("robot", "drives", name), wrong)
-    found: dict[str, Attached] = {}
-    pairs = {one.joints[1]: one.joints[0] for one in section.couplings}  # whose drives sit side by side
-    on_frame = {name for one in section.couplings if one.kind == "corexy" for name in one.joints}
+    places: dict[str, Attached] = {}
+    pairs = {
+        mechanism.joints[1]: mechanism.joints[0] for mechanism in section.couplings
+    }  # whose drives sit side by side
+    on_frame = {name for mechanism in section.couplings if mechanism.kind == "corexy" for name in mechanism.joints}
     for name in joints:
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
         if place.on == "base" or name in on_frame:
@@ -42,8 +44,8 @@ def drive_places(section: RobotSection, robot: Robot, joints: Sequence[str]) -> 
         if place.link is not None:
             check_link(robot, place.link, ("robot", "drives", name, "link"))
         at = np.zeros(3) if place.link else joint.place + joint.turn @ joint.anchor  # its axis, in the frame before it
-        found[name] = Attached(place.link or joint.parent, at if place.at is None else np.array(place.at))
-    return found
+        places[name] = Attached(place.link or joint.parent, at if place.at is None else np.array(place.at))
+    return places
 
 
 def payload_place(section: RobotSection, robot: Robot, joints: Sequence[str]) -> Attached | None:
@@ -112,16 +114,16 @@ _PARALLEL = 1e-6  # rad
 def check_couplings(section: RobotSection, robot: Robot, joints: Sequence[str]) -> None:
     """Refuse couplings of joints that do not move, that are coupled already, or of the other kind."""
     seen = set[str]()
-    for number, one in enumerate(section.couplings):
+    for number, mechanism in enumerate(section.couplings):
         field: Field = ("robot", "couplings", number, "joints")
-        for name in one.joints:
+        for name in mechanism.joints:
             joint = joint_of(robot, name, field)
             if name not in joints or name in seen:
                 reason = "is coupled twice" if name in seen else "does not move"
                 raise FieldError(field, f"{quoted(name)} {reason}; expected two joints of the trajectory, each once")
-            if joint.turns != (one.kind == "differential"):
+            if joint.turns != (mechanism.kind == "differential"):
                 verb, kinds = ("turns", "slide") if joint.turns else ("slides", "turn")
-                raise FieldError(field, f"{quoted(name)} {verb}; the joints of kind: {one.kind} {kinds}")
+                raise FieldError(field, f"{quoted(name)} {verb}; the joints of kind: {mechanism.kind} {kinds}")
             if section.drives.get(name, DrivePlace()).belt_passes:
                 raise FieldError(
                     field, f"the belt of {quoted(name)} passes other joints; expected that or the coupling"
@@ -129,21 +131,21 @@ def check_couplings(section: RobotSection, robot: Robot, joints: Sequence[str]) 
             seen.add(name)
 
 
-def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joints: Sequence[str]) -> Array:
+def coupling(section: RobotSection, robot: Robot, fixed: Mapping[str, float], joints: Sequence[str]) -> Array:
     """Angles of drives per angle of joints."""
-    found = np.eye(len(joints))
+    matrix = np.eye(len(joints))
 
     def axis(joint: Joint) -> Array:
         """In the frame of the root, the joints that move at their references."""
-        return robot.frame(joint.parent, held)[1] @ joint.turn @ joint.axis
+        return robot.frame(joint.parent, fixed)[1] @ joint.turn @ joint.axis
 
     for row, name in enumerate(joints):
         place, joint = section.drives.get(name, DrivePlace()), robot.joints[name]
         field = ("robot", "drives", name, "belt_passes")
         if not place.belt_passes:
             continue
-        before = {one.name for one in robot.chain(place.link)} if place.link else set()
-        passed = [one for one in robot.chain(joint.parent) if one.name in joints and one.name not in before]
+        before = {other.name for other in robot.chain(place.link)} if place.link else set()
+        passed = [other for other in robot.chain(joint.parent) if other.name in joints and other.name not in before]
         if not passed:
             raise FieldError(field, f"no joint moves between the drive of {quoted(name)} and its joint; leave it out")
         for other in passed:
@@ -151,11 +153,11 @@ def coupling(section: RobotSection, robot: Robot, held: Mapping[str, float], joi
             if not (joint.turns and other.turns) or 1.0 - abs(along) > _PARALLEL**2 / 2.0 + 1e-15:
                 words = f"the belt of {quoted(name)} passes joint {quoted(other.name)}"
                 raise FieldError(field, f"{words}; expected one about a parallel axis")
-            found[row, joints.index(other.name)] = 1.0 if along > 0.0 else -1.0
-    for one in section.couplings:
-        pair = [joints.index(name) for name in one.joints]
-        found[np.ix_(pair, pair)] = [[1.0, one.ratio], [1.0, -one.ratio]]
-    return found
+            matrix[row, joints.index(other.name)] = 1.0 if along > 0.0 else -1.0
+    for mechanism in section.couplings:
+        pair = [joints.index(name) for name in mechanism.joints]
+        matrix[np.ix_(pair, pair)] = [[1.0, mechanism.ratio], [1.0, -mechanism.ratio]]
+    return matrix
 
 
 # -- Torques of joints beside those of masses: springs, weight that is taken off links, forces on links.
@@ -180,26 +182,26 @@ def check_joint_springs(section: RobotSection, robot: Robot, joints: Sequence[st
         joint = joint_of(robot, name, field)
         if name not in joints:
             raise FieldError(field, f"{quoted(name)} does not move; leave its springs out")
-        if any(isinstance(one, BalanceMass) for one in springs):
+        if any(isinstance(spring, BalanceMass) for spring in springs):
             raise FieldError(field, "a counterweight of a joint is mass of its link; expected it in the description")
-        for said in unfit_springs(springs, turns=joint.turns, levels=False):
-            raise FieldError(field, said.removeprefix("springs: "))
+        for fault in unfit_springs(springs, turns=joint.turns, levels=False):
+            raise FieldError(field, fault.removeprefix("springs: "))
 
 
 def forces_in_files(section: RobotSection, spec_file: str, total: float) -> dict[int, Rows]:
     """Forces on links over time, of those that a file has, by their number."""
-    found = {}
-    for number, one in enumerate(section.forces):
-        if one.file is not None:
-            path = path_from_spec(spec_file, one.file, ("robot", "forces", number, "file"), "a CSV file", "foot.csv")
+    forces = {}
+    for number, force in enumerate(section.forces):
+        if force.file is not None:
+            path = path_from_spec(spec_file, force.file, ("robot", "forces", number, "file"), "a CSV file", "foot.csv")
             form = {"time": "time", "x": "force", "y": "force", "z": "force"}
             rows = columns(Path(path), form)
             time = rows["time"]
             if time[0] > _SAME * total or time[-1] < total * (1.0 - _SAME):
                 text = f"time from {time[0]:g} to {time[-1]:g} s; expected all of the trajectory, 0 to {total:g} s"
                 raise InputError(f"{path}: {text}")
-            found[number] = (time, np.stack([rows[axis] for axis in "xyz"], axis=1))
-    return found
+            forces[number] = (time, np.stack([rows[axis] for axis in "xyz"], axis=1))
+    return forces
 
 
 def cut_at(motion: JointMotion, times: Array) -> JointMotion:
@@ -209,58 +211,58 @@ def cut_at(motion: JointMotion, times: Array) -> JointMotion:
     inside = np.unique(times[(near == 0) & (times > 0.0) & (times < edges[-1])])
     if not len(inside):
         return motion
-    every = np.union1d(edges, inside)
-    owner = np.searchsorted(edges, (every[:-1] + every[1:]) / 2.0) - 1
+    all_edges = np.union1d(edges, inside)
+    owner = np.searchsorted(edges, (all_edges[:-1] + all_edges[1:]) / 2.0) - 1
     lasting, position, speed = motion.duration[:, None], motion.position, motion.speed
-    cut = Cuts(owner, *((at[:, None] - edges[owner, None]) / lasting[owner] for at in (every[:-1], every[1:])))
+    cut = Cuts(owner, *((at[:, None] - edges[owner, None]) / lasting[owner] for at in (all_edges[:-1], all_edges[1:])))
     gap = np.diff(position, axis=1) - lasting[:, None] * middle(speed)[:, None]  # beside the speed's straight lines
     straight = cut.travel(lasting, speed) + gap[owner] * np.stack(cut[1:], axis=1)
     lines = (cut.line(column) for column in (speed, motion.acceleration))
-    return JointMotion(motion.joints, np.diff(every), position[owner, :1] + straight, *lines)
+    return JointMotion(motion.joints, np.diff(all_edges), position[owner, :1] + straight, *lines)
 
 
-def spring_torques(section: RobotSection, robot: Robot, moved: JointMotion, start: Array, *, moving: bool) -> Array:
+def spring_torques(section: RobotSection, robot: Robot, motion: JointMotion, start: Array, *, moving: bool) -> Array:
     """Torques that the springs of joints take, shape (segments * 2, joints)."""
-    found = np.zeros(moved.position.shape)
-    for column, name in enumerate(moved.joints):
-        joint, at = robot.joints[name], moved.position[:, :, column]
-        found[:, :, column] = joint.stiffness * (at - joint.slack)
-        way = np.sign(moved.speed[:, :, column].mean(axis=1, keepdims=True)) * moving
-        for one in section.springs.get(name, ()):
+    torques = np.zeros(motion.position.shape)
+    for column, name in enumerate(motion.joints):
+        joint, at = robot.joints[name], motion.position[:, :, column]
+        torques[:, :, column] = joint.stiffness * (at - joint.slack)
+        way = np.sign(motion.speed[:, :, column].mean(axis=1, keepdims=True)) * moving
+        for spring in section.springs.get(name, ()):
             try:
-                found[:, :, column] += spring_force(one, at - start[column], way)
+                torques[:, :, column] += spring_force(spring, at - start[column], way)
             except FieldError as error:
                 raise FieldError(("robot", "springs", name), str(error)) from None
-    return found.reshape(-1, len(moved.joints))
+    return torques.reshape(-1, len(motion.joints))
 
 
 def link_torques(
-    section: RobotSection, robot: Robot, held: Mapping[str, float], moved: JointMotion, gravity: Array, turn: Array,
+    section: RobotSection, robot: Robot, fixed: Mapping[str, float], motion: JointMotion, gravity: Array, turn: Array,
     files: Mapping[int, Rows],
 ) -> Array:  # fmt: skip
     """Torques against weight that is taken off links and against forces on them, shape (segments * 2, joints).
 
     Gravity is in the frame of the root, and ``turn`` leads from it to the world; forces of files count in a motion.
     """
-    position, time = moved.position.reshape(-1, len(moved.joints)), moved.time.ravel()
-    found = np.zeros(position.shape)
+    position, time = motion.position.reshape(-1, len(motion.joints)), motion.time.ravel()
+    torques = np.zeros(position.shape)
     lighter = [link for link in robot.links.values() if link.gravcomp * link.mass] if section.gravcomp == "keep" else []
     if lighter:
         up = np.array([-link.gravcomp * link.mass * gravity for link in lighter])
-        every = np.broadcast_to(up, (len(position), *up.shape))
+        lifts = np.broadcast_to(up, (len(position), *up.shape))
         points = [Attached(link.name, link.centre) for link in lighter]
-        relieved = [not robot.joints[name].gravity_on_drive for name in moved.joints]
-        found += force_torques(robot, held, points, moved.joints, position, every) * relieved
-    acting = [(n, one) for n, one in enumerate(section.forces) if one.force is not None or n in files]
+        relieved = [not robot.joints[name].gravity_on_drive for name in motion.joints]
+        torques += force_torques(robot, fixed, points, motion.joints, position, lifts) * relieved
+    acting = [(n, force) for n, force in enumerate(section.forces) if force.force is not None or n in files]
     if acting:
         values = np.empty((len(position), len(acting), 3))
-        for column, (number, one) in enumerate(acting):
-            values[:, column] = one.force if one.force is not None else np.stack(
+        for column, (number, force) in enumerate(acting):
+            values[:, column] = force.force if force.force is not None else np.stack(
                 [np.interp(time, files[number][0], values_) for values_ in files[number][1].T], axis=1
             )  # fmt: skip
-        points = [Attached(one.link, np.array(one.at)) for _, one in acting]
-        found += force_torques(robot, held, points, moved.joints, position, values @ turn)
-    return found
+        points = [Attached(force.link, np.array(force.at)) for _, force in acting]
+        torques += force_torques(robot, fixed, points, motion.joints, position, values @ turn)
+    return torques
 
 
 # -- Load cycle of one joint at the shaft that its drive turns, and the load that has it.
@@ -361,8 +363,8 @@ class JointTorques:
 
     def beyond_links(self, masses: Mapping[str, float]) -> dict[str, float]:
         """Mass by which drives are heavier than the links that are said to hold them [kg]."""
-        held = {name: mass for name, (_, mass) in self.holding.items() if name in masses}
-        return {name: max(masses[name] - mass, 0.0) for name, mass in held.items()}
+        link_masses = {name: mass for name, (_, mass) in self.holding.items() if name in masses}
+        return {name: max(masses[name] - mass, 0.0) for name, mass in link_masses.items()}
 
     def _friction(self, motion: JointMotion, column: int) -> tuple[Array, float]:
         """Friction of joints at the drive of one: by their speeds, and Coulomb's against its own speed.
@@ -390,7 +392,7 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
     at = [motion.joints.index(name) for name in names]
     columns = (c[:, :, at] for c in (motion.position, motion.speed, motion.acceleration))
     motion = JointMotion(names, motion.duration, *columns)
-    held = fixed_positions(section, robot, motion.joints)
+    fixed = fixed_positions(section, robot, motion.joints)
     check_couplings(section, robot, motion.joints)
     drives = drive_places(section, robot, motion.joints)
     payload = payload_place(section, robot, motion.joints)
@@ -403,27 +405,29 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
         riding = {name: drives[name].link for on_it in carried.values() for name in on_it}
         holding = {name: (link, robot.links[link].mass) for name, link in riding.items()}
         carried = dict.fromkeys(carried, ())
-    order, coupled = outermost_first(carried), coupling(section, robot, held, motion.joints)
+    order, coupled = outermost_first(carried), coupling(section, robot, fixed, motion.joints)
     turn = rotation(np.array([section.mounting.roll, section.mounting.pitch, section.mounting.yaw]))
     down, start = turn.T[:, 2] * -gravity, motion.position[0, 0]
     check_joint_springs(section, robot, names)
-    for number, one in enumerate(section.forces):
-        check_link(robot, one.link, ("robot", "forces", number, "link"))
+    for number, force in enumerate(section.forces):
+        check_link(robot, force.link, ("robot", "forces", number, "link"))
     files = forces_in_files(section, spec_file, float(motion.duration.sum()))
     motion = cut_at(motion, np.concatenate([np.empty(0), *(time for time, _ in files.values())]))
     directions = np.asarray(np.linalg.inv(coupled), dtype=np.float64)
 
-    def torques(moved: JointMotion, files: Mapping[int, Rows] = files) -> Torques:
+    def torques(motion: JointMotion, files: Mapping[int, Rows] = files) -> Torques:
         """At both ends of each segment; one state where a segment starts as the one before ends."""
-        states = [c.reshape(-1, len(names)) for c in (moved.position, moved.speed, moved.acceleration)]
+        states = [c.reshape(-1, len(names)) for c in (motion.position, motion.speed, motion.acceleration)]
         new = np.concatenate([[True], np.any([(c[1:] != c[:-1]).any(axis=1) for c in states], axis=0)])
         position, speed, acceleration = (c[new] for c in states)
-        found = torques_of(robot, held, list(points.values()), names, (position, speed, acceleration), down, directions)
-        found = Torques(*(values[:, np.cumsum(new) - 1] for values in found))
-        on_links = link_torques(section, robot, held, moved, down, turn, files)
-        for column, moving in ((found.torque, True), (found.static, False)):
-            column[0] += (on_links + spring_torques(section, robot, moved, start, moving=moving)) @ directions
-        return found
+        of_joints = torques_of(
+            robot, fixed, list(points.values()), names, (position, speed, acceleration), down, directions
+        )
+        of_joints = Torques(*(values[:, np.cumsum(new) - 1] for values in of_joints))
+        on_links = link_torques(section, robot, fixed, motion, down, turn, files)
+        for column, moving in ((of_joints.torque, True), (of_joints.static, False)):
+            column[0] += (on_links + spring_torques(section, robot, motion, start, moving=moving)) @ directions
+        return of_joints
 
     along, own = torques(motion), section.payload.mass if section.payload else 0.0
     cases = [
@@ -436,16 +440,16 @@ def joint_torques(section: RobotSection, spec_file: str, gravity: float = _GRAVI
         if not along.inertia[0, :, column].max() > 0.0 and not own:
             where = f"{robot.file}:{robot.joints[name].line}: joint {quoted(name)}"
             raise InputError(f"{where} moves no mass; expected <inertial> of its links, or a payload")
-    notes = (*robot.notes, *_notes(section, robot, motion, held))
+    notes = (*robot.notes, *_notes(section, robot, motion, fixed))
     return JointTorques(
-        section, robot, motion.joints, held, tuple(points), holding, tuple(cases), carried, coupled, order, notes
+        section, robot, motion.joints, fixed, tuple(points), holding, tuple(cases), carried, coupled, order, notes
     )
 
 
-def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mapping[str, float]) -> Iterator[str]:
+def _notes(section: RobotSection, robot: Robot, motion: JointMotion, fixed: Mapping[str, float]) -> Iterator[str]:
     """Sentences on what was assumed."""
-    if held:
-        places = ", ".join(f"{name} at {value:.4g} {unit_of(robot.joints[name])}" for name, value in held.items())
+    if fixed:
+        places = ", ".join(f"{name} at {value:.4g} {unit_of(robot.joints[name])}" for name, value in fixed.items())
         yield f"joints that the trajectory does not move are held: {places}"
     if section.masses == "with_drives":
         yield "the links' masses hold their drives (robot.masses): none is added, but what it is heavier than its link"
@@ -458,17 +462,17 @@ def _notes(section: RobotSection, robot: Robot, motion: JointMotion, held: Mappi
     if any(joint.armature for joint in own):
         yield "the armature in the description is of the drives that are to be replaced, and is left out"
     if any(joint.friction or joint.damping for joint in own):
-        kept = "is kept as that of their bearings" if section.friction == "keep" else "is left out"
-        yield f"the friction of joints in the description {kept}"
+        words = "is kept as that of their bearings" if section.friction == "keep" else "is left out"
+        yield f"the friction of joints in the description {words}"
     if sprung := [joint.name for joint in own if joint.stiffness]:
         yield f"springs of the description act beside the drives of {', '.join(sprung)}"
     if lighter := [link.name for link in robot.links.values() if link.gravcomp * link.mass]:
-        kept = (
+        words = (
             "is carried beside the drives, as by counterweights; where a controller alone does that: "
             "robot: {gravcomp: leave}" if section.gravcomp == "keep" else "is carried by the drives"
         )  # fmt: skip
-        yield f"the weight that the description takes off {', '.join(lighter)} (gravcomp) {kept}"
-    if any(one.file for one in section.forces) and section.holds:
+        yield f"the weight that the description takes off {', '.join(lighter)} (gravcomp) {words}"
+    if any(force.file for force in section.forces) and section.holds:
         yield "forces of files act along the trajectory, not in poses that are held"
     if not motion.returns:
         yield "the trajectory ends elsewhere than it starts, and the cycle repeats from its start"

@@ -48,10 +48,10 @@ def joint_of(robot: Robot, name: str, field: Field) -> Joint:
 def figure_of(figure: JointFigure, joint: Joint, field: Field) -> float:
     """SI value of a figure of a joint."""
     if (figure.kind in _ROTARY) != joint.turns:
-        found = "a figure of a joint that turns" if figure.kind in _ROTARY else "a figure of a joint that slides"
+        words = "a figure of a joint that turns" if figure.kind in _ROTARY else "a figure of a joint that slides"
         verb = "turns" if joint.turns else "slides"
         raise FieldError(
-            field, f"{found}, and {quoted(joint.name)} {verb}; expected e.g. {'10 deg' if joint.turns else '10 mm'}"
+            field, f"{words}, and {quoted(joint.name)} {verb}; expected e.g. {'10 deg' if joint.turns else '10 mm'}"
         )
     return figure.value
 
@@ -75,22 +75,22 @@ def within(joint: Joint, position: float) -> bool:
     return joint.lower - slack <= position <= joint.upper + slack
 
 
-def fixed_positions(section: RobotSection, robot: Robot, moved: Collection[str]) -> dict[str, float]:
+def fixed_positions(section: RobotSection, robot: Robot, moving: Collection[str]) -> dict[str, float]:
     """Positions of all joints that do not move."""
     for name in section.held:
-        if name in moved:
+        if name in moving:
             raise FieldError(("robot", "held", name), f"{quoted(name)} is moved by the trajectory; leave it out")
         joint_of(robot, name, ("robot", "held", name))
-    others = {name: joint for name, joint in robot.joints.items() if name not in moved and joint.kind != "fixed"}
-    found = {name: _fixed_position(section, robot, joint) for name, joint in others.items() if not joint.mimic}
+    others = {name: joint for name, joint in robot.joints.items() if name not in moving and joint.kind != "fixed"}
+    positions = {name: _fixed_position(section, robot, joint) for name, joint in others.items() if not joint.mimic}
     for joint in others.values():
         if joint.mimic:
-            position = found.get(joint.mimic, math.nan)
+            position = positions.get(joint.mimic, math.nan)
             if math.isnan(position) or robot.joints[joint.mimic].mimic:
                 where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)} follows {quoted(joint.mimic)}"
                 raise InputError(f"{where}; expected it to follow a joint that is held, or none")
-            found[joint.name] = joint.factor * position + joint.offset
-    return found
+            positions[joint.name] = joint.factor * position + joint.offset
+    return positions
 
 
 def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
@@ -98,13 +98,13 @@ def _fixed_position(section: RobotSection, robot: Robot, joint: Joint) -> float:
     where = f"{robot.file}:{joint.line}: joint {quoted(joint.name)}"
     if not joint.moves:
         raise InputError(f"{where} is {quoted(joint.kind)}; expected joints that are fixed, turn or slide")
-    given, field = section.held.get(joint.name), ("robot", "held", joint.name)
-    position = 0.0 if given is None else figure_of(given, joint, field)
+    figure, field = section.held.get(joint.name), ("robot", "held", joint.name)
+    position = 0.0 if figure is None else figure_of(figure, joint, field)
     if not within(joint, position):
         unit = unit_of(joint)
-        found = f"{position:.4g} {unit}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, its limits"
+        place = f"{position:.4g} {unit}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, its limits"
         raise FieldError(
-            field, f"joint {quoted(joint.name)} ({robot.file}:{joint.line}) does not move and is held at {found}"
+            field, f"joint {quoted(joint.name)} ({robot.file}:{joint.line}) does not move and is held at {place}"
         )
     return position
 
@@ -183,17 +183,17 @@ class _Course(NamedTuple):
 
     def at(self, interval: NDArray[np.int64], time: Array, order: int) -> Array:
         """Values at times within intervals."""
-        found = np.empty_like(time)
+        values = np.empty_like(time)
         for (first, last), curve in zip(pairwise(self.edges), self.curves, strict=True):
             start, end = np.searchsorted(interval, (first, last))
-            found[start:end] = curve(time[start:end], order)
-        return found
+            values[start:end] = curve(time[start:end], order)
+        return values
 
 
 def _course(path: Path, time: Array, row: Array, joint: Joint, smoothing: float) -> _Course:
     """The curve of one joint."""
-    kept = curves.thinned(time, smoothing)
-    if not any(curves.speed_at_end(time[kept], row[None, kept], end) for end in (0, -1)):
+    knots = curves.thinned(time, smoothing)
+    if not any(curves.speed_at_end(time[knots], row[None, knots], end) for end in (0, -1)):
         return _from_rest(time, row, smoothing)
     gap = float(row[-1] - row[0])
     turns = round(gap / (2.0 * np.pi)) * 2.0 * np.pi if joint.kind == "continuous" else 0.0
@@ -212,11 +212,11 @@ def _from_rest(time: Array, row: Array, smoothing: float) -> _Course:
         if last - first < 2 or time[last] - time[first] < smoothing:
             resting[first:last] = False
     edges = tuple(curves.edges_of(resting))
-    each = [
+    stretches = [
         _still(float(row[a])) if resting[a] else _rising(time[a : b + 1], row[a : b + 1], smoothing)
         for a, b in pairwise(edges)
     ]
-    return _Course(edges, tuple(each))
+    return _Course(edges, tuple(stretches))
 
 
 def _still(value: float) -> Curve:
@@ -228,8 +228,8 @@ def _rising(time: Array, row: Array, smoothing: float) -> Curve:
     curve = curves.curve_at_rest(time, row[None], smoothing)
 
     def at(when: Array, order: int) -> Array:
-        found = curve(when, order)[0]
-        return np.where((when == time[0]) | (when == time[-1]), 0.0, found) if order == 1 else found
+        values = curve(when, order)[0]
+        return np.where((when == time[0]) | (when == time[-1]), 0.0, values) if order == 1 else values
 
     return at
 
@@ -238,23 +238,23 @@ def _periodic(time: Array, row: Array, smoothing: float) -> Curve:
     """A curve whose speed and acceleration are the same at both ends; a steady advance is left out and added."""
     from scipy.interpolate import CubicSpline
 
-    kept, span, gap = curves.thinned(time, smoothing), time[-1] - time[0], row[-1] - row[0]
+    knots, span, gap = curves.thinned(time, smoothing), time[-1] - time[0], row[-1] - row[0]
     level = row - gap * (time - time[0]) / span
-    if len(kept) < len(time):
+    if len(knots) < len(time):
         level = periodic_parabola(time, level, smoothing)[0]
-    level = level[kept]
+    level = level[knots]
     level[-1] = level[0]
-    through = CubicSpline(time[kept], level, bc_type="periodic")
+    through = CubicSpline(time[knots], level, bc_type="periodic")
     steady = (lambda at: gap * (at - time[0]) / span, lambda at: gap / span)
     return lambda at, order: np.asarray(through(at, order)) + (steady[order](at) if order < 2 else 0.0)
 
 
 def _pieces(path: Path, time: Array, courses: Sequence[_Course], joints: Sequence[Joint]) -> JointMotion:
     """The curves at both ends of pieces that are short enough."""
-    step, every = np.diff(time), np.arange(len(time) - 1)
+    step, intervals = np.diff(time), np.arange(len(time) - 1)
     ends = (time[:-1], time[1:])
-    speed = np.array([[np.abs(course.at(every, t, 1)) for t in ends] for course in courses]).max(axis=1)
-    bend = np.array([np.abs(course.at(every, time[:-1] + step / 2.0, 3)) for course in courses]) * step**2 / 8.0
+    speed = np.array([[np.abs(course.at(intervals, t, 1)) for t in ends] for course in courses]).max(axis=1)
+    bend = np.array([np.abs(course.at(intervals, time[:-1] + step / 2.0, 3)) for course in courses]) * step**2 / 8.0
     share = (bend / np.maximum(speed.max(axis=1), _TINY)[:, None]).max(axis=0)
     turned = (speed * step * np.array([joint.turns for joint in joints])[:, None]).max(axis=0)
     count = curves.parts_of(share, turned)
@@ -263,11 +263,11 @@ def _pieces(path: Path, time: Array, courses: Sequence[_Course], joints: Sequenc
     owner, place = places(count)
     starts = time[owner] + step[owner] * (place / count[owner])
     knots = (starts, np.append(starts[1:], time[-1]))
-    found = [
+    columns = [
         np.array([[course.at(owner, t, order) for course in courses] for t in knots]).transpose(2, 0, 1)
         for order in range(3)
     ]
-    return JointMotion(tuple(joint.name for joint in joints), knots[1] - knots[0], *found)
+    return JointMotion(tuple(joint.name for joint in joints), knots[1] - knots[0], *columns)
 
 
 # -- Moves of several joints between waypoints, each a straight line in the space of the joints: synchronised.
@@ -300,19 +300,19 @@ def moves_of(section: RobotSection, robot: Robot) -> JointMotion:
             ("robot", "waypoints"), "no joint moves; expected its positions, e.g. {positions: {elbow: 90 deg}}"
         )
     limits = _limits(section, robot, joints)
-    made: list[JointMotion] = []
+    motions: list[JointMotion] = []
     names = tuple(joint.name for joint in joints)
     pauses = [waypoint.pause for waypoint in section.waypoints]
     for number, stop in enumerate(stops):
         if number and (stop != stops[number - 1]).any():
-            made.append(_along(names, stops[number - 1], stop, limits, section.law))
+            motions.append(_along(names, stops[number - 1], stop, limits, section.law))
         if pauses[number]:
             still = np.zeros((1, 2, len(names)))
-            made.append(JointMotion(names, np.array([pauses[number]]), still + stop, still, still))
-    if not any(one.speed.any() for one in made):
+            motions.append(JointMotion(names, np.array([pauses[number]]), still + stop, still, still))
+    if not any(motion.speed.any() for motion in motions):
         raise FieldError(("robot", "waypoints"), "nothing moves; expected waypoints at different positions")
     columns = ("duration", "position", "speed", "acceleration")
-    return JointMotion(names, *(np.concatenate([getattr(one, name) for one in made]) for name in columns))
+    return JointMotion(names, *(np.concatenate([getattr(motion, name) for motion in motions]) for name in columns))
 
 
 def _stops(section: RobotSection, robot: Robot) -> tuple[list[Joint], Array]:
@@ -322,8 +322,8 @@ def _stops(section: RobotSection, robot: Robot) -> tuple[list[Joint], Array]:
     for number, waypoint in enumerate(section.waypoints):
         for name in waypoint.positions:
             named.setdefault(name, ("robot", "waypoints", number, "positions", name))
-    found = {name: joint_of(robot, name, field) for name, field in named.items()}
-    joints = [joint for name, joint in robot.joints.items() if name in found]
+    moving = {name: joint_of(robot, name, field) for name, field in named.items()}
+    joints = [joint for name, joint in robot.joints.items() if name in moving]
     first = section.waypoints[0].positions
     for joint in joints:
         if joint.name not in first:
@@ -334,9 +334,9 @@ def _stops(section: RobotSection, robot: Robot) -> tuple[list[Joint], Array]:
     stops = np.zeros((len(section.waypoints), len(joints)))
     for number, waypoint in enumerate(section.waypoints):
         for column, joint in enumerate(joints):
-            given = waypoint.positions.get(joint.name)
+            figure = waypoint.positions.get(joint.name)
             field: Field = ("robot", "waypoints", number, "positions", joint.name)
-            stops[number, column] = stops[number - 1, column] if given is None else figure_of(given, joint, field)
+            stops[number, column] = stops[number - 1, column] if figure is None else figure_of(figure, joint, field)
     return joints, stops
 
 
@@ -351,9 +351,9 @@ def _limits(section: RobotSection, robot: Robot, joints: Sequence[Joint]) -> lis
         for joint in joints:
             value = {"speed": joint.velocity, "acceleration": math.nan, "jerk": math.inf}[what]
             for name in (joint.name, _ALL):
-                given = getattr(section.limits.get(name, JointLimits()), what)
-                if given is not None:
-                    value = figure_of(given, joint, ("robot", "limits", name, what))
+                figure = getattr(section.limits.get(name, JointLimits()), what)
+                if figure is not None:
+                    value = figure_of(figure, joint, ("robot", "limits", name, what))
                     break
             if not value > 0.0:
                 unit = unit_of(joint) + ("/s" if what == "speed" else "/s^2")
@@ -409,12 +409,12 @@ def _inside(motion: JointMotion, column: int, joint: Joint, robot: Robot, field:
     whose = f"its limits in {robot.file}:{joint.line}"
     for value in (position.max(), position.min()):
         if not within(joint, float(value)):
-            found = f"{name} is at {value:.4g} {unit} after {_when(motion, position == value):.4g} s"
-            raise FieldError(field, f"{found}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, {whose}")
+            fault = f"{name} is at {value:.4g} {unit} after {_when(motion, position == value):.4g} s"
+            raise FieldError(field, f"{fault}; expected {joint.lower:.4g} to {joint.upper:.4g} {unit}, {whose}")
     top = float(speed.max())
     if joint.velocity > 0.0 and top > joint.velocity * (1.0 + _SLACK):
-        found = f"{name} has {top:.4g} {unit}/s after {_when(motion, speed == top):.4g} s"
-        raise FieldError(field, f"{found}; expected at most {joint.velocity:.4g} {unit}/s, {whose}")
+        fault = f"{name} has {top:.4g} {unit}/s after {_when(motion, speed == top):.4g} s"
+        raise FieldError(field, f"{fault}; expected at most {joint.velocity:.4g} {unit}/s, {whose}")
 
 
 def _when(motion: JointMotion, there: Array) -> float:

@@ -46,10 +46,10 @@ def static_torque(cycle: LoadCycle) -> Alike:
     return float(torque - slowing) if cycle.duration.ndim == 1 else torque - slowing
 
 
-def with_rest(cycle: LoadCycle, until: float | None, held: Figure) -> LoadCycle:
+def with_rest(cycle: LoadCycle, until: float | None, holding_torque: Figure) -> LoadCycle:
     """A load cycle with a rest at its end."""
     rest = rest_left(cycle.total, until)
-    if not np.any(rest) or np.any(np.isnan(held)):
+    if not np.any(rest) or np.any(np.isnan(holding_torque)):
         return cycle
     still = np.zeros_like(cycle.speed[:1])
     return replace(
@@ -57,7 +57,7 @@ def with_rest(cycle: LoadCycle, until: float | None, held: Figure) -> LoadCycle:
         duration=np.concatenate([cycle.duration, np.reshape(rest, cycle.duration[:1].shape)]),
         speed=np.concatenate([cycle.speed, still]),
         acceleration=np.concatenate([cycle.acceleration, np.zeros_like(cycle.acceleration[:1])]),
-        torque=np.concatenate([cycle.torque, np.zeros_like(cycle.torque[:1]) + held]),
+        torque=np.concatenate([cycle.torque, np.zeros_like(cycle.torque[:1]) + holding_torque]),
     )
 
 
@@ -101,13 +101,13 @@ def profile_of(spec: RobotSpec) -> Profile:
         if isinstance(motion, motions.Csv | motions.Cam):
             path = path_from_spec(spec.file, motion.file, ("motion", "file"))
             if isinstance(motion, motions.Cam):
-                made = motions.cam(path, motion, motions.TRAVEL[spec.load.axis][0])
+                profile = motions.cam(path, motion, motions.TRAVEL[spec.load.axis][0])
             else:
-                made = motions.from_csv(path, motions.SPEED[spec.load.axis][0])
-            made = replace(made, name=motion.file)
+                profile = motions.from_csv(path, motions.SPEED[spec.load.axis][0])
+            profile = replace(profile, name=motion.file)
         else:
-            made = motions.over_time(motion)
-    return resting(made, spec.waits_until)
+            profile = motions.over_time(motion)
+    return resting(profile, spec.waits_until)
 
 
 @contextmanager
@@ -203,18 +203,18 @@ def _load_cycle(spec: RobotSpec, profile: Profile | None, sampled: bool) -> Load
             with located(spec):
                 path = path_from_spec(spec.file, load.file, ("load", "file"))
                 cycle = LAWS[load.kind](load, path)
-        held = cycle.held
+        holding_torque = cycle.held
         if sampled and cycle.duration.ndim == 1:
             cycle = cycle.side_by_side()
         cycle = with_rest(_sprung_recording(spec, cycle), spec.waits_until, static_torque(cycle))
     else:
-        moved, held = course(profile or profile_of(spec), sampled=sampled), math.nan
-        cycle = cycle_of_course(spec, moved)
+        motion, holding_torque = course(profile or profile_of(spec), sampled=sampled), math.nan
+        cycle = cycle_of_course(spec, motion)
         if spec.wants_brake:
-            still = heaviest_positions(load.lever, sprung(spec, moved), everywhere=bool(load_springs(spec)))
-            held = np.abs(cycle_of_course(spec, still).torque).max(axis=(0, 1))
+            still = heaviest_positions(load.lever, sprung(spec, motion), everywhere=bool(load_springs(spec)))
+            holding_torque = np.abs(cycle_of_course(spec, still).torque).max(axis=(0, 1))
     if spec.wants_brake:
-        cycle = replace(cycle, held=held)
+        cycle = replace(cycle, held=holding_torque)
     return driven_shaft_cycle(spec, cycle)
 
 
@@ -243,11 +243,11 @@ def _sprung_recording(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
         return cycle
     position = end_times(cycle.duration * cycle.speed.mean(axis=1))
     with located(spec):
-        resisting = sum(spring_force(one, position, cycle.direction) for one in springs)
+        resisting = sum(spring_force(spring, position, cycle.direction) for spring in springs)
     return replace(cycle, torque=cycle.torque + resisting / spec.load.motors).split()
 
 
-def heaviest_positions(lever: Lever | None, moved: Course, *, everywhere: bool = False) -> Course:
+def heaviest_positions(lever: Lever | None, course: Course, *, everywhere: bool = False) -> Course:
     """Course at rest in each position in which gravity may turn the load most, with the payload that it has there.
 
     Power may be lost at any time, so that is the worst of the whole path. The torque of a mass on a lever goes as the
@@ -255,22 +255,22 @@ def heaviest_positions(lever: Lever | None, moved: Course, *, everywhere: bool =
     may be so ``everywhere``. Of any other load no position is worse than another. A light load may pull harder than a
     heavy one: against a counterweight.
     """
-    segments = len(moved.duration)
-    carried = np.broadcast_to(moved.payload, (segments, 1, *np.shape(moved.payload)[2:])).reshape(segments, -1)
+    segments = len(course.duration)
+    carried = np.broadcast_to(course.payload, (segments, 1, *np.shape(course.payload)[2:])).reshape(segments, -1)
     payloads, kind = np.unique(carried, axis=0, return_inverse=True)
     positions: list[Any] = []
     weights: list[Any] = []
     for number, payload in enumerate(payloads):
-        path = moved.position[kind.reshape(-1) == number]
+        path = course.position[kind.reshape(-1) == number]
         low, high = path.min(axis=(0, 1)), path.max(axis=(0, 1))
-        found = list(path.reshape(-1, *path.shape[2:])) if everywhere else [low, high]
+        places = list(path.reshape(-1, *path.shape[2:])) if everywhere else [low, high]
         if lever is not None:
             first, last = (np.ceil((low + lever.start) / math.pi), np.floor((high + lever.start) / math.pi))
             for turn in (first, first + 1.0):
                 level = np.where(turn <= last, turn * math.pi - lever.start, low)
-                found += [level] if np.any(turn <= last) else []
-        positions += np.broadcast_arrays(*found)
-        weights += [payload if path.ndim == 2 else payload[None]] * len(found)
+                places += [level] if np.any(turn <= last) else []
+        positions += np.broadcast_arrays(*places)
+        weights += [payload if path.ndim == 2 else payload[None]] * len(places)
     ends = np.repeat(np.stack(np.broadcast_arrays(*positions))[:, None], 2, axis=1)
     still = np.zeros_like(ends)
     lasting = np.ones((len(ends), *[1] * (ends.ndim - 2)))
@@ -282,7 +282,7 @@ def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
     gears, belt = spec.gears[::-1], spec.belt  # from the load on
     before = belt is not None and spec.gear_before_belt
     if not before:
-        return _with_belt(reduce(lambda one, gear: through_gear(one, gear.fixed_gear()), gears, cycle), belt)
+        return _with_belt(reduce(lambda cycle, gear: through_gear(cycle, gear.fixed_gear()), gears, cycle), belt)
     assert belt is not None
     cycle, limits = _with_belt(cycle, belt), []
     if belt.pulley_diameter is not None:  # of a belt at the load the gear before it takes no part
@@ -293,7 +293,7 @@ def driven_shaft_cycle(spec: RobotSpec, cycle: LoadCycle) -> LoadCycle:
             limits.append(OwnLimit("belt_speed", np.abs(cycle.speed).max(axis=(0, 1)) * radius, belt.max_speed))
     ratio = 1.0 if belt.ratio is None else belt.ratio
     whole = replace(cycle, own=(*cycle.own, *limits))
-    return reduce(lambda one, gear: through_gear(one, gear.fixed_gear(ratio)), gears, whole)
+    return reduce(lambda cycle, gear: through_gear(cycle, gear.fixed_gear(ratio)), gears, whole)
 
 
 def _with_belt(cycle: LoadCycle, belt: BeltStage | None) -> LoadCycle:
@@ -313,7 +313,7 @@ _SPEED, _TORQUE, _POWER = ("rotary_speed", "rpm"), ("torque", "N*m"), ("power", 
 
 def requirements(cycles: Sequence[LoadCycle]) -> list[Requirement]:
     """Figures of the load at the driven shaft of one drive, in the worst of its load cases' cycles."""
-    found = []
+    by_cycle = []
     for cycle in cycles:
         power, duration = cycle.power, cycle.duration
         torque, speed = (float(np.abs(column).max()) for column in (cycle.torque, cycle.speed))
@@ -321,16 +321,17 @@ def requirements(cycles: Sequence[LoadCycle]) -> list[Requirement]:
         powers = {"maximum": float(power.max()), "returned": -float(power.min()), "mean": mean}
         least = _ROUNDING * torque * speed
         seen = {name: x if (abs(x) if name == "mean" else x) > least else 0.0 for name, x in powers.items()}
-        found.append({
+        by_cycle.append({
             "nominal_speed": speed, "rms_speed": rms(duration, cycle.speed),
             "maximum_torque_per_motor": torque, "rms_torque_per_motor": rms(duration, cycle.torque),
             **{f"{name}_power_per_motor": x for name, x in seen.items()},
             "load_inertia_per_motor": cycle.inertia, "cycle_time": cycle.total,
         })  # fmt: skip
     rows = [
-        (name, title, symbol, max((one[name] for one in found), key=abs), of) for name, title, symbol, of in _FIGURES
+        (name, title, symbol, max((figures[name] for figures in by_cycle), key=abs), of)
+        for name, title, symbol, of in _FIGURES
     ]
-    return _required(rows, len(found))
+    return _required(rows, len(by_cycle))
 
 
 def _required(rows: Iterable[tuple[str, str, str, Any, tuple[str, str]]], cases: int) -> list[Requirement]:
@@ -364,12 +365,12 @@ def screw_requirements(cases: Sequence[RobotSpec]) -> list[Requirement]:
     for spec in cases:
         load: Any = spec.load
         if MODULES[load.kind] == "screw" and load.dynamic_load is not None:
-            moved = sprung(spec, course(profile_of(spec)))
-            force = force_along(moved, load, spec.environment.gravity, load.mass) / load.motors
-            lives.append(screw_life(load, moved, force))
+            motion = sprung(spec, course(profile_of(spec)))
+            force = force_along(motion, load, spec.environment.gravity, load.mass) / load.motors
+            lives.append(screw_life(load, motion, force))
     if not lives:
         return []
-    worst = min(lives, key=lambda one: one.time)
+    worst = min(lives, key=lambda life: life.time)
     figures = (
         ("screw_mean_load", "Mean axial load of the screw", "F_m", max(worst.mean), ("force", "N")),
         ("screw_life_turns", "Nominal life of the screw in turns", "L_10", worst.turns, ("dimensionless", "1")),

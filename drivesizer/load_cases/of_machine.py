@@ -41,7 +41,7 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
     if not spec.shift:
         return load_cycle(spec)
     shares, lasting, specs = zip(*spec.shift, strict=True)
-    cycles = [load_cycle(one) for one in specs]
+    cycles = [load_cycle(case) for case in specs]
     blocks = [max(1, round(time / cycle.total)) for time, cycle in zip(lasting, cycles, strict=True)]
     times = counts(shares, [n * cycle.total for n, cycle in zip(blocks, cycles, strict=True)])
     repeats = [n * block for n, block in zip(times, blocks, strict=True)]
@@ -52,10 +52,10 @@ def cycle_of_shift(spec: RobotSpec) -> LoadCycle:
             f"most {_MOST}, by shares nearer to one another, or a longer lasting"
         )
     worst: dict[str, OwnLimit] = {}  # of limits of one name that which is nearest to its demand, or past it most
-    for one in (limit for cycle in cycles for limit in cycle.own):
-        other = worst.get(one.name)
-        if other is None or not one.demand * other.limit <= other.demand * one.limit:
-            worst[one.name] = one
+    for limit in (limit for cycle in cycles for limit in cycle.own):
+        other = worst.get(limit.name)
+        if other is None or not limit.demand * other.limit <= other.demand * limit.limit:
+            worst[limit.name] = limit
     in_turn = [cycle for n, cycle in zip(repeats, cycles, strict=True) for _ in range(n)]
     return replace(
         cycles[0],
@@ -75,15 +75,15 @@ def counts(shares: Sequence[float], times: Sequence[float]) -> list[int]:
     ([9, 1], [6, 1])
     """
     least = max(time / share for share, time in zip(shares, times, strict=True))
-    found: list[tuple[float, list[int]]] = []
+    candidates: list[tuple[float, list[int]]] = []
     for n in range(1, _TRIED):
-        some = [max(1, round(n * least * share / time)) for share, time in zip(shares, times, strict=True)]
-        whole = sum(k * time for k, time in zip(some, times, strict=True))
-        off = max(abs(k * t / whole / share - 1.0) for k, t, share in zip(some, times, shares, strict=True))
+        numbers = [max(1, round(n * least * share / time)) for share, time in zip(shares, times, strict=True)]
+        whole = sum(k * time for k, time in zip(numbers, times, strict=True))
+        off = max(abs(k * t / whole / share - 1.0) for k, t, share in zip(numbers, times, shares, strict=True))
         if off <= _OFF:
-            return some
-        found.append((off, some))
-    return min(found)[1]
+            return numbers
+        candidates.append((off, numbers))
+    return min(candidates)[1]
 
 
 def distance_of(spec: RobotSpec, cycle: LoadCycle) -> Alike:
@@ -111,7 +111,7 @@ def requirement_checks(spec: RobotSpec, required: Requirements) -> tuple[Check, 
     if required.devices:
         others = spec.budget.others if spec.budget else ()
         payloads = spec.platform.payloads if spec.platform else ()
-        carried = {one.name for some in (spec.equipment, others, payloads) for one in some}
+        carried = {part.name for parts in (spec.equipment, others, payloads) for part in parts}
         missing = [name for name in required.devices if name not in carried]
         note = f"not among equipment, budget.others or payloads: {', '.join(missing)}" if missing else ""
         there = len(required.devices) - len(missing)
@@ -151,8 +151,8 @@ def starts_farther_on(name: str, spec: RobotSpec) -> tuple[str, ...]:
     pulled = lever is not None and lever.mass * lever.length * lever.share != 0.0
     if not spec.load.has_end and not pulled and not load_springs(spec):
         return ()
-    moved = course(profile_of(spec))
-    travel = moved.duration * moved.speed.mean(axis=1)
+    motion = course(profile_of(spec))
+    travel = motion.duration * motion.speed.mean(axis=1)
     off = float(travel.sum())
     if lever is not None and not load_springs(spec):  # a whole turn brings it back
         off -= _TURN * round(off / _TURN)
@@ -185,12 +185,12 @@ def grip_warning(spec: RobotSpec) -> tuple[str, ...]:
 
 def load_cases(spec: RobotSpec) -> tuple[tuple[int, str, RobotSpec], ...]:
     """The load cases of a machine as they are sized: one for each driven wheel where its motion is a trajectory."""
-    found: list[tuple[int, str, RobotSpec]] = []
+    cases: list[tuple[int, str, RobotSpec]] = []
     for number, (name, case) in enumerate(spec.load_cases):
         if case.platform is None:
-            found.append((number, name, case))
+            cases.append((number, name, case))
         else:
             from drivesizer.load_cases.platform import wheels
 
-            found += [(number, *one) for one in wheels(name, case)]
-    return tuple(found)
+            cases += [(number, *wheel) for wheel in wheels(name, case)]
+    return tuple(cases)

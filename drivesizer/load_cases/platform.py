@@ -78,8 +78,8 @@ def _own_mass(section: Platform, load: WheeledVehicle) -> float:
     """Mass of the robot without its payloads [kg]."""
     carried = sum(p.mass for p in section.payloads)
     if not carried < load.mass:
-        found, of_all = show(carried, "kg", "mass"), show(load.mass, "kg", "mass")
-        raise InputError(f"platform: payloads of {found} leave nothing of load.mass, {of_all}, which includes them")
+        payload, of_all = show(carried, "kg", "mass"), show(load.mass, "kg", "mass")
+        raise InputError(f"platform: payloads of {payload} leave nothing of load.mass, {of_all}, which includes them")
     return load.mass - carried
 
 
@@ -91,17 +91,19 @@ def box_inertia(section: Platform, mass: float) -> float:
 
 def platform_assumptions(section: Platform, load: WheeledVehicle) -> tuple[str, ...]:
     """Assumptions about the platform where the spec gives no figure, as sentences."""
-    found = []
+    sentences = []
     if section.inertia is None:
         inertia = show(box_inertia(section, _own_mass(section, load)), "kg*m^2", "inertia")
-        found.append(f"The robot's inertia is that of a homogeneous box of its size without payloads, {inertia}.")
+        sentences.append(f"The robot's inertia is that of a homogeneous box of its size without payloads, {inertia}.")
     if not section.height_known:
-        found.append("The height of the centre of mass is not given: wheels are taken to carry what they do at rest.")
+        sentences.append(
+            "The height of the centre of mass is not given: wheels are taken to carry what they do at rest."
+        )
     if any(not place.driven for place in section.places):
-        found.append("A wheel without a drive has the inertia of one with.")
+        sentences.append("A wheel without a drive has the inertia of one with.")
     if any(c.rolling_resistance is None for c in section.casters):
-        found.append("Casters roll as hard as the wheels.")
-    return tuple(found)
+        sentences.append("Casters roll as hard as the wheels.")
+    return tuple(sentences)
 
 
 # -- One driven wheel of a platform on its trajectory, as the load of a drive: computed, not recorded.
@@ -152,11 +154,11 @@ def trajectory_of(spec: RobotSpec) -> Trajectory | None:
 
 def limits_of(spec: RobotSpec) -> Limits | None:
     """Limits of the platform's motion; None where speed or acceleration is not given."""
-    given = spec.platform.limits if spec.platform else None
-    if given is None or given.speed is None or given.acceleration is None:
+    limits = spec.platform.limits if spec.platform else None
+    if limits is None or limits.speed is None or limits.acceleration is None:
         return None
     with located(spec, "platform", "limits"):
-        return Limits(**dict(given))
+        return Limits(**dict(limits))
 
 
 def dynamics_of(spec: RobotSpec, rotor_inertia: float = 0.0) -> Dynamics:
@@ -184,8 +186,8 @@ def floor_friction(spec: RobotSpec, force: float) -> float:
     gains = np.array([1.0, -1.0]) * load.driven_wheels * force / p.mass - g * math.sin(load.slope)
     ground = Ground(slope=load.slope, gravity=g)
     carried = contact_loads(p, 0.0, ground, (gains, 0.0 * gains))[: len(p.wheels)].min(axis=1)
-    held = [n * math.cos(w.roller_angle) for n, w in zip(carried, p.wheels, strict=True) if w.drive == "motor"]
-    return load.friction_coefficient * max(float(min(held)), 0.0)
+    loads = [n * math.cos(w.roller_angle) for n, w in zip(carried, p.wheels, strict=True) if w.drive == "motor"]
+    return load.friction_coefficient * max(float(min(loads)), 0.0)
 
 
 def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
@@ -198,7 +200,7 @@ def wheels(name: str, case: RobotSpec) -> Iterator[tuple[str, RobotSpec]]:
     cycles, driven = cycles_of(case, d, trajectory), d.kinematics.driven
     groups: list[list[int]] = []  # wheels with equal load cycles, in either direction of turning
     for i, cycle in enumerate(cycles):
-        group = next((some for some in groups if _alike(cycles[some[0]], cycle)), None)
+        group = next((members for members in groups if _alike(cycles[members[0]], cycle)), None)
         if group is None:
             groups.append([i])
         else:
@@ -220,8 +222,8 @@ def _alike(a: LoadCycle, b: LoadCycle) -> bool:
     if len(a.duration) != len(b.duration) or not np.allclose(a.duration, b.duration, rtol=_SAME, atol=0.0):
         return False
 
-    def near(one: Ends, other: Ends) -> bool:
-        return bool(np.abs(one - other).max() <= _SAME * max(np.abs(one).max(), np.abs(other).max()))
+    def near(column: Ends, other: Ends) -> bool:
+        return bool(np.abs(column - other).max() <= _SAME * max(np.abs(column).max(), np.abs(other).max()))
 
     return any(near(a.speed, sign * b.speed) and near(a.torque, sign * b.torque) for sign in (1.0, -1.0))
 
@@ -240,8 +242,8 @@ def cycles_of(case: RobotSpec, d: Dynamics, trajectory: Trajectory) -> tuple[Loa
     known = case.platform is not None and case.platform.height_known  # else nobody knows what a wheel carries
     friction = load.friction_coefficient if known else None
     with located(case, "motion"):
-        found = wheel_cycles(d, trajectory, ground_of(case), friction=friction)
-    return tuple(through_running_gear(load, cycle) for cycle in found)
+        cycles = wheel_cycles(d, trajectory, ground_of(case), friction=friction)
+    return tuple(through_running_gear(load, cycle) for cycle in cycles)
 
 
 # -- A platform driven along a trajectory: the requirements at each of its wheels.
@@ -336,13 +338,13 @@ def driving(spec: RobotSpec) -> Driving:
     return Driving(spec, trajectory, tuple(Wheel(n + 1, cycle, tuple(requirements([cycle]))) for n, cycle in cycles))
 
 
-def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
+def over_time(driving: Driving) -> dict[str, tuple[Array, str, str]]:
     """Posture, velocity, speed and torque of each driven wheel: by name columns with their kind and unit of the trade.
 
     Torques are those of the load at the wheel's shaft; where one jumps there are two rows of one time.
     """
-    d, trajectory = dynamics_of(found.spec), found.trajectory
-    seen = motion(d, trajectory, ground_of(found.spec))
+    d, trajectory = dynamics_of(driving.spec), driving.trajectory
+    seen = motion(d, trajectory, ground_of(driving.spec))
     edges = np.append(0.0, np.cumsum(seen.duration))
     time = np.stack([edges[:-1], edges[1:]], axis=1)
     E = d.kinematics.E[list(d.kinematics.driven)]
@@ -355,7 +357,7 @@ def over_time(found: Driving) -> dict[str, tuple[Array, str, str]]:
         "forwards": (forwards, "speed", "m/s"), "to_the_left": (aside, "speed", "m/s"),
         "turning": (turning, "rotary_speed", "rpm"),
     }  # fmt: skip
-    for wheel, speed, torque in zip(found.wheels, map_columns(E, seen.eta), torques, strict=True):
+    for wheel, speed, torque in zip(driving.wheels, map_columns(E, seen.eta), torques, strict=True):
         columns[f"speed_{wheel.number}"] = (speed, "rotary_speed", "rpm")
         columns[f"torque_{wheel.number}"] = (torque, "torque", "N*m")
     rows = np.array([column.reshape(-1) for column, *_ in columns.values()])
@@ -450,6 +452,6 @@ def remaining_torque(spec: RobotSpec, profile: Profile, shaft: AtShaft) -> NDArr
     time = np.stack([edges[:-1], edges[1:]], axis=1)
     meets = np.append(np.abs(left[1:, 0] - left[:-1, 1]) <= small, False)  # one row is enough for two ends
     time[:-1, 1] = np.maximum(np.nextafter(time[:-1, 1], -math.inf), time[:-1, 0])
-    kept = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
-    rows: NDArray[np.float64] = np.stack([time, left], axis=2).reshape(-1, 2)[kept]
+    distinct = np.stack([np.ones(len(meets), bool), ~meets], axis=1).ravel()
+    rows: NDArray[np.float64] = np.stack([time, left], axis=2).reshape(-1, 2)[distinct]
     return rows[np.append(np.diff(rows[:, 0]) > 0.0, True)]

@@ -59,8 +59,8 @@ def conveyor(load: Conveyor, gravity: float, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    moved = load.mass + load.belt_mass
-    force = force_along(course, load, gravity, moved)
+    moving_mass = load.mass + load.belt_mass
+    force = force_along(course, load, gravity, moving_mass)
     losses = (load.efficiency, load.efficiency)
     radius = load.drum_diameter / 2
-    return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors)
+    return through_stage(course, force, radius, losses, mass=moving_mass, turning=load.inertia, motors=load.motors)

@@ -148,8 +148,8 @@ def course(profile: Profile, *, sampled: bool = False) -> Course:
 
 def _course(profile: Profile, sampled: bool) -> Course:
     def rows(figures: Sequence[Figure]) -> NDArray[np.float64]:
-        found = columns_of(figures)
-        return found[:, None] if sampled and found.ndim == 1 else found
+        columns = columns_of(figures)
+        return columns[:, None] if sampled and columns.ndim == 1 else columns
 
     time, speed = rows(profile.time), rows(profile.speed)
     duration, ends = np.diff(time, axis=0), np.stack([speed[:-1], speed[1:]], axis=1)
@@ -189,7 +189,7 @@ def at_largest(size: Ends, duration: NDArray[np.float64], *columns: Ends) -> lis
         The moment [s], then the value of each column.
     """
     place = size.reshape(-1, *size.shape[2:]).argmax(axis=0)
-    every = [
+    flat = [
         np.broadcast_to(column, size.shape).reshape(-1, *size.shape[2:]) for column in (end_times(duration), *columns)
     ]
-    return [float(x[place]) if size.ndim == 2 else np.take_along_axis(x, place[None], axis=0)[0] for x in every]
+    return [float(x[place]) if size.ndim == 2 else np.take_along_axis(x, place[None], axis=0)[0] for x in flat]

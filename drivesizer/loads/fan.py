@@ -71,8 +71,8 @@ def fan(load: Fan, gravity: float, course: Course) -> LoadCycle:
     top = np.abs(course.speed).max(axis=(0, 1))
     if np.any(load.rated_torque) and np.any(np.greater(load.exponent, 1.0)) and np.any(top):
         course = course.finer(capped(_PIECES * np.ptp(course.speed, axis=1) / np.where(top > 0.0, top, 1.0)))
-    moved: Any = 0.0  # by the air, without its sign
+    air_torque: Any = 0.0  # by the air, without its sign
     if load.rated_speed is not None:
-        moved = load.rated_torque * np.abs(course.speed / load.rated_speed) ** load.exponent
-    torque = (moved + load.friction_torque) * course.direction + load.inertia * course.acceleration
+        air_torque = load.rated_torque * np.abs(course.speed / load.rated_speed) ** load.exponent
+    torque = (air_torque + load.friction_torque) * course.direction + load.inertia * course.acceleration
     return course.cycle((torque + course.resisting) / load.motors, inertia=load.inertia / load.motors)

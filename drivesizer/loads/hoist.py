@@ -70,14 +70,14 @@ def hoist(load: Hoist, gravity: float, course: Course) -> LoadCycle:
     InputError
         When a figure leaves the range of numbers that can be computed with.
     """
-    moved = load.mass + load.counterweight
+    moving_mass = load.mass + load.counterweight
     weight = (load.mass + course.payload - load.counterweight) * gravity
-    force = weight + (moved + course.payload) * course.acceleration + load.friction_force * course.direction
+    force = weight + (moving_mass + course.payload) * course.acceleration + load.friction_force * course.direction
     force = force + course.resisting
     falls_freely = np.abs(course.acceleration) > gravity * (1.0 + _ROUNDING)  # then the counterweight's rope is slack
     if np.where(load.counterweight == 0.0, force < -_ROUNDING * load.mass * gravity, falls_freely).any():
         raise FieldError(("motion",), "the rope goes slack, as it cannot push; expected less acceleration or friction")
     losses = (load.rope_efficiency, load.rope_efficiency)
     radius = load.drum_diameter / 2 / load.falls
-    return through_stage(course, force, radius, losses, mass=moved, turning=load.inertia, motors=load.motors,
+    return through_stage(course, force, radius, losses, mass=moving_mass, turning=load.inertia, motors=load.motors,
                          drag=load.friction_torque)  # fmt: skip

@@ -43,8 +43,8 @@ Leg = tuple[str | tuple[str | int, ...], Any, Any]
 def _straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> Profile:
     """Straight lines from standstill, and their mirror image; a leg without length leaves no breakpoint."""
     paths, durations, speeds = (list(column) for column in zip(*legs, strict=True))
-    both = columns_of([*durations, *speeds])
-    step, to = both[: len(legs)], both[len(legs) :]
+    rows = columns_of([*durations, *speeds])
+    step, to = rows[: len(legs)], rows[len(legs) :]
     if there_and_back:
         paths, step, to = paths * 2, np.concatenate([step, step]), np.concatenate([to, -to])
     start = np.zeros_like(step[:1])
@@ -59,8 +59,8 @@ def _straight(name: str, legs: Sequence[Leg], there_and_back: bool = False) -> P
         if far[number].any():
             wrong = "leads beyond the range of numbers to compute with"
         raise FieldError(("motion", *([path] if isinstance(path, str) else path)), f"{lasting:g} s {wrong}")
-    kept = np.append(True, rises.reshape(len(paths), -1).any(axis=1))
-    time, speed = time[kept], speed[kept]
+    breakpoints = np.append(True, rises.reshape(len(paths), -1).any(axis=1))
+    time, speed = time[breakpoints], speed[breakpoints]
     return Profile(name, *(tuple(c.tolist()) if c.ndim == 1 else tuple(c) for c in (time, speed)))
 
 
@@ -458,8 +458,8 @@ def cam(path: str | Path, motion: Cam, kind: str = "length") -> Profile:
     Profile
         Speed of the load over one run of the table.
     """
-    found = columns(Path(path), {"angle": "angle", "position": kind})
-    time, position = (found["angle"] - found["angle"][0]) / motion.master_speed, found["position"]
+    sheet = columns(Path(path), {"angle": "angle", "position": kind})
+    time, position = (sheet["angle"] - sheet["angle"][0]) / motion.master_speed, sheet["position"]
     if len(time) < 4:
         raise InputError(f"{path}: rows: {len(time)} found; expected at least 4, to take a slope of")
     if motion.smoothing > time[-1]:
@@ -503,8 +503,8 @@ def from_csv(path: str | Path, kind: str = "speed") -> Profile:
     Profile
         As it was recorded.
     """
-    found = columns(Path(path), {"time": "time", "speed": kind})
-    return Profile(str(path), tuple(found["time"].tolist()), tuple(found["speed"].tolist()))
+    sheet = columns(Path(path), {"time": "time", "speed": kind})
+    return Profile(str(path), tuple(sheet["time"].tolist()), tuple(sheet["speed"].tolist()))
 
 
 class Track(fields.Section):
@@ -551,12 +551,12 @@ def over_time(motion: Any) -> Profile:
     return carrying(MADE[motion.profile](motion), motion)
 
 
-def carrying(made: Profile, motion: Any) -> Profile:
+def carrying(profile: Profile, motion: Any) -> Profile:
     """The profile with the payload of each of its pieces, where the motion has one.
 
     Parameters
     ----------
-    made
+    profile
         The motion's profile.
     motion
         The motion, that may have a payload.
@@ -567,16 +567,16 @@ def carrying(made: Profile, motion: Any) -> Profile:
         The profile, with a payload on each of its pieces.
     """
     if not getattr(motion, "carries", False):
-        return made
+        return profile
     if isinstance(motion, Segments):
         carried: list[float] = []
         for piece in motion.segments:
             carried.append(piece.payload if piece.payload is not None else carried[-1] if carried else 0.0)
-        return replace(made, payload=tuple(carried))
-    pieces = len(made.time) - 1
+        return replace(profile, payload=tuple(carried))
+    pieces = len(profile.time) - 1
     back = motion.payload if motion.payload_back is None else motion.payload_back
     out = pieces // 2 if motion.there_and_back else pieces
-    return replace(made, payload=(motion.payload,) * out + (back,) * (pieces - out))
+    return replace(profile, payload=(motion.payload,) * out + (back,) * (pieces - out))
 
 
 def _named(motion: Any) -> Any:

@@ -89,12 +89,12 @@ def recorded(load: Recorded, path: Path) -> LoadCycle:
     InputError
         When the file is wrong, or a figure leaves the range of numbers that can be computed with.
     """
-    found = columns(path, *_FORMS, most=_MOST_ROWS)
+    sheet = columns(path, *_FORMS, most=_MOST_ROWS)
     with np.errstate(all="ignore"):  # the load cycle refuses what is not finite
-        speed, time, torque = _speed(path, found, load.smoothing), found["time"], found["torque"]
-        found.clear()
-        some = (slice(k, k + _PART + 1) for k in range(0, len(time) - 1, _PART))
-        parts = (_segments(load, time[k], speed[k], torque[k]) for k in some)
+        speed, time, torque = _speed(path, sheet, load.smoothing), sheet["time"], sheet["torque"]
+        sheet.clear()
+        slices = (slice(k, k + _PART + 1) for k in range(0, len(time) - 1, _PART))
+        parts = (_segments(load, time[k], speed[k], torque[k]) for k in slices)
         if len(time) <= _PART + 1:
             return next(parts)
         return _joined(parts, len(time) - 1, jumps=load.inertia != 0.0)
@@ -125,21 +125,21 @@ def _joined(parts: Iterable[LoadCycle], segments: int, *, jumps: bool) -> LoadCy
         torque[first:end], torque[end] = part.torque[:, 0], part.torque[-1, 1]
         if jumps:
             ends[first:end] = part.torque
-    both = np.broadcast_to(acceleration[:end, None], (end, 2))
-    found = ends[:end] if jumps else sliding_window_view(torque[: end + 1], 2)
-    return replace(part, duration=duration[:end], speed=sliding_window_view(speed[: end + 1], 2), acceleration=both,
-                   torque=found)  # fmt: skip
+    accelerations = np.broadcast_to(acceleration[:end, None], (end, 2))
+    torques = ends[:end] if jumps else sliding_window_view(torque[: end + 1], 2)
+    return replace(part, duration=duration[:end], speed=sliding_window_view(speed[: end + 1], 2),
+                   acceleration=accelerations, torque=torques)  # fmt: skip
 
 
-def _speed(path: Path, found: dict[str, Column], smoothing: float) -> Column:
+def _speed(path: Path, sheet: dict[str, Column], smoothing: float) -> Column:
     """The speed at each sample [rad/s]."""
-    time, name = found["time"] - found["time"][0], list(found)[1]
+    time, name = sheet["time"] - sheet["time"][0], list(sheet)[1]
     fitted = name != "speed" or smoothing > 0.0
     if fitted and len(time) < 3:
         raise InputError(f"{path}: rows: {len(time)} found; expected at least 3, to take a slope of or to smooth")
     if smoothing > time[-1]:
         raise FieldError(("load", "smoothing"), f"{smoothing:g} s is longer than the recording, {time[-1]:g} s")
-    speed = found[name]
+    speed = sheet[name]
     if fitted:
         value, slope = local_parabola(time, speed, smoothing)
         speed = value if name == "speed" else slope

@@ -133,9 +133,9 @@ class Screw(SharedLoad):
     def _contradictions(self) -> Iterator[str]:
         yield from super()._contradictions()
         yield from fields.exactly_one(self, "lead", "screw")
-        given = [name for name in _OF_CATALOGUE if getattr(self, name) is not None]
-        if self.screw is not None and given:
-            yield f"expected screw without {given[0]}, which is that of the screw that is chosen"
+        names = [name for name in _OF_CATALOGUE if getattr(self, name) is not None]
+        if self.screw is not None and names:
+            yield f"expected screw without {names[0]}, which is that of the screw that is chosen"
         if self.screw is not None and (self.length is None or self.ends is None):
             yield "give length and ends beside screw"
         if self.screw is not None and self.efficiency is not None and self.thread_friction is not None:
@@ -273,9 +273,9 @@ def own_limits(screw: Screw, course: Course, force: Ends) -> tuple[OwnLimit, ...
     """
     stroke = np.ptp(course.position, axis=(0, 1))
     if screw.length is not None and np.any(screw.length < stroke * (1.0 - _ROUNDING)):
-        found, needed = (show(float(np.max(x)), "mm", "length", 6) for x in (screw.length, stroke))
+        length, needed = (show(float(np.max(x)), "mm", "length", 6) for x in (screw.length, stroke))
         raise FieldError(
-            ("load", "length"), f"{found} is shorter than the stroke; expected {needed} and the nut at least"
+            ("load", "length"), f"{length} is shorter than the stroke; expected {needed} and the nut at least"
         )
     time, most = at_largest(np.abs(force), course.duration, np.abs(force))
     fast, travel = at_largest(np.abs(course.speed), course.duration, np.abs(course.speed))
@@ -286,10 +286,10 @@ def own_limits(screw: Screw, course: Course, force: Ends) -> tuple[OwnLimit, ...
     ]  # of the shaft's bearings: no check of the screw by itself
     if screw.ends is not None:
         assert screw.length is not None  # refused above
-        given = screw.length, screw.ends, screw.design or "beam"
-        held = np.minimum(physics.buckling_load(core, *given), physics.core_load(core))
-        limits.append(OwnLimit("screw_buckling", most, held, time))
-        limits.append(OwnLimit("screw_critical_speed", speed, physics.critical_speed(core, *given), fast))
+        geometry = screw.length, screw.ends, screw.design or "beam"
+        limit = np.minimum(physics.buckling_load(core, *geometry), physics.core_load(core))
+        limits.append(OwnLimit("screw_buckling", most, limit, time))
+        limits.append(OwnLimit("screw_critical_speed", speed, physics.critical_speed(core, *geometry), fast))
     if screw.static_load is not None:
         limits.append(OwnLimit("screw_static_load", most * screw.static_safety, screw.static_load, time))
     if screw.permissible_thrust is not None:
@@ -327,7 +327,7 @@ def screw_life(screw: Screw, course: Course, force: Ends) -> ScrewLife:
     rating = math.nan if screw.dynamic_load is None else screw.dynamic_load
     turns = physics.life_turns(rating, mean, screw.load_factor)
     distance = turns * screw.travel_per_turn
-    moved = (course.duration * np.abs(course.speed.mean(axis=1))).sum(axis=0)
+    travel = (course.duration * np.abs(course.speed.mean(axis=1))).sum(axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        time = np.where(moved > 0.0, distance / moved * course.duration.sum(axis=0), math.inf)
+        time = np.where(travel > 0.0, distance / travel * course.duration.sum(axis=0), math.inf)
     return ScrewLife(mean, turns, distance, time if course.duration.ndim > 1 else float(time))

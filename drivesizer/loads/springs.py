@@ -240,17 +240,17 @@ def unfit_springs(springs: Sequence[AnySpring], *, turns: bool, levels: bool) ->
     iterator
         Faults in words.
     """
-    for one in springs:
-        of_torque = isinstance(one, TorsionSpring) or getattr(one, "torque", None) is not None
-        ends = getattr(one, "ends", None)
-        if isinstance(one, ConstantSpring) and (one.force is None) == (one.torque is None):
+    for spring in springs:
+        of_torque = isinstance(spring, TorsionSpring) or getattr(spring, "torque", None) is not None
+        ends = getattr(spring, "ends", None)
+        if isinstance(spring, ConstantSpring) and (spring.force is None) == (spring.torque is None):
             yield "springs: a constant one has one of force and torque"
-        if isinstance(one, GasSpring) and np.any(np.greater(one.pressed, one.stroke)):
+        if isinstance(spring, GasSpring) and np.any(np.greater(spring.pressed, spring.stroke)):
             yield "springs: expected pressed of no more than stroke"
-        if isinstance(one, BalanceMass):
+        if isinstance(spring, BalanceMass):
             if turns and not levels:
                 yield "springs: nothing says how gravity acts on a counterweight here; expected kind: arm"
-            if turns != (one.length is not None) or (one.angle is not None and not turns):
+            if turns != (spring.length is not None) or (spring.angle is not None and not turns):
                 words = "needs its length" if turns else "along a line hangs on its rope: leave length and angle out"
                 yield f"springs: a counterweight {words}"
         elif not turns and (of_torque or ends):
@@ -264,13 +264,13 @@ def unfit_springs(springs: Sequence[AnySpring], *, turns: bool, levels: bool) ->
             yield "springs: a torque has no ends; leave them out"
 
 
-def spring_force(one: Any, travel: Figure, direction: Figure) -> Any:
+def spring_force(spring: Any, travel: Figure, direction: Figure) -> Any:
     """Force or torque of a spring against the forward motion.
 
     Parameters
     ----------
-    one
-        The spring; no counterweight.
+    spring
+        A spring; no counterweight.
     travel
         Of the load since the cycle started [m or rad].
     direction
@@ -294,26 +294,26 @@ def spring_force(one: Any, travel: Figure, direction: Figure) -> Any:
     """
     length: Any = travel
     slope: Any = 1.0
-    if getattr(one, "ends", None) is not None:
-        r, b, start = one.ends.radius, one.ends.anchor, one.ends.angle
+    if getattr(spring, "ends", None) is not None:
+        r, b, start = spring.ends.radius, spring.ends.anchor, spring.ends.angle
         own, first = (np.sqrt(r * r + b * b - 2.0 * r * b * np.cos(start + x)) for x in (travel, 0.0))
         length, slope = own - first, r * b * np.sin(start + travel) / np.where(own > 0.0, own, math.inf)
-    if not isinstance(one, GasSpring):
-        force = getattr(one, "force", None)
-        force = one.torque if force is None else force
-        return -(force - getattr(one, "rate", 0.0) * length) * slope
-    if one.ends is None and one.pushes == "back":
+    if not isinstance(spring, GasSpring):
+        force = getattr(spring, "force", None)
+        force = spring.torque if force is None else force
+        return -(force - getattr(spring, "rate", 0.0) * length) * slope
+    if spring.ends is None and spring.pushes == "back":
         length, slope = -length, -slope
-    pressed = one.pressed - length
-    off = np.maximum(pressed - one.stroke, -pressed)
-    if np.any(off > _ROUNDING * one.stroke):
+    pressed = spring.pressed - length
+    off = np.maximum(pressed - spring.stroke, -pressed)
+    if np.any(off > _ROUNDING * spring.stroke):
         by = show(float(np.max(off)), "mm", "length", 3)
         raise FieldError(
             ("load", "springs"),
             f"the motion leads {by} beyond a gas spring's stroke; expected another stroke or pressed",
         )
-    push = one.force * (1.0 + (one.progression - 1.0) * pressed / one.stroke)
-    return -push * slope + one.friction * np.abs(slope) * direction
+    push = spring.force * (1.0 + (spring.progression - 1.0) * pressed / spring.stroke)
+    return -push * slope + spring.friction * np.abs(slope) * direction
 
 
 def with_springs(
@@ -341,25 +341,29 @@ def with_springs(
     """
     if not springs:
         return course
-    if any(getattr(one, "ends", None) is not None or (turns and isinstance(one, BalanceMass)) for one in springs):
+    if any(
+        getattr(spring, "ends", None) is not None or (turns and isinstance(spring, BalanceMass)) for spring in springs
+    ):
         course = course.finer(capped(pieces_of_turn(course)))
-    elif not all(isinstance(one, ConstantSpring | BalanceMass) for one in springs):
+    elif not all(isinstance(spring, ConstantSpring | BalanceMass) for spring in springs):
         bend = np.abs(np.diff(course.speed, axis=1)[:, 0]) * course.duration / 8.0
         reach = np.ptp(course.position, axis=(0, 1))
         course = course.finer(capped(np.sqrt(bend / (_BEND * np.where(reach > 0.0, reach, math.inf)))))
     resisting: Ends = np.zeros_like(course.speed)
     balance: Alike = 0.0
-    for one in springs:
-        if not isinstance(one, BalanceMass):
-            resisting = resisting + spring_force(one, course.position, course.direction)
+    for spring in springs:
+        if not isinstance(spring, BalanceMass):
+            resisting = resisting + spring_force(spring, course.position, course.direction)
         elif turns:
-            assert lever is not None and one.length is not None  # refused
-            own = Lever(one.mass, one.length, lever.share, lever.start + math.pi if one.angle is None else one.angle)
+            assert lever is not None and spring.length is not None  # refused
+            own = Lever(
+                spring.mass, spring.length, lever.share, lever.start + math.pi if spring.angle is None else spring.angle
+            )
             balance = balance + own.mass * own.length**2
             resisting = resisting + own.moment(gravity) * np.cos(own.start + course.position)
         else:
             if np.any(course.acceleration > gravity * (1.0 + _ROUNDING)):
                 raise FieldError(("motion",), "a counterweight's rope goes slack; expected less acceleration")
-            balance = balance + one.mass
-            resisting = resisting - one.mass * gravity
+            balance = balance + spring.mass
+            resisting = resisting - spring.mass * gravity
     return replace(course, resisting=resisting + balance * course.acceleration, balance=balance)

@@ -33,7 +33,7 @@ class OnIncline(Protocol):
     force: float  # N, further force against the forward motion, at rest too
 
 
-def force_along(course: Course, load: OnIncline, gravity: Figure, moved: Figure) -> Ends:
+def force_along(course: Course, load: OnIncline, gravity: Figure, mass: Figure) -> Ends:
     """Force that moves a load along its incline: friction, weight, further force, springs and inertia [N].
 
     Parameters
@@ -44,7 +44,7 @@ def force_along(course: Course, load: OnIncline, gravity: Figure, moved: Figure)
         What is moved; its ``mass`` climbs.
     gravity
         Acceleration of free fall [m/s^2].
-    moved
+    mass
         What rubs and is accelerated, the load's mass among it, a payload of the course not [kg].
 
     Returns
@@ -52,10 +52,10 @@ def force_along(course: Course, load: OnIncline, gravity: Figure, moved: Figure)
     array
         Force at both ends of each segment [N], shape (segments, 2, ...).
     """
-    moved, climbing = moved + course.payload, load.mass + course.payload
-    friction = load.friction_coefficient * moved * gravity * np.cos(load.incline) + load.friction_force
+    mass, climbing = mass + course.payload, load.mass + course.payload
+    friction = load.friction_coefficient * mass * gravity * np.cos(load.incline) + load.friction_force
     climb = climbing * gravity * np.sin(load.incline)
-    force: Ends = friction * course.direction + (climb + load.force) + moved * course.acceleration
+    force: Ends = friction * course.direction + (climb + load.force) + mass * course.acceleration
     return force + course.resisting
 
 

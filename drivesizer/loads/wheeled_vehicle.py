@@ -134,8 +134,8 @@ def wheeled_vehicle(load: WheeledVehicle, gravity: float, course: Course) -> Loa
     inertia = turning + (load.mass + course.heaviest) * r**2 / N
     if load.friction_coefficient is None:
         return through_running_gear(load, course.cycle(torque, r, inertia=inertia))
-    size, held = np.abs(force / N), wheel_friction(load, gravity) * (1.0 + course.payload / load.mass)
-    time, demand, limit = at_largest(size / held, course.duration, size, held)
+    size, grip = np.abs(force / N), wheel_friction(load, gravity) * (1.0 + course.payload / load.mass)
+    time, demand, limit = at_largest(size / grip, course.duration, size, grip)
     own = (OwnLimit("traction", demand, limit, time),)
     return through_running_gear(load, course.cycle(torque, r, inertia=inertia, own=own))
 
@@ -170,12 +170,12 @@ def turning_inertia(load: WheeledVehicle) -> Alike:
     """J_w + J_s: given, or from the cylinders by (8) and (9) [kg*m^2]."""
     if load.cylinders is None:
         return load.inertia
-    found: Alike = 0.0
+    inertia: Alike = 0.0
     for c in (load.cylinders.wheel, load.cylinders.shaft):
         if c is not None:
             r_a, r_i = c.outer_diameter / 2, c.inner_diameter / 2
-            found = found + eq.cylinder_inertia(eq.cylinder_mass(c.density, r_a, r_i, c.width), r_a, r_i)
-    return found
+            inertia = inertia + eq.cylinder_inertia(eq.cylinder_mass(c.density, r_a, r_i, c.width), r_a, r_i)
+    return inertia
 
 
 def wheel_friction(load: WheeledVehicle, gravity: Figure) -> Alike:

@@ -315,8 +315,8 @@ def seen(d: Dynamics, trajectory: Trajectory, ground: Ground, top: Array) -> Mot
     """A trajectory in the robot's frame, cut; what the wheels do not allow of it is left out."""
     k, (eta, eta_dot) = d.kinematics, trajectory.in_robot()
     if len(k.held):
-        made = k.K_plus @ k.E[list(k.driven)]  # the motion of wheels that turn as in one that slides
-        eta, eta_dot = map_columns(made, eta), map_columns(made, eta_dot)
+        projector = k.K_plus @ k.E[list(k.driven)]  # the motion of wheels that turn as in one that slides
+        eta, eta_dot = map_columns(projector, eta), map_columns(projector, eta_dot)
     still = _ROUNDING * (top[0] + k.reach * top[2])  # m/s
     eta = np.where(np.abs(eta) <= still / np.array([1.0, 1.0, k.reach])[:, None, None], 0.0, eta)
     wheels = [i for i, w in enumerate(k.wheels) if w.rolling_resistance or w.friction]

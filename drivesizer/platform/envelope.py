@@ -226,7 +226,7 @@ def clearances(trajectory: Trajectory, size: Size, passages: tuple[Passage, ...]
         In the order of the passages.
     """
     start = np.cumsum(trajectory.duration) - trajectory.duration
-    points, found = control_points(trajectory), []
+    points, clearances = control_points(trajectory), []
     for passage in passages:
         x, y = points[0] - passage.x, points[1] - passage.y  # along the passage, and across it to the left
         cos, sin = math.cos(passage.direction), math.sin(passage.direction)
@@ -244,8 +244,8 @@ def clearances(trajectory: Trajectory, size: Size, passages: tuple[Passage, ...]
                 time = float((pieces.start + side * pieces.length)[at])
                 least = Clearance(passage.name, float(room[side, at]), time, nearer)
             pieces = pieces.on(slice(max(at - 2, 0), at + 3))
-        found.append(least)
-    return tuple(found)
+        clearances.append(least)
+    return tuple(clearances)
 
 
 class _Pieces(NamedTuple):
@@ -255,9 +255,9 @@ class _Pieces(NamedTuple):
     start: Array  # (n,) s
     length: Array  # (n,) s
 
-    def on(self, taken: Any) -> _Pieces:
+    def on(self, index: Any) -> _Pieces:
         """Some of them."""
-        return _Pieces(self.points[:, taken], self.start[taken], self.length[taken])
+        return _Pieces(self.points[:, index], self.start[index], self.length[index])
 
     @property
     def ends(self) -> Array:
@@ -277,10 +277,10 @@ def _halved(pieces: _Pieces, size: Size, passage: Passage, step: float) -> _Piec
         done.append(pieces.on(small))
         long = pieces.on(~small)
         half = long.length / 2.0
-        both = zip(halves(long.points), (long.start, long.start + half), strict=True)
-        pieces = _joined([_Pieces(points, start, half) for points, start in both])
-    found = _joined(done)
-    return found.on(np.argsort(found.start, kind="stable"))
+        sides = zip(halves(long.points), (long.start, long.start + half), strict=True)
+        pieces = _joined([_Pieces(points, start, half) for points, start in sides])
+    near = _joined(done)
+    return near.on(np.argsort(near.start, kind="stable"))
 
 
 def _joined(parts: list[_Pieces]) -> _Pieces:
@@ -293,13 +293,13 @@ def side_room(posture: Array, size: Size, width: float, depth: float) -> tuple[A
     cos, sin = np.cos(posture[2]), np.sin(posture[2])
     x, y = (c.reshape(-1, *[1] * cos.ndim) for c in size.corners)
     s, t = posture[0] + cos * x - sin * y, posture[1] + sin * x + cos * y  # (4, ...)
-    found = [np.where(np.abs(s) <= depth / 2.0, t, np.nan)]
+    offsets = [np.where(np.abs(s) <= depth / 2.0, t, np.nan)]
     to_s, to_t = np.roll(s, -1, axis=0), np.roll(t, -1, axis=0)
     for face in {-depth / 2.0, depth / 2.0}:  # where the edges enter the wall and leave it
         crosses = (s - face) * (to_s - face) < 0.0
         share = np.where(crosses, face - s, 0.0) / np.where(crosses, to_s - s, 1.0)
-        found.append(np.where(crosses, t + share * (to_t - t), np.nan))
-    places = np.concatenate(found)
+        offsets.append(np.where(crosses, t + share * (to_t - t), np.nan))
+    places = np.concatenate(offsets)
     most, least = np.fmax.reduce(places, axis=0), np.fmin.reduce(places, axis=0)
     inside = (most > -width / 2.0) & (least < width / 2.0)
     return np.where(inside, width / 2.0 - most, np.nan), np.where(inside, width / 2.0 + least, np.nan)

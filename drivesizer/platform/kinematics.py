@@ -225,9 +225,9 @@ class Misjudged:
             value = getattr(self, f.name)
             if value is None or isinstance(value, Payload):
                 continue
-            for one in value if isinstance(value, tuple) else (value,):
-                if not abs(one) < _LARGEST_ERROR:  # written so that NaN fails too
-                    raise InputError(f"misjudged: {f.name} must be a number below {_LARGEST_ERROR:g}, got {one!r}")
+            for entry in value if isinstance(value, tuple) else (value,):
+                if not abs(entry) < _LARGEST_ERROR:  # written so that NaN fails too
+                    raise InputError(f"misjudged: {f.name} must be a number below {_LARGEST_ERROR:g}, got {entry!r}")
         if not 1.0 + min(per_wheel(self.motor, 0, "motor")) >= 0.0:
             raise InputError(f"misjudged: motor must be -1 or more, got {self.motor!r}")
 
@@ -368,9 +368,9 @@ def _kinematics(wheels: tuple[Wheel, ...]) -> Kinematics:
     sideways, turning = _holders(wheels)
     sliding = [i for i, w in enumerate(wheels) if w.slides]
     middle = across[sliding].mean(axis=0, keepdims=True) if sliding else across[:0]
-    held = exact(np.concatenate([across[sideways], r[turning, None] * E[turning], middle]))
+    constraints = exact(np.concatenate([across[sideways], r[turning, None] * E[turning], middle]))
     scale = np.array([1.0, 1.0, 1.0 / reach])
-    motions = scale[:, None] * _null_space(held * scale)
+    motions = scale[:, None] * _null_space(constraints * scale)
     motions /= motions[(motions != 0.0).argmax(axis=0), range(motions.shape[1])]  # the first entry of each is 1
     driven = tuple(i for i, w in enumerate(wheels) if w.drive == "motor")
     if motions.shape[1] == 0:
@@ -378,7 +378,7 @@ def _kinematics(wheels: tuple[Wheel, ...]) -> Kinematics:
     _seen(E[list(driven)] * r[list(driven), None], motions, scale)
     K_plus = motions @ np.linalg.pinv(E[list(driven)] @ motions)
     rollers = exact(across + (r * np.sin(gamma))[:, None] * E)
-    return Kinematics(wheels, driven, J1, J2, E, rollers, held, motions, K_plus, reach)
+    return Kinematics(wheels, driven, J1, J2, E, rollers, constraints, motions, K_plus, reach)
 
 
 def row_sizes(rows: Array, reach: float) -> Array:
@@ -396,19 +396,19 @@ def _null_space(rows: Array) -> Array:
     """Columns whose sums are all that the rows turn to 0, with as many zeros and ones as can be."""
     _, values, vectors = np.linalg.svd(rows) if len(rows) else (None, np.zeros(0), np.eye(3))
     rank = int((values > _NOTHING).sum())
-    found, place = vectors[rank:].copy(), 0
+    basis, place = vectors[rank:].copy(), 0
     for column in range(3):  # Gauss and Jordan
-        rest = np.abs(found[place:, column])
+        rest = np.abs(basis[place:, column])
         if not rest.size or rest.max() < _NOTHING:
             continue
         pivot = place + int(rest.argmax())
-        found[[place, pivot]] = found[[pivot, place]]
-        found[place] /= found[place, column]
-        others = np.arange(len(found)) != place
-        found[others] -= found[others, column : column + 1] * found[place]
+        basis[[place, pivot]] = basis[[pivot, place]]
+        basis[place] /= basis[place, column]
+        others = np.arange(len(basis)) != place
+        basis[others] -= basis[others, column : column + 1] * basis[place]
         place += 1
-    found[np.abs(found) < _NOTHING] = 0.0
-    return found.T
+    basis[np.abs(basis) < _NOTHING] = 0.0
+    return basis.T
 
 
 def _seen(rolling: Array, motions: Array, scale: Array) -> None:
@@ -417,8 +417,8 @@ def _seen(rolling: Array, motions: Array, scale: Array) -> None:
     _, values, vectors = np.linalg.svd(rolling * scale @ plain)
     if len(values) == plain.shape[1] and values[-1] > _LEAST * values[0]:
         return
-    found = scale * (plain @ vectors[-1])
-    x, y, turn = found * np.sign(found[np.abs(found).argmax()])
+    motion = scale * (plain @ vectors[-1])
+    x, y, turn = motion * np.sign(motion[np.abs(motion).argmax()])
     sliding = {"forwards": x, "to the left": y}
     words = [f"{v:.3g} m/s {name}" for name, v in sliding.items() if abs(v) > _LEAST]
     words += [f"{turn:.3g} rad/s turning"] if abs(turn) > _LEAST else []
@@ -427,14 +427,14 @@ def _seen(rolling: Array, motions: Array, scale: Array) -> None:
 
 def columns(values: Any, entries: int, what: str) -> Array:
     """Figures as columns of floats."""
-    found = np.asarray(values, dtype=float)
-    if found.ndim == 0 or found.shape[0] != entries:
-        raise InputError(f"{what}: expected {entries} rows, got an array of shape {found.shape}")
-    if not np.isfinite(found).all():
-        place = np.argwhere(~np.isfinite(found))[0]
-        at = f" at sample {', '.join(str(k) for k in place[1:])}" if found.ndim > 1 else ""
+    rows = np.asarray(values, dtype=float)
+    if rows.ndim == 0 or rows.shape[0] != entries:
+        raise InputError(f"{what}: expected {entries} rows, got an array of shape {rows.shape}")
+    if not np.isfinite(rows).all():
+        place = np.argwhere(~np.isfinite(rows))[0]
+        at = f" at sample {', '.join(str(k) for k in place[1:])}" if rows.ndim > 1 else ""
         raise InputError(f"{what}: row {place[0] + 1}{at} is not a finite number")
-    return found
+    return rows
 
 
 def map_columns(matrix: Array, values: Array) -> Array:
@@ -467,9 +467,9 @@ def to_world(theta: Any, eta: Any) -> Array:
 
 def wheel_speeds(k: Kinematics, eta: Any) -> Array:
     """Speeds of all wheels [rad/s], (32); shape (N, ...)."""
-    found = columns(eta, 3, "velocity of the platform")
-    check_allowed(k, found, "velocity of the platform")
-    return map_columns(k.E, found)
+    velocity = columns(eta, 3, "velocity of the platform")
+    check_allowed(k, velocity, "velocity of the platform")
+    return map_columns(k.E, velocity)
 
 
 def check_allowed(k: Kinematics, eta: Array, what: str, unit: str = "m/s") -> None:

@@ -128,21 +128,21 @@ def plan(waypoints: Sequence[Waypoint], limits: Limits) -> Trajectory:
 
 def _stops(waypoints: Sequence[Waypoint]) -> list[_Stop]:
     """Stops of the platform, turns on the spot among them; one in the place of the one before adds to it."""
-    found: list[_Stop] = []
+    stops: list[_Stop] = []
 
     def reach(x: float, y: float, heading: float, pause: float, number: int) -> None:
         posture = np.array([x, y, heading])
-        if found and np.abs(posture - found[-1].posture).max() <= _SAME:
-            found[-1] = found[-1]._replace(pause=found[-1].pause + pause)
+        if stops and np.abs(posture - stops[-1].posture).max() <= _SAME:
+            stops[-1] = stops[-1]._replace(pause=stops[-1].pause + pause)
         else:
-            found.append(_Stop(posture, pause, number))
+            stops.append(_Stop(posture, pause, number))
 
     first = waypoints[0]
     away = next((w for w in waypoints if math.hypot(w.x - first.x, w.y - first.y) > _SAME), first)
     ahead = math.atan2(away.y - first.y, away.x - first.x)
     reach(first.x, first.y, ahead if first.heading is None else first.heading, first.pause, 1)
     for number, (before, w) in enumerate(pairwise(waypoints), 2):
-        x, y, heading = found[-1].posture.tolist()  # counted on from there
+        x, y, heading = stops[-1].posture.tolist()  # counted on from there
         if w.heading is not None and before.heading is not None:
             heading += w.heading - before.heading
         elif w.heading is not None or math.hypot(w.x - x, w.y - y) > _SAME:
@@ -152,19 +152,19 @@ def _stops(waypoints: Sequence[Waypoint]) -> list[_Stop]:
         if w.heading is None:
             reach(x, y, heading, 0.0, number)
         reach(w.x, w.y, heading, w.pause, number)
-    return found
+    return stops
 
 
 def _joined(stops: list[_Stop]) -> list[_Stop]:
     """The stops without those that the path goes straight through, place and heading alike."""
-    kept = stops[:1]
+    corners = stops[:1]
     for stop, after in zip(stops[1:], [*stops[2:], None], strict=False):
         if after is not None and stop.pause == 0.0:
-            there, on = stop.posture - kept[-1].posture, after.posture - stop.posture
+            there, on = stop.posture - corners[-1].posture, after.posture - stop.posture
             if np.abs(there / np.linalg.norm(there) - on / np.linalg.norm(on)).max() <= _SAME:
                 continue
-        kept.append(stop)
-    return kept
+        corners.append(stop)
+    return corners
 
 
 # --- how it gets from one to the next ---------------------------------------------------------------------------------
@@ -263,26 +263,26 @@ def read_track(
             return plan(waypoints, limits)
         except InputError as error:
             raise InputError(f"{file}: {error}") from None
-    found = sheet.values(header, _KINDS, factors)
-    time, *posture = (found[header.index(name)] for name in _KINDS if name in _TIMED)
+    columns = sheet.values(header, _KINDS, factors)
+    time, *posture = (columns[header.index(name)] for name in _KINDS if name in _TIMED)
     if len(time) < _FEWEST:
         raise InputError(f"{file}: rows: {len(time)} found; expected at least {_FEWEST} below the units")
-    made = np.array([posture[0], posture[1], np.unwrap(posture[2])])
-    if not np.ptp(made, axis=1).any():
+    track = np.array([posture[0], posture[1], np.unwrap(posture[2])])
+    if not np.ptp(track, axis=1).any():
         raise InputError(f"{file}: rows: nothing moves; expected a track of a motion")
     span = float(time[-1] - time[0])
     if not 0.0 <= smoothing <= span / _FEWEST:
         most = f"{span / _FEWEST:.4g} s, a quarter of the time of {file}"
         raise InputError(f"{where}: {smoothing:g} s; expected between 0 and {most}")
-    _refuse_no_motion(file, time, made, limits, thinned(time, smoothing))
+    _refuse_no_motion(file, time, track, limits, thinned(time, smoothing))
     if smoothing == 0.0:
         step = float(np.median(np.diff(time)))
-        gain = np.abs(np.diff(np.diff(made, axis=1) / np.diff(time), axis=1) / step)
+        gain = np.abs(np.diff(np.diff(track, axis=1) / np.diff(time), axis=1) / step)
         for name, row, of_it, unit in zip(
             ("x", "y", "heading"), posture, (gain[:2], gain[:2], gain[2]), ("m", "m", "rad"), strict=True
         ):
             refuse_few_digits(f"{file}: {name}", row, factors[header.index(name)], step, float(of_it.max()), unit)
-    return spline(time, made, smoothing)
+    return spline(time, track, smoothing)
 
 
 def _header(sheet: CsvFile) -> list[str]:
@@ -290,60 +290,61 @@ def _header(sheet: CsvFile) -> list[str]:
     names = [_NAMES.get(name.lower(), name.lower()) for name in sheet.names]
     known, single = set(names), len(set(names)) == len(names)
     if not single or not (known == _TIMED or {"x", "y"} <= known <= {"x", "y", "heading", "pause"}):
-        shown = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
-        raise sheet.fault(sheet.line, "header", f"{shown}; {_EXPECTED}")
+        header = quoted(",".join(sheet.cells)) if sheet.cells else "nothing"
+        raise sheet.fault(sheet.line, "header", f"{header}; {_EXPECTED}")
     return names
 
 
 def _waypoints(sheet: CsvFile, header: list[str], factors: list[float]) -> list[Waypoint]:
-    found: list[Waypoint] = []
+    waypoints: list[Waypoint] = []
     for line, cells in sheet.rows:
         sheet.refuse_miscount(line, cells, header)
-        if len(found) == _MOST_WAYPOINTS:
+        if len(waypoints) == _MOST_WAYPOINTS:
             raise sheet.fault(line, "row", f"more than {_MOST_WAYPOINTS} waypoints; expected fewer")
-        given = {
+        values = {
             name: sheet.number(line, name, cell, factor)
             for name, cell, factor in zip(header, cells, factors, strict=True)
             if cell.strip() or name in ("x", "y")
         }
         try:
-            found.append(Waypoint(**given))
+            waypoints.append(Waypoint(**values))
         except InputError as error:
             raise InputError(f"{sheet.path}:{line}: {error}") from None
-    return found
+    return waypoints
 
 
 # --- what is no motion of a platform ----------------------------------------------------------------------------------
 
 
-def _refuse_no_motion(path: Path, time: Array, posture: Array, limits: Limits | None, kept: Any) -> None:
+def _refuse_no_motion(path: Path, time: Array, posture: Array, limits: Limits | None, knot_rows: Any) -> None:
     """Refuse a track that jumps in place, heading or their speeds, has rows far off its path, or ends that move."""
-    moment, knots, every = time[kept], posture[:, kept], _most(limits)
+    moment, knots, bounds = time[knot_rows], posture[:, knot_rows], _most(limits)
     step = np.diff(moment)
     speed = np.diff(knots, axis=1) / step
     gain = 2.0 * np.diff(speed, axis=1) / (step[1:] + step[:-1])
-    for column, (rows, most) in every.items():
+    for column, (rows, most) in bounds.items():
         size = [np.hypot.reduce(c[rows], axis=0) for c in (speed, gain)]
         for values, bound, unit in zip(size, most, _UNITS[column], strict=True):
             if not (values <= bound).all():
                 at = int(np.argmin(values <= bound))
                 word = f"a jump, {values[at]:.4g} {unit} from row to row"
                 raise InputError(
-                    f"{path}:{kept[at + 1] + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most"
+                    f"{path}:{knot_rows[at + 1] + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most"
                 )
     off = posture - np.array([np.interp(time, moment, row) for row in knots])  # of the rows between knots
-    for column, (rows, (fastest, _)) in every.items():
+    for column, (rows, (fastest, _)) in bounds.items():
         far, bound = np.hypot.reduce(off[rows], axis=0), fastest * float(step.max())
         if not (far <= bound).all():
             at, unit = int(np.argmin(far <= bound)), _UNITS[column][0].removesuffix("/s")
             word = f"a jump, {far[at]:.4g} {unit} off the path between its neighbours"
             raise InputError(f"{path}:{at + _ABOVE}: {column}: {word}; expected {bound:.4g} {unit} at most")
     for last, word in ((0, "starts"), (-1, "ends")):
-        for column, (rows, _) in every.items():
+        for column, (rows, _) in bounds.items():
             if along := speed_at_end(moment, knots[rows], last):
                 raise InputError(
-                    f"{path}:{_ABOVE + int(kept[last])}: {column}: the track {word} at {along:.3g} {_UNITS[column][0]};"
-                    " expected rest, as the cycle repeats: add rows of a ramp, or take a longer part"
+                    f"{path}:{_ABOVE + int(knot_rows[last])}: {column}: the track {word} at {along:.3g} "
+                    f"{_UNITS[column][0]}; expected rest, as the cycle repeats: add rows of a ramp, or take a "
+                    "longer part"
                 )
 
 

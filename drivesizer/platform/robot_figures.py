@@ -113,11 +113,12 @@ def result_of(e: MatrixEquation, known: Mapping[str, Any]) -> Array:
         if one_by_one:
             wheels = range(len(known["L"]))
             return np.stack([e(**terms | {n: terms[n][..., i] for n in one_by_one}) for i in wheels])
-        found, wanted = np.asarray(e(**terms)), np.asarray(known.get(e.result.name, np.nan))
-        if np.isnan(wanted).all() or (
-            found.shape == wanted.shape and np.abs(found - wanted).max() <= _NEAR * max(1.0, np.abs(wanted).max())
+        result, expected = np.asarray(e(**terms)), np.asarray(known.get(e.result.name, np.nan))
+        if np.isnan(expected).all() or (
+            result.shape == expected.shape
+            and np.abs(result - expected).max() <= _NEAR * max(1.0, np.abs(expected).max())
         ):
-            return found
+            return result
     raise InputError(
         f"equation ({e.number}) is written for four driven wheels as in the paper's Table 1, with the centre of mass "
         "in the reference point; this platform is another, expected e.g. 32, 49, 50 or 58"
@@ -168,26 +169,26 @@ def _numbers(
 
 def numbers_of(e: MatrixEquation, known: Mapping[str, Any]) -> list[Numbers]:
     """Result of an equation for a robot, then its terms."""
-    found = [labelled(e.result, result_of(e, known), wheels_first=any(t.name in OF_A_WHEEL for t in e.terms))]
+    numbers = [labelled(e.result, result_of(e, known), wheels_first=any(t.name in OF_A_WHEEL for t in e.terms))]
     for t in e.terms:
         one_by_one = t.name in OF_A_WHEEL
         value = np.moveaxis(known[t.name], -1, 0) if one_by_one else known[t.name]
-        found.append(labelled(t, value, wheels_first=one_by_one))
-    return [found[0]._replace(symbol=e.symbol), *found[1:]]
+        numbers.append(labelled(t, value, wheels_first=one_by_one))
+    return [numbers[0]._replace(symbol=e.symbol), *numbers[1:]]
 
 
 def matrices(d: Dynamics) -> list[Numbers]:
     """The matrices of a robot with the equations that they are results of; those of Coriolis at 1 rad/s."""
     known = figures(d, Instant(np.zeros(3), np.array([0.0, 0.0, 1.0]), np.zeros(3)))
-    found, every = [], [PLATFORM[number] for number in sorted(PLATFORM)]
+    rows, laws = [], [PLATFORM[number] for number in sorted(PLATFORM)]
     for name in _MATRICES:
-        results = [e for e in every if e.result.name == name and _holds(e, known)]
-        users = [e for e in every if any(t.name == name for t in e.terms)]
+        results = [e for e in laws if e.result.name == name and _holds(e, known)]
+        users = [e for e in laws if any(t.name == name for t in e.terms)]
         term = next(t for t in (*(e.result for e in results), *users[0].terms) if t.name == name)
         title = results[0].title if results else term.meaning
         numbers = [e.number for e in results or users[:1]]
-        found.append(labelled(term._replace(meaning=title), known[name], equations=numbers))
-    return found
+        rows.append(labelled(term._replace(meaning=title), known[name], equations=numbers))
+    return rows
 
 
 def _holds(e: MatrixEquation, known: Mapping[str, Any]) -> bool:
@@ -305,15 +306,15 @@ def _value(expression: str, *, anew: bool = False) -> Any:
     return own_value(expression, _FUNCTIONS | figures)
 
 
-def _where(one: Any, other: Any) -> str | None:
+def _where(result: Any, other: Any) -> str | None:
     """The first entry in which two results differ by more than rounding."""
-    one, other = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
-    off = ~(np.abs(one - other) <= _NEAR * max(1e-3, float(np.abs(other).max())))  # written so that NaN fails too
+    result, other = np.asarray(result, dtype=float), np.asarray(other, dtype=float)
+    off = ~(np.abs(result - other) <= _NEAR * max(1e-3, float(np.abs(other).max())))  # written so that NaN fails too
     if not off.any():
         return None
     place = tuple(int(k) for k in np.argwhere(off)[0])
     entry = f"entry {', '.join(str(k + 1) for k in place)}" if place else "it"
-    return f"{entry} is {one[place]:.4g}, not {other[place]:.4g}"
+    return f"{entry} is {result[place]:.4g}, not {other[place]:.4g}"
 
 
 @cache
@@ -326,12 +327,12 @@ def finding(declared: MatrixEquation) -> Finding:
     Finding(units=None, values=None)
     """
     try:
-        plain, again = _value(declared.printed), _value(declared.printed, anew=True)
+        plain, rescaled = _value(declared.printed), _value(declared.printed, anew=True)
     except np.linalg.LinAlgError:
         rows, columns = np.shape(sample()["E"].T)
         no_inverse = replace(declared, printed=declared.printed.replace("inv(", "pinv("))  # has the same units
         return Finding(finding(no_inverse).units, f"Eᵀ is {rows} × {columns}, and only a square matrix has an inverse")
-    units = _where(again / _factors(declared.result.unit), plain)
+    units = _where(rescaled / _factors(declared.result.unit), plain)
     return Finding(f"in other base units {units}" if units else None, _where(plain, _value(declared.computed)))
 
 
@@ -349,12 +350,12 @@ def rows(declared: MatrixEquation) -> list[tuple[str, str]]:
     def meaning(term: Term) -> str:
         return f"{term.meaning} [{term.unit.replace('*', '·').replace('^2', '²')}]"
 
-    found, left = finding(declared), declared.symbol
+    faults, left = finding(declared), declared.symbol
     note = [("note", declared.note)] if declared.note else []
     return [
         ("as printed", f"{declared.printed_symbol or left} = {equations.text(declared.printed)}"),
-        ("unit check", f"fails: {found.units}" if found.units else "passes"),
-        ("value check", f"fails: {found.values}" if found.values else "passes"),
+        ("unit check", f"fails: {faults.units}" if faults.units else "passes"),
+        ("value check", f"fails: {faults.values}" if faults.values else "passes"),
         ("as computed", f"{left} = {equations.text(declared.computed)}"),
         *note, ("result", meaning(declared.result)),
         *((symbol(t.name), meaning(t)) for t in declared.terms), ("source", SOURCE),

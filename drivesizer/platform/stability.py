@@ -73,12 +73,12 @@ def _hull(contacts: tuple[tuple[float, float], ...]) -> tuple[int, ...]:
 
 def _chain(places: list[tuple[int, int]], order: list[int]) -> list[int]:
     """One half of the hull (Andrew's monotone chain), on a grid, where no turn is lost to rounding."""
-    found: list[int] = []
+    hull: list[int] = []
     for i in order:
-        while len(found) > 1 and _turn(places[found[-2]], places[found[-1]], places[i]) <= 0:
-            found.pop()
-        found.append(i)
-    return found
+        while len(hull) > 1 and _turn(places[hull[-2]], places[hull[-1]], places[i]) <= 0:
+            hull.pop()
+        hull.append(i)
+    return hull
 
 
 def _turn(a: tuple[int, int], b: tuple[int, int], c: tuple[int, int]) -> int:
@@ -98,8 +98,8 @@ def _outward(platform: Platform) -> tuple[tuple[int, ...], Array, Array]:
 def edge_distances(platform: Platform, point: Any) -> Array:
     """Distances of a point inside each edge of the support polygon [m]; shape (edges, ...), below 0 outside."""
     _, normal, out = _outward(platform)
-    found = np.asarray(point, dtype=float)
-    return np.asarray(out.reshape(-1, *[1] * (found.ndim - 1)) - np.tensordot(normal, found, axes=1))
+    place = np.asarray(point, dtype=float)
+    return np.asarray(out.reshape(-1, *[1] * (place.ndim - 1)) - np.tensordot(normal, place, axes=1))
 
 
 def tipping_edges(platform: Platform) -> tuple[TippingEdge, ...]:
@@ -107,13 +107,13 @@ def tipping_edges(platform: Platform) -> tuple[TippingEdge, ...]:
     hull, normal, _ = _outward(platform)
     distance = edge_distances(platform, (platform.x, platform.y))
     edges = zip(hull, (*hull[1:], hull[0]), distance, normal, strict=True)
-    found = [
+    tipping = [
         TippingEdge(
             (i + 1, j + 1), float(d), math.atan2(float(d), platform.height), math.atan2(float(n[1]), float(n[0]))
         )
         for i, j, d, n in edges
     ]
-    return tuple(sorted(found, key=lambda e: e.distance))
+    return tuple(sorted(tipping, key=lambda e: e.distance))
 
 
 # --- the largest that it stands ---------------------------------------------------------------------------------------
@@ -191,10 +191,10 @@ def used_footing(
 ) -> float:
     """Share of what keeps a platform on its wheels that several accelerations take together; above 1 it does not."""
     at_rest, change = (_tipping if tips else _lifting)(platform, gravity)
-    taken = sum((size * _falls(change, direction) for size, direction in together), 0.0 * at_rest)
+    fall = sum((size * _falls(change, direction) for size, direction in together), 0.0 * at_rest)
     if not carrying(at_rest).all():
         return math.inf
-    return max(float((taken / at_rest).max()), 0.0)
+    return max(float((fall / at_rest).max()), 0.0)
 
 
 def _falls(change: Array, direction: float | None) -> Array:
@@ -265,13 +265,13 @@ def least_margin(platform: Platform, trajectory: Trajectory, ground: Ground = LE
     return _worst(edge_distances(platform, point), at_rest, fine, support_polygon(platform))
 
 
-def _worst(found: Array, at_rest: Array | None, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
+def _worst(figures: Array, at_rest: Array | None, trajectory: Trajectory, contacts: tuple[int, ...]) -> Moment:
     """The least of figures over (row, piece, end), or of them as shares of those at rest."""
     if at_rest is not None:
         carries = carrying(at_rest)[:, None, None]
-        found = np.where(carries, found / np.where(carries, at_rest[:, None, None], 1.0), -math.inf)
-    row, piece, side = (int(i) for i in np.unravel_index(found.argmin(), found.shape))
-    return Moment(float(found[row, piece, side]), float(trajectory.time[piece, side]), contacts[row] + 1)
+        figures = np.where(carries, figures / np.where(carries, at_rest[:, None, None], 1.0), -math.inf)
+    row, piece, side = (int(i) for i in np.unravel_index(figures.argmin(), figures.shape))
+    return Moment(float(figures[row, piece, side]), float(trajectory.time[piece, side]), contacts[row] + 1)
 
 
 # -- Force that the floor must transmit at each wheel, and its limit.
@@ -308,14 +308,14 @@ def floor_forces(d: Dynamics, m: Moving) -> Array:
     net -= dynamics.own_rolling(d, carried) * dynamics.signs(k.E, m.towards, k.reach)
     across = (slice(None),) + (None,) * (net.ndim - 1)
     cos = np.array([math.cos(w.roller_angle) for w in wheels])
-    found = np.stack([net / (np.array([w.radius for w in wheels]) * cos)[across], np.zeros_like(net)])
+    forces = np.stack([net / (np.array([w.radius for w in wheels]) * cos)[across], np.zeros_like(net)])
     if len(k.held):
         sideways = [i for i, w in enumerate(wheels) if w.held]
         blocked = [i for i, w in enumerate(wheels) if w.drive == "blocked"]
         holding = map_columns(np.asarray(np.linalg.pinv(k.held.T)), rest)
-        found[1, sideways] = holding[: len(sideways)]
-        found[0, blocked] = holding[len(sideways) :][: len(blocked)] / cos[blocked][across]
-    return found
+        forces[1, sideways] = holding[: len(sideways)]
+        forces[0, blocked] = holding[len(sideways) :][: len(blocked)] / cos[blocked][across]
+    return forces
 
 
 def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) -> Moment:
@@ -326,9 +326,9 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
     carried = contact_loads(d.platform, m.facing, ground, centre_acceleration(d.platform, m), samples=force.shape[1:])
     load, pulls = carried[: len(force)], force > _NOTHING * d.platform.mass * ground.gravity
     needed = np.where(load > 0.0, force / np.where(load > 0.0, load, 1.0), math.inf)  # none carried: no friction does
-    found = np.where(pulls, needed, 0.0)
-    wheel, piece, side = (int(i) for i in np.unravel_index(found.argmax(), found.shape))
-    return Moment(float(found[wheel, piece, side]), float(fine.time[piece, side]), wheel + 1)
+    friction = np.where(pulls, needed, 0.0)
+    wheel, piece, side = (int(i) for i in np.unravel_index(friction.argmax(), friction.shape))
+    return Moment(float(friction[wheel, piece, side]), float(fine.time[piece, side]), wheel + 1)
 
 
 # --- the largest that the floor transmits -----------------------------------------------------------------------------
@@ -336,8 +336,10 @@ def worst_friction(d: Dynamics, trajectory: Trajectory, ground: Ground = LEVEL) 
 
 def translations(d: Dynamics) -> Array:
     """Angles in which a platform can move without turning [rad]: all around in steps of 1°, or to and fro."""
-    held = d.kinematics.held[:, :2]
-    values, vectors = np.linalg.svd(held, full_matrices=True)[1:] if len(held) else (np.zeros(0), np.eye(2))
+    constraints = d.kinematics.held[:, :2]
+    values, vectors = (
+        np.linalg.svd(constraints, full_matrices=True)[1:] if len(constraints) else (np.zeros(0), np.eye(2))
+    )
     left = vectors[int((values > 1e-6).sum()) :]
     if len(left) == 2:
         return np.asarray(np.arange(_DIRECTIONS) * (2.0 * math.pi / _DIRECTIONS))
@@ -466,16 +468,16 @@ def wheel_cycles(
     duration, columns = np.concatenate(durations), np.concatenate(parts, axis=2)
     for column in columns[:2]:  # torque and speed without what rounding leaves where there is nothing
         column[np.abs(column) <= _ROUNDING * np.abs(column).max(initial=0.0)] = 0.0
-    inertia, time, made = effective_inertia(d), end_times(duration).reshape(-1), []
+    inertia, time, cycles = effective_inertia(d), end_times(duration).reshape(-1), []
     for i, place in enumerate(k.driven):
         torque, speed, gain, carried, force = columns[:, i]
         with np.errstate(divide="ignore", invalid="ignore"):
             worst = int(np.nan_to_num(force / carried, nan=0.0, posinf=np.inf).argmax())
-        held = math.nan if friction is None else friction * float(carried.reshape(-1)[worst])
-        grip = OwnLimit("traction", float(force.reshape(-1)[worst]), held, float(time[worst]))
+        friction_limit = math.nan if friction is None else friction * float(carried.reshape(-1)[worst])
+        grip = OwnLimit("traction", float(force.reshape(-1)[worst]), friction_limit, float(time[worst]))
         radius, name = k.wheels[place].radius, f"wheel {place + 1}"
-        made.append(LoadCycle(name, duration, speed, gain, torque, float(inertia[i]), (grip,), radius).split())
-    return tuple(made)
+        cycles.append(LoadCycle(name, duration, speed, gain, torque, float(inertia[i]), (grip,), radius).split())
+    return tuple(cycles)
 
 
 def effective_inertia(d: Dynamics) -> Array:

@@ -201,16 +201,16 @@ def spline(time: Array, posture: Array, smoothing: float = 0.0) -> Trajectory:
     array([0.4, 1.3])
     """
     same = (np.diff(posture, axis=1) == 0.0).all(axis=0)
-    beside = np.concatenate([[False], same, [False]])
-    resting = same & (beside[:-2] | beside[2:])
+    padded = np.concatenate([[False], same, [False]])
+    resting = same & (padded[:-2] | padded[2:])
     x, y, turn = np.diff(posture, axis=1) / np.diff(time)
     top = np.array([np.hypot(x, y).max(), np.abs(turn).max()])  # m/s, rad/s
-    made = []
+    pieces = []
     for first, last in pairwise(edges_of(resting)):
         t, p = time[first : last + 1], posture[:, first : last + 1]
         still = rest(p[:, 0], float(t[-1] - t[0])) if resting[first] else None
-        made.append(still or _moving(t, p, top, smoothing))
-    return joined(made)
+        pieces.append(still or _moving(t, p, top, smoothing))
+    return joined(pieces)
 
 
 def edges_of(resting: NDArray[np.bool_]) -> list[int]:
@@ -249,8 +249,8 @@ def curve_at_rest(time: Array, posture: Array, smoothing: float) -> Callable[[Ar
         still = np.zeros(len(posture))
         through = CubicSpline(time, posture, axis=1, bc_type=((1, still), (1, still)))
         return lambda at, order: np.asarray(through(at, order))
-    held = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
-    near = BSpline(held, _coefficients(time, posture, held), 3)
+    knot_vector = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
+    near = BSpline(knot_vector, _coefficients(time, posture, knot_vector), 3)
     return lambda at, order: np.asarray(near(at, order)).T
 
 
@@ -269,20 +269,20 @@ def thinned(time: Array, smoothing: float) -> NDArray[np.int64]:
     return np.append(first[apart & before_end], len(time) - 1)
 
 
-def _coefficients(time: Array, posture: Array, held: Array) -> Array:
+def _coefficients(time: Array, posture: Array, knot_vector: Array) -> Array:
     """Of the B-spline that fits best and is at rest at both ends, where its last two coefficients are the same."""
     from scipy.interpolate import BSpline
     from scipy.sparse.linalg import spsolve
 
-    found = np.empty((len(held) - 4, len(posture)))
-    found[:2], found[-2:] = posture[:, 0], posture[:, -1]
-    if len(found) > 4:
-        basis = BSpline.design_matrix(time, held, 3)
+    coefficients = np.empty((len(knot_vector) - 4, len(posture)))
+    coefficients[:2], coefficients[-2:] = posture[:, 0], posture[:, -1]
+    if len(coefficients) > 4:
+        basis = BSpline.design_matrix(time, knot_vector, 3)
         ends, inner = basis[:, [0, 1, -2, -1]], basis[:, 2:-2]
-        left = posture.T - ends @ found[[0, 1, -2, -1]]
+        left = posture.T - ends @ coefficients[[0, 1, -2, -1]]
         best: Any = spsolve((inner.T @ inner).tocsc(), inner.T @ left)
-        found[2:-2] = np.reshape(best, (-1, len(posture)))
-    return found
+        coefficients[2:-2] = np.reshape(best, (-1, len(posture)))
+    return coefficients
 
 
 # -- A trajectory between the ends of its pieces: cubics through both ends, with the velocities there.

@@ -70,7 +70,7 @@ def prepared(
     spec: RobotSpec, drive_set: DriveParts, profile: Profile, controller: Gains | Cascade | None = None
 ) -> Prepared:
     """A drive and its task as the engine takes them; an unknown limit is none there, and unknown in its check."""
-    train, controller, said = designed(spec, drive_set, controller)
+    train, controller, assumptions = designed(spec, drive_set, controller)
     within_reach(train, profile)
     _sampled(controller.velocity_period, profile)
     feed, figures = spec.feed_of(drive_set.controller, drive_set.brake), drive_set.controller or Controller()
@@ -115,7 +115,7 @@ def prepared(
     )
     return Prepared(
         spec=spec, drive_set=drive_set, profile=profile, train=train, controller=controller, usable_voltage=usable,
-        drive=drive, task=task, assumptions=(*said, *lacks),
+        drive=drive, task=task, assumptions=(*assumptions, *lacks),
     )  # fmt: skip
 
 
@@ -145,9 +145,9 @@ def motor_heat(spec: RobotSpec, drive_set: DriveParts) -> tuple[MotorHeat | None
         coulomb += float(loss_at_flange(spec, cycle, one_row(gearhead))[0]) / gearhead.ratio
     lacks = math.isnan(coulomb) or math.isnan(viscous)
     of_torque, of_speed = (0.0 if math.isnan(loss) else loss for loss in (coulomb, viscous))
-    found = MotorHeat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=of_torque, loss_viscous=of_speed)
+    heat = MotorHeat(bodies=bodies, ambient=spec.environment.ambient, loss_torque=of_torque, loss_viscous=of_speed)
     left_out = "the motor's losses other than copper loss are unknown and left out of its heating"
-    return found, [left_out] * lacks
+    return heat, [left_out] * lacks
 
 
 # -- The simulation from cold, without limits, and in the periodic steady state.
@@ -189,21 +189,21 @@ class ClosedLoop(Prepared):
 
 def _largest(runs: Sequence[Simulation], name: str) -> float:
     peak = name.removesuffix("_time")
-    return float(max(runs, key=lambda one: one.figures[peak][0]).figures[name][0])
+    return float(max(runs, key=lambda out: out.figures[peak][0]).figures[name][0])
 
 
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     """Design a controller for a drive, analyse its loops and simulate it along a profile for the mission's duration."""
-    made = prepared(spec, drive_set, profile)
-    drive, task, slow = made.drive, made.task, None
-    loops = analyse(made.train, made.controller)
+    setup = prepared(spec, drive_set, profile)
+    drive, task, slow = setup.drive, setup.task, None
+    loops = analyse(setup.train, setup.controller)
     out = simulate(drive, task, rows=_ROWS, most_steps=LONGEST)
     if "steps" in out.problems[0] and (slow := slower(drive)):
-        rates = [show(1.0 / one.controller.current_period, "Hz", "frequency", 3) for one in (drive, slow)]  # type: ignore[union-attr]
+        rates = [show(1.0 / machine.controller.current_period, "Hz", "frequency", 3) for machine in (drive, slow)]  # type: ignore[union-attr]
         drive, out = slow, simulate(slow, task, rows=_ROWS, most_steps=LONGEST)
-        said = (f"the motion is too long for the current loop's {rates[0]}: it is simulated at the velocity loop's "
+        note = (f"the motion is too long for the current loop's {rates[0]}: it is simulated at the velocity loop's "
                 f"{rates[1]}, and checks of the largest values allow for what lies between its samples")  # fmt: skip
-        made = replace(made, assumptions=(*made.assumptions, said))
+        setup = replace(setup, assumptions=(*setup.assumptions, note))
     if out.problems[0]:
         cure = _SHORTER if "steps" in out.problems[0] else "expected other gains"
         raise InputError(f"profile {profile.name}: {out.problems[0]}; {cure}")
@@ -215,7 +215,7 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile) -> ClosedLoop:
     if last is not None and last is not out and not last.problems[0]:  # else it is the first one
         steady = last, *without_limits([(start, cycle)], [last], loops)
     begins = (start.heat.winding, start.heat.housing) if steady and start.heat else None
-    return ClosedLoop(**vars(made), loops=loops, out=out, unlimited=free, periodic=periodic, steady_cycle=steady,
+    return ClosedLoop(**vars(setup), loops=loops, out=out, unlimited=free, periodic=periodic, steady_cycle=steady,
                       steady_start=begins, slow=slow is not None)  # fmt: skip
 
 
@@ -241,30 +241,32 @@ def slower(drive: Drive) -> Drive | None:
     return replace(drive, controller=replace(c, current_kp=kp, current_ki=ki, current_period=h), prompt=True)
 
 
-def simulated(made: Sequence[tuple[Drive, Task]]) -> list[Simulation]:
+def simulated(jobs: Sequence[tuple[Drive, Task]]) -> list[Simulation]:
     """Each drive on its task, without time series; those with the same task side by side."""
-    found: dict[int, Simulation] = {}
-    for n, (_, task) in enumerate(made):
-        if n not in found:
-            places = [k for k, (_, other) in enumerate(made) if other == task]
-            together = simulate([made[k][0] for k in places], task, rows=0, most_steps=LONGEST)
+    simulations: dict[int, Simulation] = {}
+    for n, (_, task) in enumerate(jobs):
+        if n not in simulations:
+            places = [k for k, (_, other) in enumerate(jobs) if other == task]
+            together = simulate([jobs[k][0] for k in places], task, rows=0, most_steps=LONGEST)
             for place, k in enumerate(places):
                 figures = {name: column[place : place + 1] for name, column in together.figures.items()}
-                found[k] = Simulation(figures=figures, problems=(together.problems[place],), series=None)
-    return [found[n] for n in range(len(made))]
+                simulations[k] = Simulation(figures=figures, problems=(together.problems[place],), series=None)
+    return [simulations[n] for n in range(len(jobs))]
 
 
-def without_limits(made: Sequence[tuple[Drive, Task]], found: Sequence[Simulation], loops: Loops) -> list[Simulation]:
+def without_limits(
+    jobs: Sequence[tuple[Drive, Task]], simulations: Sequence[Simulation], loops: Loops
+) -> list[Simulation]:
     """Drives that met a limit of voltage or current without any, the winding warming; as they are where that fails."""
-    stable, free = all(loop.stable for loop in loops.all), [*found]
-    met = [out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0] for out in found]
-    places = [n for n, out in enumerate(found) if stable and met[n] and not out.problems[0]]
+    stable, free = all(loop.stable for loop in loops.all), [*simulations]
+    met = [out.figures["time_at_voltage_limit"][0] + out.figures["time_at_current_limit"][0] for out in simulations]
+    places = [n for n, out in enumerate(simulations) if stable and met[n] and not out.problems[0]]
     unlimited = [
         (replace(drive, supply=replace(drive.supply, voltage=math.inf, resistance=0.0), current=CurrentLimit()), task)
-        for drive, task in (made[n] for n in places)
+        for drive, task in (jobs[n] for n in places)
     ]
     for n, out in zip(places, simulated(unlimited), strict=True):
-        free[n] = found[n] if out.problems[0] else out
+        free[n] = simulations[n] if out.problems[0] else out
     return free
 
 
@@ -288,8 +290,8 @@ def _periodic(
         return {}, drive, None
 
     def after(begin: Any) -> tuple[Simulation, Any]:
-        found = simulate(as_warm(drive, begin), task, rows=0, most_steps=LONGEST)
-        return found, np.array([found.figures["winding"][0], found.figures["housing"][0]])
+        simulation = simulate(as_warm(drive, begin), task, rows=0, most_steps=LONGEST)
+        return simulation, np.array([simulation.figures["winding"][0], simulation.figures["housing"][0]])
 
     start = np.array([drive.heat.ambient, drive.heat.ambient])
     last, end = after(start) if out is None else (out, np.array([out.figures[n][0] for n in ("winding", "housing")]))
@@ -332,21 +334,21 @@ _MOST, _MOST_VALUES = 100_000, 5_000_000  # samples of the velocity loop, and va
 def linear_run(case: ClosedLoop) -> LinearRun:
     """Simulate the linear loop along the profile of a simulation, and put the figures of both beside each other."""
     series: dict[str, Array] = {}
-    said = [
+    left_out = [
         "without limits of voltage and current, the winding at 25 °C",
         "dry friction and the gears' losses act by the reference's direction; the load's inertia is that of driving",
     ]
     if case.controller.counted_over:
-        said.append("a counted speed is the mean over its periods, without the steps of whole counts")
+        left_out.append("a counted speed is the mean over its periods, without the steps of whole counts")
     if case.train.gap:
-        said.append("no backlash")
+        left_out.append("no backlash")
     if all(loop.stable for loop in case.loops.all):
         courses, shortened = _courses(case)
         series = _joined([_linear_response(case, course) for course in courses])
-        said += shortened
+        left_out += shortened
     else:
-        said.append("an unstable loop has no response")
-    return LinearRun(train=case.train, figures=_engine_figures(case, series), series=series, left_out=tuple(said))
+        left_out.append("an unstable loop has no response")
+    return LinearRun(train=case.train, figures=_engine_figures(case, series), series=series, left_out=tuple(left_out))
 
 
 # --- the course: reference and load torque at the samples
@@ -377,43 +379,43 @@ def _courses(case: ClosedLoop) -> tuple[list[_Course], list[str]]:
     steady = (np.diff(speed) == 0.0) & (np.diff(more) == 0.0)
     spare = np.where(steady, np.floor((np.diff(corners) - settling) / slow).clip(0.0) * slow, 0.0)
     gone = np.concatenate([[0.0], np.cumsum(spare)])  # s left out until a corner
-    kept = corners - gone
+    moments = corners - gone
     most = min(_MOST, _MOST_VALUES // (len(OUTPUTS) * c.current_steps))
-    count = max(math.ceil((kept[-1] - kept[0]) / slow - 1e-9), 1) * round(slow / h)
+    count = max(math.ceil((moments[-1] - moments[0]) / slow - 1e-9), 1) * round(slow / h)
     stretches = [(0, count)]
     if count > most:
         peaks = [case.figure(f"{own}_time") for _, own in _PEAKS.values()]
-        places = [(peak - np.interp(peak, corners, gone) - kept[0]) / slow for peak in peaks]
+        places = [(peak - np.interp(peak, corners, gone) - moments[0]) / slow for peak in peaks]
         stretches = _stretches_around(places, count, most // len(peaks), round(slow / h))
 
     def course(first: int, end: int) -> _Course:
-        t = kept[0] + h * np.arange(first, end + 1)
-        w = np.interp(t, kept, speed) * case.train.ratio
+        t = moments[0] + h * np.arange(first, end + 1)
+        w = np.interp(t, moments, speed) * case.train.ratio
         middle = t[:-1] + 0.5 * h
         slope = np.diff(w) / h
-        load = _load_torque(case, 0.5 * (w[1:] + w[:-1]), slope, np.interp(middle, kept, more))
-        before = _load_torque(case, w[:1], np.zeros(1), np.interp(t[:1], kept, more))[0]
-        at = np.searchsorted(kept, t, side="right").clip(1, len(kept)) - 1
+        load = _load_torque(case, 0.5 * (w[1:] + w[:-1]), slope, np.interp(middle, moments, more))
+        before = _load_torque(case, w[:1], np.zeros(1), np.interp(t[:1], moments, more))[0]
+        at = np.searchsorted(moments, t, side="right").clip(1, len(moments)) - 1
         return _Course(t + gone[at], w, slope, load, before)
 
     lasts, simulated = corners[-1] - corners[0], h * sum(end - first for first, end in stretches)
-    said = []
+    left_out = []
     if simulated <= 0.999 * lasts:
         of = "of a constant stretch as much as it takes to settle"
         if count > most:
             of = "those around the engine's largest current, speed error and voltage, each from equilibrium"
-        said = [f"{simulated:.4g} s of {lasts:.6g} s are simulated: {of}"]
-    return [course(*stretch) for stretch in stretches], said
+        left_out = [f"{simulated:.4g} s of {lasts:.6g} s are simulated: {of}"]
+    return [course(*stretch) for stretch in stretches], left_out
 
 
 def _stretches_around(places: list[float], count: int, most: int, step: int) -> list[tuple[int, int]]:
     """Stretches of so many samples at most around places in steps, without overlap; each of whole steps."""
-    length, found = max(most // step, 1), list[tuple[int, int]]()
+    length, stretches = max(most // step, 1), list[tuple[int, int]]()
     for place in sorted(places):
         first = round(max(min(place - length / 2, count // step - length), 0.0))
-        begin = found.pop()[0] if found and first <= found[-1][1] else first
-        found.append((begin, first + length))
-    return [(first * step, end * step) for first, end in found]
+        begin = stretches.pop()[0] if stretches and first <= stretches[-1][1] else first
+        stretches.append((begin, first + length))
+    return [(first * step, end * step) for first, end in stretches]
 
 
 def _load_torque(case: ClosedLoop, speed: Array, slope: Array, more: Array) -> Array:
@@ -455,10 +457,10 @@ def _linear_response(case: ClosedLoop, course: _Course) -> dict[str, Array]:
     first[1 if steps == 0 else 2 :: 3] = _feedforward(c, speed[:1], np.zeros(1))[0]
     begins = np.linalg.solve(still, loop.B @ first - moves)
     # one sample more: python-control wants two at least
-    found = control.forced_response(
+    outputs = control.forced_response(
         loop, period * np.arange(inputs.shape[1] + 1), np.hstack([inputs, inputs[:, -1:]]), begins, squeeze=False
     ).outputs[:, :-1]
-    columns = _over_time(found, c, steps)
+    columns = _over_time(outputs, c, steps)
     n, fine = c.current_steps, case.controller.velocity_period / c.current_steps
     time = (course.time[:-1, None] + fine * np.arange(n)).ravel()
     share = np.arange(n) / n
@@ -483,10 +485,7 @@ def _joined(runs: list[dict[str, Array]]) -> dict[str, Array]:
 
 def _feedforward(c: Gains | Cascade, speed: Array, slope: Array) -> Array:
     """Feed-forward: what a controller adds to its demand by the reference, current [A] or voltage [V]."""
-    found: Array = (
-        c.feedforward_velocity * speed + c.feedforward_friction * np.sign(speed) + c.feedforward_acceleration * slope
-    )
-    return found
+    return c.feedforward_velocity * speed + c.feedforward_friction * np.sign(speed) + c.feedforward_acceleration * slope
 
 
 def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Array]:
@@ -494,15 +493,15 @@ def _over_time(outputs: Array, c: Gains | Cascade, steps: int) -> dict[str, Arra
     names = OUTPUTS[:-1] if isinstance(c, Gains) else OUTPUTS
     rows = outputs[:-1].reshape(max(steps, 1), -1, outputs.shape[1])
     rows = rows[:, :-1] if steps else rows  # the counted speed of each period of the velocity loop
-    each = rows.reshape(max(steps, 1), c.current_steps, len(names), -1)
-    return {name: each[:, :, k].transpose(2, 0, 1).ravel() for k, name in enumerate(names)}
+    by_step = rows.reshape(max(steps, 1), c.current_steps, len(names), -1)
+    return {name: by_step[:, :, k].transpose(2, 0, 1).ravel() for k, name in enumerate(names)}
 
 
 # --- beside the engine
 
 
 def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearFigure, ...]:
-    rotary, found = case.spec.load.shaft_axis == "rotary", list[LinearFigure]()
+    rotary, rows = case.spec.load.shaft_axis == "rotary", list[LinearFigure]()
     for name, (column, figure_of_engine) in _PEAKS.items():
         value, at = math.nan, None
         if series:
@@ -511,5 +510,5 @@ def _engine_figures(case: ClosedLoop, series: dict[str, Array]) -> tuple[LinearF
             value, at = float(size[peak]), float(series["time"][peak])
         own = case.figure(figure_of_engine) * (case.train.radius if column == "error" else 1.0)
         ends = (value, at), (own, case.figure(f"{figure_of_engine}_time"))
-        found.append(LinearFigure(*(figure(name, *one, rotary=rotary) for one in ends)))
-    return *found, *(LinearFigure(figure(name, getattr(case.loops.velocity, name))) for name in LOOP_FIGURES)
+        rows.append(LinearFigure(*(figure(name, *end, rotary=rotary) for end in ends)))
+    return *rows, *(LinearFigure(figure(name, getattr(case.loops.velocity, name))) for name in LOOP_FIGURES)

@@ -56,7 +56,7 @@ def figures(case: ClosedLoop) -> tuple[Figure, ...]:
         quantum = speed_quantum(encoder.lines, counted.velocity_period, max(counted.counted_over, 1))
     feed = case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
     standby = float(feed.stage.standby)
-    found: dict[str, tuple[float, float | None]] = {
+    values: dict[str, tuple[float, float | None]] = {
         "tracking_error_peak": (peak, when),
         "tracking_error_peak_share": (peak / top, when),
         "tracking_error_rms": (mean, None),
@@ -84,23 +84,23 @@ def figures(case: ClosedLoop) -> tuple[Figure, ...]:
     }
     needs = dict.fromkeys(("tracking_error_peak_share", "tracking_error_rms_share"), case.profile.top_speed) | {
         "current_bandwidth": loops.current, "winding_end": case.periodic, "mission": case.task.cycles > 1,
-        **dict.fromkeys([*(name for name in found if name.startswith("motor_")), "resonance"], case.train.flexible),
+        **dict.fromkeys([*(name for name in values if name.startswith("motor_")), "resonance"], case.train.flexible),
     }  # fmt: skip
     rotary = case.spec.load.shaft_axis == "rotary"
-    return tuple(figure(name, *found[name], rotary=rotary) for name in found if needs.get(name, True))
+    return tuple(figure(name, *values[name], rotary=rotary) for name in values if needs.get(name, True))
 
 
 def columns(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
     """Recorded rows of the first cycle, seen from the load and from the supply of all drives."""
     rows: Any = case.out.series
     train, feed = case.train, case.spec.feed_of(case.drive_set.controller, case.drive_set.brake)
-    reference, moved = rows["reference"] / train.motor_per_speed, rows["load_speed"] * train.radius
+    reference, speed = rows["reference"] / train.motor_per_speed, rows["load_speed"] * train.radius
     at_stage = rows["voltage"] * rows["current"] + feed.lost(rows["current"]) + feed.stage.standby
-    found = {
+    series = {
         "time": rows["time"],
         "speed_reference": reference,
-        "speed": moved,
-        "error": reference - moved,
+        "speed": speed,
+        "error": reference - speed,
         "motor_error": reference - rows["motor_speed"] / train.motor_per_speed,
         "position_error": rows["load_position_error"] * train.radius,
         "motor_position_error": rows["position_error"] / train.motor_per_speed,
@@ -113,10 +113,10 @@ def columns(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
         "supply_power": of_the_source(at_stage, feed) * case.spec.load.motors,
     }
     if not case.periodic:
-        del found["winding_temperature"]  # it is held at 25 degC
+        del series["winding_temperature"]  # it is held at 25 degC
     if not train.flexible:  # rigid, the motor's errors are the load's
-        del found["motor_error"], found["motor_position_error"]
-    return found
+        del series["motor_error"], series["motor_position_error"]
+    return series
 
 
 # -- Checks of a simulation in closed loop: every demand against its limit, with its worst moment.
@@ -127,9 +127,9 @@ def columns(case: ClosedLoop) -> dict[str, NDArray[np.float64]]:
 
 def checks(case: ClosedLoop) -> tuple[Check, ...]:
     """Every demand of a simulation against its limit; no check where there is no part or no limit."""
-    found = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_traction(case))
-    every = tuple(check for check in found if check.limit != math.inf)
-    return tuple(_allowing(case, check) for check in every) if case.slow else every
+    all_checks = (*_loop(case), *_electrical(case), *_heat(case), *_gearhead(case), *_speed(case), *_traction(case))
+    limited = tuple(check for check in all_checks if check.limit != math.inf)
+    return tuple(_allowing(case, check) for check in limited) if case.slow else limited
 
 
 # share of a largest value that a current loop at the velocity loop's rate may be off: beside whole simulations of
@@ -229,8 +229,8 @@ def _electrical(case: ClosedLoop) -> Iterator[Check]:
     actuator = case.drive_set.actuator
     inside = controller.part == (actuator.part if actuator else None)
 
-    def printed(found: CheckColumn, figure: str) -> CheckColumn:
-        return unless_printed(found, figure, case.drive_set) if inside else found
+    def printed(column: CheckColumn, figure: str) -> CheckColumn:
+        return unless_printed(column, figure, case.drive_set) if inside else column
 
     ideal = "required to follow the profile without limits"
     usable: Any = case.usable_voltage
@@ -289,8 +289,8 @@ def _heat(case: ClosedLoop) -> Iterator[Check]:
 @lru_cache(maxsize=1)  # of samples on one motion it is the same
 def _lasting(profile: Profile) -> tuple[Any, ...]:
     """Mean speed of a profile and the one that it sustains."""
-    moved = course(profile)
-    return tuple(lasting_speeds(moved.duration, moved.speed).values())
+    motion = course(profile)
+    return tuple(lasting_speeds(motion.duration, motion.speed).values())
 
 
 def _gearhead(case: ClosedLoop) -> Iterator[Check]:

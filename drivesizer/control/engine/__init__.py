@@ -76,24 +76,24 @@ FIGURES = {
 def figures_of(runs: Sequence[Run]) -> dict[str, Array]:
     """Figures as columns over drives."""
     g, s, p = (np.array([getattr(run, name) for run in runs]) for name in "gsp")
-    found: dict[str, Array] = {}
+    figures: dict[str, Array] = {}
     for name, place in FIGURES.items():
         n = TALLY.index(place)
-        found[name] = g[:, n].copy()
+        figures[name] = g[:, n].copy()
         if n in PEAKS:
-            found[f"{name}_time"] = g[:, n + 1].copy()
+            figures[f"{name}_time"] = g[:, n + 1].copy()
     warm = np.where(p[:, at.HEAT] != 0.0, p[:, at.AMBIENT], np.nan)
-    found |= {"winding": s[:, at.T_W] + warm, "housing": s[:, at.T_H] + warm}
-    found["winding_highest"] += warm
-    found["housing_highest"] += warm
+    figures |= {"winding": s[:, at.T_W] + warm, "housing": s[:, at.T_H] + warm}
+    figures["winding_highest"] += warm
+    figures["housing_highest"] += warm
     time = np.array([run.time for run in runs])
     with np.errstate(all="ignore"):
-        found |= {
+        figures |= {
             "rms_current": np.sqrt(g[:, at.G_SQUARE] / time),
             "rms_gear_torque_running": np.sqrt(g[:, at.G_G_SQUARE] / g[:, at.G_RUNNING]),
             "i2t_share": g[:, at.G_I2T] / p[:, at.BUDGET],
         }
-    return found | {"copper_heat": s[:, at.Q].copy(), "angle": s[:, at.X].copy(), "load_angle": s[:, at.Y].copy(),
+    return figures | {"copper_heat": s[:, at.Q].copy(), "angle": s[:, at.X].copy(), "load_angle": s[:, at.Y].copy(),
                     "time": time, "time_simulated": np.array([run.simulated for run in runs]),
                     "steps": s[:, at.STEPS].copy()}  # fmt: skip
 
@@ -118,19 +118,19 @@ def simulate(
     drives, loop = [drive] if isinstance(drive, Drive) else drive, machine_code(KERNEL)
     blocks = [drives[n : n + _BLOCK] for n in range(0, len(drives), _BLOCK)]
     series = np.zeros((rows + 2 if rows else 0, len(ROW))), np.zeros(rows + 2, np.int8), np.array([0, 1, rows // 2, 1])
-    found: list[Run] = []
+    all_runs: list[Run] = []
     with ThreadPoolExecutor(threads) as pool:  # which starts a thread with the first task
-        each = pool.map if len(drives) > 1 and threads > 1 else map
+        apply = pool.map if len(drives) > 1 and threads > 1 else map
         for block in blocks:  # made ready by one thread: two would wait for each other's interpreter
             runs = ready(block, task, most_steps)
             series[2][3] = max(series[0].shape[0] // (2 * len(runs[0].pieces)), 1)
-            list(each(lambda part: [all_cycles(loop, one, task.cycles, series) for one in part],
+            list(apply(lambda part: [all_cycles(loop, run, task.cycles, series) for run in part],
                       [runs[n::threads] for n in range(threads)]))  # fmt: skip
-            found += runs
-    kept = {name: series[0][: series[2][0], n] + (task.time[0] if n == 0 else 0.0) for n, name in enumerate(ROW)}
+            all_runs += runs
+    columns = {name: series[0][: series[2][0], n] + (task.time[0] if n == 0 else 0.0) for n, name in enumerate(ROW)}
     return Simulation(
-        figures=figures_of(found), problems=tuple(_PROBLEMS[run.status] for run in found),
-        slopes=tuple(run.slopes for run in found), series=kept if rows else None,
+        figures=figures_of(all_runs), problems=tuple(_PROBLEMS[run.status] for run in all_runs),
+        slopes=tuple(run.slopes for run in all_runs), series=columns if rows else None,
     )  # fmt: skip
 
 
@@ -248,11 +248,11 @@ def _repeats(run: Run, before: Array, turned: float) -> bool:
     share = _PERIODIC_WARM / STILL_WARM if p[at.HEAT] else _PERIODIC / STILL
     demand = p[at.TOL_I] if p[at.CASCADE] else p[at.TOL_U]
 
-    both = np.array([s, before])  # voltages without the copper's drop, which varies with the temperature
-    both[:, voltages(p)] -= (both[:, at.RES] * both[:, at.I])[:, None]
+    states = np.array([s, before])  # voltages without the copper's drop, which varies with the temperature
+    states[:, voltages(p)] -= (states[:, at.RES] * states[:, at.I])[:, None]
     limits = np.array([p[at.TOL_I], p[at.TOL_W], p[at.TOL_F], p[at.TOL_W] / p[at.RATIO], p[at.TOL_U], demand,
                        p[at.TOL_U], p[at.TOL_I], p[at.TOL_I], p[at.TOL_W], p[at.TOL_W]])  # fmt: skip
-    compared = both[:, _COMPARED]
+    compared = states[:, _COMPARED]
     if np.any(np.abs(compared[0] - compared[1]) > share * limits):
         return False
     return not p[at.PKP] or bool(abs(s[at.X] - before[at.X] - turned) <= share * p[at.TOL_X])
@@ -332,15 +332,15 @@ def all_cycles(loop: Any, run: Run, cycles: int, series: tuple[Any, ...]) -> Run
     turned = float(last[5] + (last[3] + 0.5 * last[4] * since) * since - pieces[0, 5])  # rad of the reference
 
     def lap(done: int, many: int) -> Lap:
-        found: Lap | None = None
+        total: Lap | None = None
         for n in range(done, done + many):
             run.s[at.TURN] = n * turned
-            found = joined(found, _cycle(loop, run, unrecorded if n else series), n * length)
+            total = joined(total, _cycle(loop, run, unrecorded if n else series), n * length)
             run.cycles = n + 1
             if run.status:
                 break
-        assert found is not None
-        return found
+        assert total is not None
+        return total
 
     whole = _repeated(run, lap, cycles, turned)
     run.g[:] = whole.g
@@ -356,18 +356,18 @@ def _cycle(loop: Any, run: Run, series: tuple[Any, ...]) -> Lap:
     whole = float(p[at.N_V] * max(p[at.N_P], 1.0))  # periods after which all loops are at the same sample again
     length = int(math.ceil(_LAP / whole) * whole)
     long = (pieces[:, 4] == 0.0) & (pieces[:, 7] == 0.0) & (pieces[:, 1] - pieces[:, 0] >= _LAPS * length)
-    found: Lap | None = None
+    total: Lap | None = None
     for a, b in pairwise(
         sorted({0, len(pieces), *np.flatnonzero(long).tolist(), *(np.flatnonzero(long) + 1).tolist()})
     ):
         part = pieces[a:b]
-        found = joined(
-            found, _stretch(loop, run, part[0], length, series) if long[a] else simulated(loop, run, part, series)
+        total = joined(
+            total, _stretch(loop, run, part[0], length, series) if long[a] else simulated(loop, run, part, series)
         )
         if run.status:
             break
-    assert found is not None
-    return replace(found, count=1)
+    assert total is not None
+    return replace(total, count=1)
 
 
 def _stretch(loop: Any, run: Run, piece: Array, length: int, series: tuple[Any, ...]) -> Lap:
@@ -376,16 +376,16 @@ def _stretch(loop: Any, run: Run, piece: Array, length: int, series: tuple[Any, 
     laps = (end - first) // length
 
     def between(a: int, b: int) -> Lap:
-        some = piece.copy()[None]
-        some[0, 0], some[0, 1], some[0, 8] = a, b, piece[8] * (a == first)
-        return simulated(loop, run, some, series)
+        part = piece.copy()[None]
+        part[0, 0], part[0, 1], part[0, 8] = a, b, piece[8] * (a == first)
+        return simulated(loop, run, part, series)
 
     def lap(done: int, many: int) -> Lap:
         return replace(between(first + done * length, first + (done + many) * length), count=many)
 
-    found = _repeated(run, lap, laps, float(piece[3]) * length * run.p[at.H], run.p[at.H])
+    total = _repeated(run, lap, laps, float(piece[3]) * length * run.p[at.H], run.p[at.H])
     rest = first + laps * length
-    return found if run.status or rest == end else joined(found, between(rest, end))
+    return total if run.status or rest == end else joined(total, between(rest, end))
 
 
 def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, turned: float, period: float = 0.0) -> Lap:
@@ -393,14 +393,14 @@ def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, tur
     total: Lap | None = None
     earlier: list[Lap] = []
     owed: Callable[[Lap | None], Lap] | None = None
-    done, tried = 0, 0
+    done, laps_run = 0, 0
     many = 1
     while done < laps and not run.status:
         before, many = run.s.copy(), min(many, laps - done)
         lap = simulate_laps(done, many)
         if owed:
             total, owed = joined(total, owed(lap)), None
-        total, done, tried = joined(total, lap), done + many, tried + many
+        total, done, laps_run = joined(total, lap), done + many, laps_run + many
         if lap.steps * period < 0.5 * lap.time and period:
             many = laps - done
             continue
@@ -410,7 +410,7 @@ def _repeated(run: Run, simulate_laps: Callable[[int, int], Lap], laps: int, tur
             owed = _added(run, before, lap, times, many * turned)
             done += times * many
         else:
-            many = tried
+            many = laps_run
         earlier.append(lap)
         if owed and not run.p[at.HEAT]:
             total, owed = joined(total, owed(None)), None

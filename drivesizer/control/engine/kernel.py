@@ -116,11 +116,11 @@ def square_of(first: float, last: float, area: float, dt: float) -> float:
 
 def add_energy(p: Array, g: Array, work: float, charge: float, square: float) -> None:
     """Add energy into the power stage, by that of the motor, and charge and square of the current over that time."""
-    taken = work + p[at.LOSS] * abs(charge) + p[at.R_B] * square
-    if taken > 0.0:
-        g[at.G_IN] += taken
+    energy = work + p[at.LOSS] * abs(charge) + p[at.R_B] * square
+    if energy > 0.0:
+        g[at.G_IN] += energy
     else:
-        g[at.G_RETURNED] -= taken
+        g[at.G_RETURNED] -= energy
 
 
 def add_square(p: Array, s: Array, g: Array, square: float, dt: float) -> None:
@@ -160,7 +160,7 @@ def add_error_squares(g: Array, error: float, lag: float, slow: float, behind: f
     g[at.G_E2_Y] += behind * behind * time
 
 
-def keep_row(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) -> None:
+def keep_row(rows: Array, marks: Any, size: Any, always: bool, k: int, row: Any) -> None:
     """Keep a row: all while few, else evenly thinned, those after a corner always.
 
     A row at the time of the last one replaces it: a stretch ends where the next begins.
@@ -170,8 +170,8 @@ def keep_row(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) 
     n = size[0]
     if n > 0 and rows[n - 1, 0] == row[0]:
         n -= 1
-    kept[n] = always and size[2] > 0
-    size[2] -= kept[n]
+    marks[n] = always and size[2] > 0
+    size[2] -= marks[n]
     for c in range(len(row)):
         rows[n, c] = row[c]
     size[0] = n + 1
@@ -179,11 +179,11 @@ def keep_row(rows: Array, kept: Any, size: Any, always: bool, k: int, row: Any) 
         return
     m, odd = 0, False
     for n in range(size[0]):
-        odd = odd if kept[n] != 0 else not odd
-        if kept[n] != 0 or odd:
+        odd = odd if marks[n] != 0 else not odd
+        if marks[n] != 0 or odd:
             for c in range(rows.shape[1]):
                 rows[m, c] = rows[n, c]
-            kept[m] = kept[n]
+            marks[m] = marks[n]
             m += 1
     size[0], size[1] = m, size[1] * 2
 
@@ -593,18 +593,18 @@ def periods_to_carry(p: Array, s: Array, left: int) -> int:
 # -- Simulation of one drive along pieces of its task, period by period.
 
 
-def record_row(p: Array, s: Array, rows: Array, kept: Any, size: Any, reference: Any, k: int, near: bool) -> None:
+def record_row(p: Array, s: Array, rows: Array, marks: Any, size: Any, reference: Any, k: int, near: bool) -> None:
     """Record a row: the reference (time, speed, angle, load, voltage) and the state."""
     t, speed, angle, l, u = reference
     torque = gear_torque(p, int(s[at.CODE]), s[at.I], s[at.W], s[at.F], s[at.V], l)
     winding = s[at.T_W] + p[at.AMBIENT]
     lag, behind = angle - s[at.X], angle / p[at.RATIO] - s[at.Y]
     row = (t, speed, s[at.W], s[at.I], u, torque, s[at.V], lag, behind, s[at.I_DEMAND], winding)
-    keep_row(rows, kept, size, near, k, row)
+    keep_row(rows, marks, size, near, k, row)
 
 
 def control(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, ring: Array, rows: Array,
-           kept: Any, size: Any, piece: Array, k: int, near: bool) -> float:  # fmt: skip
+           marks: Any, size: Any, piece: Array, k: int, near: bool) -> float:  # fmt: skip
     """Run the controller at a sample and record it: the voltage that is held over the period [V]."""
     t, h, since, slope, dl = k * p[at.H], p[at.H], k * p[at.H] - piece[2], piece[4], piece[7]
     speed, l = piece[3] + slope * since, piece[6] + dl * since
@@ -616,7 +616,7 @@ def control(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z
         u = voltage_loop(p, s, g, M, work, stamp, z, ring, l, dl, t, speed, slope, h)
     record_errors(p, s, g, speed, angle, u, t, h)
     if rows.shape[0] > 0:
-        record_row(p, s, rows, kept, size, (t, speed, angle, l, u), k, near)
+        record_row(p, s, rows, marks, size, (t, speed, angle, l, u), k, near)
     return u
 
 
@@ -627,12 +627,12 @@ def lag_at(p: Array, s: Array, piece: Array, k: int) -> float:
 
 
 def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Array, z: Array, mind: Array,
-                 pieces: Array, ring: Array, rows: Array, kept: Any, size: Any) -> int:  # fmt: skip
+                 pieces: Array, ring: Array, rows: Array, marks: Any, size: Any) -> int:  # fmt: skip
     """Simulate a drive along all pieces."""
     h, near = p[at.H], size[3]
     n_v, cycle = int(p[at.N_V]), int(p[at.N_V] * max(p[at.N_P], 1.0))
     pause = n_v * int(max(p[at.EVERY], 1.0))
-    corner, turned, swept, spent, felt, since, u = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    corner, turned, swept, spent, square, since, u = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(pieces.shape[0]):
         piece = pieces[n]
         k, end, constant = int(piece[0]), int(piece[1]), piece[4] == 0.0 and piece[7] == 0.0
@@ -640,20 +640,20 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
         mind[:] = math.nan
         record_gear_torque(p, s, g, int(s[at.CODE]), piece[6] + piece[7] * (k * h - piece[2]), k * h, 0.0)
         while k < end:
-            t, x, w, taken = k * h, s[at.X], s[at.W], g[at.G_IN] - g[at.G_RETURNED]
-            u = control(p, s, g, M, work, stamp, z, ring, rows, kept, size, piece, k, k - corner < near)
+            t, x, w, energy = k * h, s[at.X], s[at.W], g[at.G_IN] - g[at.G_RETURNED]
+            u = control(p, s, g, M, work, stamp, z, ring, rows, marks, size, piece, k, k - corner < near)
             advance(p, s, g, M, work, stamp, z, u, piece[6] + piece[7] * (t - piece[2]), piece[7], t)
-            record_bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - taken) / h, t, h)
+            record_bus(p, g, (g[at.G_IN] - g[at.G_RETURNED] - energy) / h, t, h)
             turned, swept = turned + abs(s[at.X] - x), swept + square_of(w, s[at.W], s[at.X] - x, h)
             spent, k = spent + h, k + 1
             steady = constant and (cycle == 1 or k % cycle == 0) and is_steady(p, s, mind, lag_at(p, s, piece, k))
             if n_v == 1 or k % n_v == 0 or k == end:
-                felt, since = felt + s[at.SQUARE], since + spent
+                square, since = square + s[at.SQUARE], since + spent
                 heat(p, s, g, turned, swept, spent)
                 turned = swept = spent = 0.0
             if k % pause == 0 or k == end or steady:
-                follow(p, s, felt, since)
-                felt = since = 0.0
+                follow(p, s, square, since)
+                square = since = 0.0
             if not abs(s[at.I] + s[at.W] + s[at.V] + s[at.F] + s[at.PEND] + s[at.T_W]) < at.VAST:
                 return at.NOT_FINITE
             if s[at.STEPS] > p[at.MOST]:
@@ -672,7 +672,7 @@ def simulate_one(p: Array, s: Array, g: Array, M: Array, work: Array, stamp: Arr
         t, since = piece[1] * h, piece[1] * h - piece[2]
         angle = piece[5] + (piece[3] + 0.5 * piece[4] * since) * since
         reference = (t, piece[3] + piece[4] * since, angle, piece[6] + piece[7] * since, u)
-        record_row(p, s, rows, kept, size, reference, 0, False)
+        record_row(p, s, rows, marks, size, reference, 0, False)
     return at.GOOD
 
 

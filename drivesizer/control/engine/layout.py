@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 
 def places(names: list[str]) -> Iterable[int]:
     """Numbers of places; not Python integers, for which numba would compile a function once for every number."""
-    found: Any = np.arange(len(names))
-    return found
+    numbers: Any = np.arange(len(names))
+    return numbers
 
 
 def numbered(names: str, before: str = "") -> list[str]:

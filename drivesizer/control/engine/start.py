@@ -109,9 +109,9 @@ def pieces_of(task: Task, p: Array) -> Array:
     if task.cycles > 1:
         whole = p[at.N_V] * max(p[at.N_P], 1.0)  # periods after which all loops are at the same sample again
         tick[-1] = np.ceil(tick[-1] / whole - _WHOLE) * whole
-    kept = np.flatnonzero(tick[1:] > tick[:-1])
-    first, last, start = tick[kept], tick[kept + 1], starts[kept]
-    short = (starts[kept + 1] - start < h) & (last - first == 1.0)
+    places = np.flatnonzero(tick[1:] > tick[:-1])
+    first, last, start = tick[places], tick[places + 1], starts[places]
+    short = (starts[places + 1] - start < h) & (last - first == 1.0)
     corner = np.isin(start, time)
     start = np.where(short, np.maximum(start, first * h), start)
     later = np.where(short, (first + 1.0 - _WHOLE) * h, start)
@@ -272,7 +272,7 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
     """Drives at their start; their matrices are computed together."""
     top = float(np.abs(task.speed).max())
     P = np.array([table(d, top, most) for d in drives], float)
-    found: dict[int, Run] = {}
+    runs: dict[int, Run] = {}
     known: dict[tuple[float, ...], Array] = {}
     for warm in (False, True):
         here = [n for n, p in enumerate(P) if (p[at.HEAT] != 0.0) == warm]
@@ -290,8 +290,8 @@ def ready(drives: Sequence[Drive], task: Task, most: int) -> list[Run]:
             same = tuple(P[n, [at.H, at.RATIO, at.N_V, at.N_P]].tolist())
             if same not in known:
                 known[same] = pieces_of(task, P[n])
-            found[n] = _begun(P[n], M[m], drives[n], known[same])
-    return [found[n] for n in range(len(drives))]
+            runs[n] = _begun(P[n], M[m], drives[n], known[same])
+    return [runs[n] for n in range(len(drives))]
 
 
 def _begun(p: Array, M: Array, drive: Drive, pieces: Array) -> Run:

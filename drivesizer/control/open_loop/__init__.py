@@ -155,8 +155,8 @@ def _balance(stepper: Stepper, first: Array, share: float) -> float:
     grid = np.linspace(0.0, stepper.top_speed or 1.0, len(stepper.torque))
     if not speed and not first[2]:
         share *= stepper.idle
-    held = share * float(np.interp(abs(speed), grid, stepper.torque))
-    return math.asin(min(max(needed / held, -1.0), 1.0)) / stepper.teeth if held > 0.0 else 0.0
+    torque = share * float(np.interp(abs(speed), grid, stepper.torque))
+    return math.asin(min(max(needed / torque, -1.0), 1.0)) / stepper.teeth if torque > 0.0 else 0.0
 
 
 def _pieces(task: Task, ratio: float) -> Array:
@@ -196,7 +196,7 @@ class OpenLoop(NamedTuple):
 
 def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> OpenLoop:
     """Simulate a stepper along a profile, at rest for a while after one that ends at rest."""
-    stepper, said = prepared(spec, drive_set, profile, pull_out)
+    stepper, assumptions = prepared(spec, drive_set, profile, pull_out)
     left = remaining_torque(spec, profile, stepper.load)
     time, speed = list(profile.time), [v / stepper.radius for v in profile.speed]
     when, torque = left[:, 0].tolist(), left[:, 1].tolist()
@@ -215,7 +215,7 @@ def run(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: Pull
         begun = Task(time=lasts, speed=(at_once, at_once), load_time=lasts, load_torque=loads)
         start = least_share(undamped, begun, at_rest=True)
     share, out = least_share(stepper, task), simulate(stepper, task)
-    return OpenLoop(spec, drive_set, profile, stepper, out, share, start, tuple(said))
+    return OpenLoop(spec, drive_set, profile, stepper, out, share, start, tuple(assumptions))
 
 
 def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out: PullOut) -> tuple[Stepper, list[str]]:
@@ -228,7 +228,7 @@ def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out:
     motor, control, (gears, unknown) = drive_set.motor, spec.control, mechanics(spec, drive_set)
     within_reach(gears, profile)
     top = max(profile.top_speed * gears.motor_per_speed, spec.needs.start_speed or 0.0)
-    said = []
+    assumptions = []
     finest = drive_set.controller.microsteps if drive_set.controller else math.nan
     microsteps = 1.0 if control.microsteps is None else float(control.microsteps)
     if microsteps > finest:
@@ -236,9 +236,11 @@ def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out:
         raise InputError(f"control.microsteps: {microsteps:g} is more than {finest:g}, the most of controller {name}")
     if control.microsteps is None and finest >= 1.0:
         microsteps = finest
-        said.append(f"the driver runs its finest microsteps, {finest:g} to a full step; control.microsteps sets others")
+        assumptions.append(
+            f"the driver runs its finest microsteps, {finest:g} to a full step; control.microsteps sets others"
+        )
     elif control.microsteps is None:
-        said.append("the driver's microsteps are unknown: full steps, which shake the rotor most; see "
+        assumptions.append("the driver's microsteps are unknown: full steps, which shake the rotor most; see "
                     "control.microsteps")  # fmt: skip
     speed = np.linspace(0.0, top or 1.0, _POINTS)
     torque = pull_out(speed)
@@ -258,7 +260,7 @@ def prepared(spec: RobotSpec, drive_set: DriveParts, profile: Profile, pull_out:
         damping_ratio=DAMPING_RATIO if control.damping_ratio is None else control.damping_ratio,
         idle=1.0 if control.idle_current is None else control.idle_current,
     )
-    return stepper, [*said, *unknown]
+    return stepper, [*assumptions, *unknown]
 
 
 # -- The record of a stepper's simulation: checks, figures and time series, seen from the load.
@@ -274,7 +276,7 @@ _OWN = {"microsteps", "phase_current", "idle_current", "damping_ratio"}  # field
 
 def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
     """The simulation of a stepper as a record."""
-    found = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
+    checks = tuple(check for check in _checks(case, drive_set) if check.limit != math.inf)
     stepper, seen, rows = case.stepper, case.out.figures, case.out.series
     per = 1.0 / stepper.motor_per_speed  # m/rad, or 1: travel of the load per angle of the motor
     figures: dict[str, tuple[float, float | None]] = {
@@ -288,12 +290,12 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
         "motor_torque_peak": (float(np.abs(rows["motor_torque"]).max()), None),
     }
     rotary = case.spec.load.shaft_axis == "rotary"
-    reference, moved = rows["reference"] * per, rows["motor_speed"] * per
+    reference, speed = rows["reference"] * per, rows["motor_speed"] * per
     series = {
         "time": rows["time"],
         "speed_reference": reference,
-        "speed": moved,
-        "error": reference - moved,
+        "speed": speed,
+        "error": reference - speed,
         "position_error": rows["position_error"] * per,
         "load_angle": rows["load_angle"],
         "motor_speed": rows["motor_speed"],
@@ -306,8 +308,8 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
         drive_set=drive_set,
         case=name,
         profile=case.profile.name,
-        status=verdict(found),
-        checks=found,
+        status=verdict(checks),
+        checks=checks,
         figures=tuple(figure(name, *value, rotary=rotary) for name, value in figures.items()),
         gains=Stepping(
             microsteps=stepper.microsteps,
@@ -322,42 +324,42 @@ def record(case: OpenLoop, drive_set: DriveSet, name: str) -> Validation:
             *case.assumptions,
             *sentences("drivesizer.control", "stepper", control=case.spec.control, damping=stepper.damping_ratio),
         ),
-        warnings=tuple(_warnings(case, found)),
+        warnings=tuple(_warnings(case, checks)),
     )
 
 
 def _checks(case: OpenLoop, drive_set: DriveSet) -> Iterator[Check]:
     """Steps, share of the pull-out torque, load angle, gearhead; an estimated torque at both ends of its band."""
 
-    def made(column: CheckColumn, at_time: float | None = None, note: str = "") -> Check:
+    def check(column: CheckColumn, at_time: float | None = None, note: str = "") -> Check:
         return column.at((), METHOD, at_time=at_time, note=note)
 
     out, seen, gearhead = case.out, case.out.figures, case.drive_set.gearhead
     when = seen["slipped"] if seen["slipped"] >= 0.0 else None
-    kept = f"{out.lost} lost, {out.lost_at_end} at the end" if out.lost else "none is lost"
-    yield made(fits("lost_steps", not out.lost, True), when, kept)
+    words = f"{out.lost} lost, {out.lost_at_end} at the end" if out.lost else "none is lost"
+    yield check(fits("lost_steps", not out.lost, True), when, words)
     low, high, guessed = 1.0, 1.0, ""
-    for one in drive_set.estimated:
-        if (one.part, one.figure) == ("motor", "pull_out_share"):
-            low, high = one.low / one.value, one.high / one.value
+    for estimate in drive_set.estimated:
+        if (estimate.part, estimate.figure) == ("motor", "pull_out_share"):
+            low, high = estimate.low / estimate.value, estimate.high / estimate.value
             guessed = f"; the torque is estimated, {low:.0%} to {high:.0%} of the simulated one"
     for name, share in (("pull_out_share", case.share), ("start_share", case.start)):
         if name == "start_share" and math.isnan(share):
             continue
         column = at_most(name, share, Range(low, high))
         below = f"steps are lost below it, found by halving{guessed}"
-        yield made(column, note=below if math.isfinite(share) else "lost at any torque")
-    yield made(at_most("load_angle", seen["lag"], _CREST, advice=True), seen["lag_time"], _CRESTS)
+        yield check(column, note=below if math.isfinite(share) else "lost at any torque")
+    yield check(at_most("load_angle", seen["lag"], _CREST, advice=True), seen["lag_time"], _CRESTS)
     if not out.lost:
         torque = seen["gear"] / (case.drive_set.belt_ratio * case.drive_set.belt_efficiency)
         column = at_most("gearhead_intermittent_torque", torque, gearhead.intermittent_torque)
         column = unless_printed(column, "peak_torque", drive_set)
-        yield made(column, seen["gear_time"], "with the swings of the rotor")
+        yield check(column, seen["gear_time"], "with the swings of the rotor")
     column = at_most("gearhead_intermittent_speed", seen["speed"], gearhead.intermittent_input_speed)
-    yield made(column, seen["speed_time"])
+    yield check(column, seen["speed_time"])
 
 
-def _warnings(case: OpenLoop, found: tuple[Check, ...]) -> Iterator[str]:
+def _warnings(case: OpenLoop, checks: tuple[Check, ...]) -> Iterator[str]:
     seen, swings = case.out.figures, case.stepper.natural_frequency
     if case.out.lost:
         cure = "finer microsteps, less acceleration, speed or inertia, a higher supply voltage, or a larger motor"
@@ -373,6 +375,6 @@ def _warnings(case: OpenLoop, found: tuple[Check, ...]) -> Iterator[str]:
     if len(rates) and rates.min() < math.log(2.0) / 2.0:
         near = show(swings, "Hz", "frequency", 3)
         yield f"pulses at a steady speed come close to the natural frequency of {near}: other microsteps, or speed"
-    unknown = [check.title for check in found if check.status == "unknown" and not check.advice]
+    unknown = [check.title for check in checks if check.status == "unknown" and not check.advice]
     if unknown:
         yield f"unknown: {', '.join(unknown)}"

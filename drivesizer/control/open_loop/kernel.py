@@ -197,10 +197,10 @@ def turn_rotor(p: Array, q: Array, table: Array, pieces: Array, g: Array, rows: 
             h = left if still else min(left, q[H])
             if ramp == 0.0 and not still:
                 h, pulse = pulse_within(q, v, dv, angle, count, h)
-            x, w, taken = advanced(p, q, table, x, w, sign, (c, v, dv, ramp, load, dl), h)
-            if taken == h:
+            x, w, elapsed = advanced(p, q, table, x, w, sign, (c, v, dv, ramp, load, dl), h)
+            if elapsed == h:
                 count += pulse
-            t = lasts if taken == left else t + taken
+            t = lasts if elapsed == left else t + elapsed
         start += lasts
         turned += (v0 + 0.5 * dv * lasts) * lasts
     return 0

@@ -343,7 +343,7 @@ def follow(
         late = np.concatenate([plan.time[:1] - speeds.period, plan.time]) + _FED * speeds.period
         ahead, allowed = sampled(trajectory, late), d.kinematics.motions @ np.linalg.pinv(d.kinematics.motions)
         # between the ends of a piece a held wheel would slide by rounding
-        eta, rate = (map_columns(allowed, found) for found in ahead.in_robot())
+        eta, rate = (map_columns(allowed, motion) for motion in ahead.in_robot())
         fed[:, d.kinematics.driven] = wheel_torques(d, Moving(eta, rate, ahead.posture[2], ground)).T
     start = first_state(a, plan.posture[:, 0], plan.in_robot()[0][:, 0])
     return simulated(a, d, plan, speeds, poses, fed, start, tolerance)
@@ -411,9 +411,9 @@ class Extreme:
 
 def deviation(f: Followed) -> Deviation:
     """Deviation of a platform from its desired posture."""
-    wanted, off = f.planned.posture, f.posture - f.planned.posture
-    steps = np.abs(np.diff(wanted[2], prepend=wanted[2, 0]))
-    travel = np.cumsum(np.hypot(*np.diff(wanted[:2], axis=1, prepend=wanted[:2, :1])))
+    planned, off = f.planned.posture, f.posture - f.planned.posture
+    steps = np.abs(np.diff(planned[2], prepend=planned[2, 0]))
+    travel = np.cumsum(np.hypot(*np.diff(planned[:2], axis=1, prepend=planned[:2, :1])))
     velocity = f.planned.velocity
     size = np.hypot(velocity[0], velocity[1])
     moves, x, y = size > 1e-9 * (size.max() or 1.0), np.ones_like(size), np.zeros_like(size)
@@ -428,7 +428,7 @@ def deviation(f: Followed) -> Deviation:
 def extremes(f: Followed) -> tuple[Extreme, ...]:
     """Largest deviations, slip, torque and use of the grip, with their times and places."""
     d = deviation(f)
-    used = np.divide(f.traction, f.friction * f.load, out=np.zeros_like(f.load), where=f.load > 0.0)
+    grip_use = np.divide(f.traction, f.friction * f.load, out=np.zeros_like(f.load), where=f.load > 0.0)
     rows = (
         ("position", d.position, "length", "m"),
         ("along the path", d.along, "length", "m"),
@@ -436,14 +436,14 @@ def extremes(f: Followed) -> tuple[Extreme, ...]:
         ("heading", d.heading, "angle", "deg"),
         ("slip", f.slip, "speed", "mm/s"),
         ("torque of a wheel", f.torque, "torque", "N*m"),
-        ("use of the floor's grip", used, "dimensionless", "%"),
+        ("use of the floor's grip", grip_use, "dimensionless", "%"),
     )
-    found = []
+    largest = []
     for title, values, kind, unit in rows:
         worst = values if values.ndim == 1 else values[np.abs(values).argmax(axis=0), np.arange(values.shape[1])]
         k = int(np.abs(worst).argmax())
-        found.append(Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.travel[k])))
-    return tuple(found)
+        largest.append(Extreme(title, float(worst[k]), kind, unit, float(d.time[k]), float(d.travel[k])))
+    return tuple(largest)
 
 
 class FollowingRun(NamedTuple):
@@ -469,72 +469,72 @@ _COMPARED = (
 )  # fmt: skip
 
 
-def follow_runs(found: Driving, chosen: DriveSet | None) -> dict[str, Followed]:
+def follow_runs(driving: Driving, drive: DriveSet | None) -> dict[str, Followed]:
     """The runs by name: kinematic and dynamic model, open-loop, and the dynamic one with pose feedback where possible.
 
     Where the spec compares, also both models with P and PI loops, with and without misjudged figures. A path on which
     the platform tips over is refused: contact is simulated for wheels on the floor.
     """
-    d, section = dynamics_of(found.spec), _section(found)
+    d, section = dynamics_of(driving.spec), _section(driving)
     if section.height_known:
-        least = least_margin(d.platform, found.trajectory, ground_of(found.spec))
+        least = least_margin(d.platform, driving.trajectory, ground_of(driving.spec))
         if least.value < 0.0:
             raise InputError(
-                f"{found.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
+                f"{driving.spec.where(('platform', 'centre_of_mass'))}: the platform tips over at "
                 f"{show(least.time, 's', 'time')} of its path, {show(-least.value, 'mm', 'length')} beyond its wheels; "
                 "expected one that can be followed: a lower centre of mass, or smaller platform.limits"
             )
-    given, k = section.following, d.kinematics
-    steered, integral = k.mobility == 3 or is_unicycle(k), given.speed_loop == "PI"
-    if given.compare:
+    following, k = section.following, d.kinematics
+    steered, integral = k.mobility == 3 or is_unicycle(k), following.speed_loop == "PI"
+    if following.compare:
         cases = {", ".join(case.words): case for case in _COMPARED if steered or not case.poses}
     else:
         cases = {f"{model} model": FollowingRun(model, integral, False, False) for model in _MODELS}
         if steered:
             cases["poses fed back"] = FollowingRun("dynamic", integral, True, False)
-    return {name: follow_case(found, chosen, case) for name, case in cases.items()}
+    return {name: follow_case(driving, drive, case) for name, case in cases.items()}
 
 
 def follow_case(
-    found: Driving, chosen: DriveSet | None, case: FollowingRun, misjudged: Misjudged | None = None
+    driving: Driving, drive: DriveSet | None, case: FollowingRun, misjudged: Misjudged | None = None
 ) -> Followed:
     """Simulate one run; its speed loops are designed, with the gains that the spec gives."""
-    section, load = _section(found), found.spec.load
+    section, load = _section(driving), driving.spec.load
     assert isinstance(load, WheeledVehicle)
-    given, wheel = section.following, wheel_drive(section.following, chosen)
-    d = dynamics_of(found.spec, wheel.inertia)
-    speeds = speed_loop(d, period=given.period, limit=wheel.torque, integral=case.integral)
-    if given.speed_gain is not None:
-        speeds = replace(speeds, proportional=(given.speed_gain,) * len(speeds.proportional))
-    if given.speed_integral is not None and case.integral:
-        speeds = replace(speeds, integral=(given.speed_integral,) * len(speeds.integral))
-    x, y, _ = found.trajectory.velocity
+    following, wheel = section.following, wheel_drive(section.following, drive)
+    d = dynamics_of(driving.spec, wheel.inertia)
+    speeds = speed_loop(d, period=following.period, limit=wheel.torque, integral=case.integral)
+    if following.speed_gain is not None:
+        speeds = replace(speeds, proportional=(following.speed_gain,) * len(speeds.proportional))
+    if following.speed_integral is not None and case.integral:
+        speeds = replace(speeds, integral=(following.speed_integral,) * len(speeds.integral))
+    x, y, _ = driving.trajectory.velocity
     fastest = float((x**2 + y**2).max() ** 0.5)
-    floor = Contact(slip_speed=given.slip_speed, creep=given.creep)
+    floor = Contact(slip_speed=following.slip_speed, creep=following.creep)
     if load.friction_coefficient is not None:
         floor = replace(floor, friction=load.friction_coefficient)
     return follow(
-        found.trajectory,
+        driving.trajectory,
         d.platform,
         model=case.model,
         misjudged=EXACT if case.exact else misjudged or section.misjudged.record,
         contact=floor,
         speeds=speeds,
-        poses=pose_loop(d, speeds, period=given.pose_period, speed=fastest) if case.poses else None,
-        ground=ground_of(found.spec),
+        poses=pose_loop(d, speeds, period=following.pose_period, speed=fastest) if case.poses else None,
+        ground=ground_of(driving.spec),
     )
 
 
-def drawn(runs: Mapping[str, Followed]) -> dict[str, Followed]:
+def runs_of_figure(runs: Mapping[str, Followed]) -> dict[str, Followed]:
     """The runs that one figure shows: of several loops both models with plain ones, poses not fed back."""
-    shown = {(case.model, case.exact): ", ".join(case.words) for case in _COMPARED if not (case.integral or case.poses)}
-    if not set(shown.values()) <= set(runs):
+    names = {(case.model, case.exact): ", ".join(case.words) for case in _COMPARED if not (case.integral or case.poses)}
+    if not set(names.values()) <= set(runs):
         return dict(runs)
-    return {f"{model}, knows {'all' if exact else 'not all'}": runs[name] for (model, exact), name in shown.items()}
+    return {f"{model}, knows {'all' if exact else 'not all'}": runs[name] for (model, exact), name in names.items()}
 
 
-def _section(found: Driving) -> PlatformSection:
-    section = found.spec.platform
+def _section(driving: Driving) -> PlatformSection:
+    section = driving.spec.platform
     assert section is not None
     return section
 
@@ -546,24 +546,24 @@ class AtWheel(NamedTuple):
     torque: float  # N*m, the largest; infinite: none is known
 
 
-def wheel_drive(given: Following, chosen: DriveSet | None) -> AtWheel:
+def wheel_drive(following: Following, drive: DriveSet | None) -> AtWheel:
     """Inertia and largest torque of a drive at its wheel: as the spec gives them, else of the drive as far as known."""
     inertia, torque = 0.0, math.inf
-    if chosen is not None:
-        inertia = chosen.rotors_at_load
-        peak = chosen.controller.peak_current if chosen.controller else math.inf
-        by_motor = peak * chosen.motor.torque_constant * chosen.gearhead.ratio * chosen.gearhead.efficiency
-        limits = [limit for limit in (by_motor, chosen.gearhead.intermittent_torque) if limit == limit]
-        torque = min(limits, default=math.inf) * chosen.belt_ratio * chosen.belt_efficiency
+    if drive is not None:
+        inertia = drive.rotors_at_load
+        peak = drive.controller.peak_current if drive.controller else math.inf
+        by_motor = peak * drive.motor.torque_constant * drive.gearhead.ratio * drive.gearhead.efficiency
+        limits = [limit for limit in (by_motor, drive.gearhead.intermittent_torque) if limit == limit]
+        torque = min(limits, default=math.inf) * drive.belt_ratio * drive.belt_efficiency
     return AtWheel(
-        inertia if given.rotor_inertia is None else given.rotor_inertia,
-        torque if given.torque_limit is None else given.torque_limit,
+        inertia if following.rotor_inertia is None else following.rotor_inertia,
+        torque if following.torque_limit is None else following.torque_limit,
     )
 
 
-def assumed(found: Driving, chosen: DriveSet | None) -> list[str]:
+def assumed(driving: Driving, drive: DriveSet | None) -> list[str]:
     """Assumptions of the runs, as sentences."""
-    given = _section(found).following
-    wheel = wheel_drive(given, chosen)
+    following = _section(driving).following
+    wheel = wheel_drive(following, drive)
     limited = math.isfinite(wheel.torque)
-    return sentences("drivesizer.control", "path following", given=given, wheel=wheel, limited=limited)
+    return sentences("drivesizer.control", "path following", given=following, wheel=wheel, limited=limited)

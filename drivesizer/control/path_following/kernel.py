@@ -99,9 +99,9 @@ def tyre_forces(B: Array, w: Array, i: int, most: float, x: float) -> None:
     reach = B[SLIP_SPEED] + B[CREEP] * x
     a, b = w[i, SLIP], w[i, RHO]
     size = math.sqrt(a * a + b * b)
-    held = grip(size / reach)
-    slope = most * grip_slope(held) / reach
-    share = most * held / size if size > 1e-9 * reach else slope
+    fraction = grip(size / reach)
+    slope = most * grip_slope(fraction) / reach
+    share = most * fraction / size if size > 1e-9 * reach else slope
     a, b = (a / size, b / size) if size > 0.0 else (1.0, 0.0)
     w[i, FA], w[i, FB] = -share * w[i, SLIP], -share * w[i, RHO]
     w[i, DAA], w[i, DAB] = share + (slope - share) * a * a, (slope - share) * a * b
@@ -310,9 +310,9 @@ def try_step(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque:
     worst = 0.0  # the embedded error, of first order: largest of all speeds
     for r in range(n):
         size = 1.0 if r < 2 else lever if r == 2 else W[r - 3, R]
-        found = 0.5 * h * abs(k1[r] + k2[r]) * size
-        if not found <= worst:
-            worst = found
+        error = 0.5 * h * abs(k1[r] + k2[r]) * size
+        if not error <= worst:
+            worst = error
     return worst
 
 
@@ -349,13 +349,13 @@ def advance(W: Array, K: Array, B: Array, C: Array, M: Array, y: Array, torque: 
 # A torque responds to the sample of one period before, and is held for a period.
 
 
-def command(P: Array, y: Array, wanted: Array, eta: Array, z: Array, taken: bool, period: float) -> None:
+def command(P: Array, y: Array, planned: Array, eta: Array, z: Array, new_pose: bool, period: float) -> None:
     """Velocity command of the wheels, z[6:9]: the planned velocity and the correction by the last pose.
 
     Where a pose is taken its errors in the robot's frame are z[0:3], and their integrals z[3:6].
     """
-    if taken:
-        x, v, turned = wanted[0] - y[0], wanted[1] - y[1], wanted[2] - y[2]
+    if new_pose:
+        x, v, turned = planned[0] - y[0], planned[1] - y[1], planned[2] - y[2]
         c, s = math.cos(y[2]), math.sin(y[2])
         z[0], z[1], z[2] = c * x + s * v, c * v - s * x, math.atan2(math.sin(turned), math.cos(turned))
         for r in range(3):
@@ -393,18 +393,18 @@ def record_state(W: Array, y: Array, torque: Array, w: Array, row: Array, floor:
         applied[i] = W[i, STRENGTH] * torque[i] if W[i, KIND] == 0.0 else 0.0
 
 
-def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Array, P: Array, wanted: Array,
+def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Array, P: Array, planned: Array,
                eta: Array, fed: Array, y: Array, torque: Array, period: float, lever: float, tolerance: float,
                w: Array, A: Array, s: Array, z: Array, rows: Array, floor: Array, applied: Array,
                limited: Array) -> int:  # fmt: skip
     """Simulate all samples."""
     n, reach = W.shape[0], period
-    for k in range(wanted.shape[0]):
+    for k in range(planned.shape[0]):
         forces(W, K, B, C, y, torque, w, s[0], s[2])
         record_state(W, y, torque, w, rows[k], floor[k], applied[k])
-        if k == wanted.shape[0] - 1:
+        if k == planned.shape[0] - 1:
             break
-        command(P, y, wanted[k], eta[k], z, P[LAW] != 0.0 and k % int(P[EVERY]) == 0, period * P[EVERY])
+        command(P, y, planned[k], eta[k], z, P[LAW] != 0.0 and k % int(P[EVERY]) == 0, period * P[EVERY])
         for i in range(n):
             z[9 + n + i] = 0.0
             if W[i, KIND] == 0.0:
@@ -415,7 +415,7 @@ def follow_one(W: Array, K: Array, B: Array, C: Array, M: Array, G: Array, E: Ar
             return k
         for i in range(n):
             torque[i] = z[9 + n + i]
-    return int(wanted.shape[0])
+    return int(planned.shape[0])
 
 
 _THIS = sys.modules[__name__]

@@ -11,7 +11,7 @@ from math import fsum, isnan
 from pathlib import Path
 
 from drivesizer.control.path_following import Followed, follow_runs
-from drivesizer.control.path_following import drawn as shown_runs
+from drivesizer.control.path_following import runs_of_figure as shown_runs
 from drivesizer.control.validation import Validation
 from drivesizer.errors import InputError, reason_of
 from drivesizer.files.writing import ready, write_files
